@@ -1,0 +1,22 @@
+#pragma once
+// View-independent light: irradiance per texel, filtered once.
+
+#include <vector>
+
+#include "core/atlas.h"
+#include "core/phatexture.h"
+#include "core/progress.h"
+
+namespace phat {
+
+/// [y][x] of the atlas, W/m2 on the texel's plane. Invalid texels are filled from valid neighbours of their
+/// chart, so that bilinear lookups inside a chart never meet a hole.
+using IrradianceMap = std::vector<glm::vec3>;
+
+/// Indirect diffuse light from the PHATexels: for each texel, E = pi * sum(a L) / sum(a) with a = cos k J / p
+/// over its chart's neighbourhood, the samples reconnected to the texel, the radius bounded by the distance
+/// of what is seen (docs/pipeline.md).
+IrradianceMap filterIndirectIrradiance(const Phatexture& phatexture, const Atlas& atlas,
+                                       const TexelPoints& points, Progress& progress);
+
+}  // namespace phat

@@ -1,0 +1,40 @@
+#pragma once
+// How long work reports and how it is stopped. core knows nothing of terminals.
+
+#include <atomic>
+#include <cstdint>
+#include <stdexcept>
+
+namespace phat {
+
+/// Thrown from a stage when it was asked to stop.
+struct Interrupted : std::runtime_error {
+    Interrupted() : std::runtime_error("interrupted") {}
+};
+
+/// Implemented by the command line and the viewer; calls may come from any thread.
+class Progress {
+  public:
+    virtual ~Progress() = default;
+    /// A stage begins; `total` is in its own units (texels, photons).
+    virtual void begin(const char* stage, uint64_t total) = 0;
+    virtual void advance(uint64_t done) = 0;
+    virtual void end() = 0;
+    /// Long loops poll this at least every 100 ms.
+    virtual bool stopRequested() const = 0;
+
+    void throwIfStopped() const {
+        if (stopRequested()) throw Interrupted();
+    }
+};
+
+/// Reports nothing, never stops.
+class SilentProgress : public Progress {
+  public:
+    void begin(const char*, uint64_t) override {}
+    void advance(uint64_t) override {}
+    void end() override {}
+    bool stopRequested() const override { return false; }
+};
+
+}  // namespace phat

@@ -1,0 +1,52 @@
+#pragma once
+// Counter-based randomness: every consumer derives its own stream from (seed, purpose, index), so results do
+// not depend on the number of threads or on the order of work.
+
+#include <cstdint>
+
+#include "core/math.h"
+
+namespace phat {
+
+/// 64-bit finaliser; a bijection with full avalanche. source: Stafford 2011, variant 13 ("splitmix64").
+inline uint64_t mixBits(uint64_t x) {
+    x ^= x >> 30;
+    x *= 0xbf58476d1ce4e5b9ull;
+    x ^= x >> 27;
+    x *= 0x94d049bb133111ebull;
+    return x ^ (x >> 31);
+}
+
+/// Hash of up to three numbers.
+inline uint64_t hashOf(uint64_t a, uint64_t b = 0, uint64_t c = 0) {
+    return mixBits(mixBits(mixBits(a + 0x9e3779b97f4a7c15ull) + b) + c);
+}
+
+/// A small random stream (splitmix64). Copyable; no global state.
+class Rng {
+  public:
+    explicit Rng(uint64_t seed) : state_(mixBits(seed + 0x9e3779b97f4a7c15ull)) {}
+
+    uint32_t bits() {
+        state_ += 0x9e3779b97f4a7c15ull;
+        return uint32_t(mixBits(state_) >> 32);
+    }
+    /// Uniform in [0, 1): 24 bits, never 1.
+    float uniform() { return float(bits() >> 8) * 0x1p-24f; }
+    glm::vec2 uniform2() {
+        const float x = uniform();
+        return {x, uniform()};
+    }
+
+  private:
+    uint64_t state_;
+};
+
+/// Interleaves the low 16 bits of x (even places) and y (odd places).
+uint32_t morton(uint32_t x, uint32_t y);
+/// Inverse of morton.
+glm::uvec2 mortonDecode(uint32_t code);
+/// Reverses the lowest `bitCount` bits of x; higher bits must be 0.
+uint32_t reverseBits(uint32_t x, int bitCount);
+
+}  // namespace phat

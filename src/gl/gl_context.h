@@ -1,0 +1,24 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+namespace phat {
+
+/// An OpenGL 4.5 core context without a window (EGL surfaceless or device platform), current on the thread
+/// that made it. Throws GlError in one sentence when there is none.
+class HeadlessContext {
+  public:
+    HeadlessContext();
+    ~HeadlessContext();
+    HeadlessContext(const HeadlessContext&) = delete;
+    HeadlessContext& operator=(const HeadlessContext&) = delete;
+
+    std::string rendererName() const;
+
+  private:
+    struct Egl;
+    std::unique_ptr<Egl> egl_;
+};
+
+}  // namespace phat

@@ -1,0 +1,69 @@
+#pragma once
+// The OpenGL 4.5 renderer: relight, pyramid, display. source: Hensley et al. 2003, section 6.
+//
+// Needs a current context (HeadlessContext, or the viewer's window). Draws what phat render writes and what
+// the viewer shows; holds no light transport of its own.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/atlas.h"
+#include "core/image.h"
+#include "core/irradiance.h"
+#include "core/phatexture.h"
+#include "core/scene.h"
+
+namespace phat {
+
+enum class Component : uint8_t { all, direct, indirect, glossyIndirect, diffuseIndirect };
+enum class ToneMap : uint8_t { linear, agx, aces };
+
+struct FrameSettings {
+    int width = 640;
+    int height = 360;
+    Camera camera;
+    Component component = Component::all;
+};
+
+/// Seconds on the GPU by pass, and texel reads a pixel of the display pass.
+struct FrameTimes {
+    double relight = 0;
+    double pyramid = 0;
+    double shadows = 0;  // first frame only
+    double display = 0;
+};
+
+/// What the renderer needs of a bake. Everything is uploaded in the constructor; the CPU's copies may go.
+struct RendererInput {
+    const Scene& scene;
+    const Atlas& atlas;
+    const TexelPoints& points;
+    const Phatexture& phatexture;
+    const IrradianceMap& indirectIrradiance;
+};
+
+class Renderer {
+  public:
+    /// `shaderFolder`: where shaders/ is. Throws GlError.
+    Renderer(const RendererInput& input, const std::string& shaderFolder);
+    ~Renderer();
+    Renderer(const Renderer&) = delete;
+    Renderer& operator=(const Renderer&) = delete;
+
+    /// Linear radiance, row 0 on top. Synchronous.
+    Image render(const FrameSettings& settings);
+    FrameTimes lastFrameTimes() const;
+
+    /// Materials may change between frames (roughness, colour ...); textures stay.
+    void setMaterials(const std::vector<Material>& materials);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// Scene-linear to display-linear [0,1]; exposure in stops. twin: shaders/lib/tone_map.glsl.
+Image toneMap(const Image& image, ToneMap operation, float exposureStops);
+
+}  // namespace phat

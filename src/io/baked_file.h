@@ -1,0 +1,38 @@
+#pragma once
+// The .phat.glb file: the input scene, an atlas UV set and the PHATexels (docs/format.md).
+
+#include <string>
+
+#include "core/bake.h"
+#include "io/gltf_loader.h"
+
+namespace phat {
+
+/// What a baked file says of its making; printed by `phat info`.
+struct BakeRecord {
+    std::string generator;  // "phatextures 0.1.0"
+    std::string source;     // file name without folders
+    std::string settings;   // the bake's flags as one line of JSON
+    uint64_t seed = 1;
+};
+
+struct BakedScene {
+    LoadedScene loaded;
+    Atlas atlas;
+    TexelPoints points;  // rebuilt from the atlas, with the stored covered states
+    Phatexture phatexture;
+    BakeRecord record;
+};
+
+/// Whether the file carries the extension PHAT_photon_accumulation_texture. Throws FileError if unreadable.
+bool isBakedFile(const std::string& path);
+
+/// Rewrites `sourcePath` with the atlas and the PHATexels into `outPath`. `scene` must be what
+/// loadGltf(sourcePath) gave (plus its environment, which is stored too).
+void writeBakedFile(const std::string& outPath, const std::string& sourcePath, const Scene& scene,
+                    const Bake& bake, const BakeRecord& record);
+
+/// Throws FileError when anything is missing, truncated or inconsistent.
+BakedScene readBakedFile(const std::string& path);
+
+}  // namespace phat

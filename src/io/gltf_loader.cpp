@@ -1,0 +1,1 @@
+#include "io/gltf_loader.h"
