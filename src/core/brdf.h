@@ -17,13 +17,25 @@ inline constexpr float kMinAlpha = 1e-3f;
 
 /// What a material is at one point, textures applied.
 struct Brdf {
-    glm::vec3 diffuseColor{0};  // base colour * (1 - metallic)
+    glm::vec3 diffuseColor{0};  // base colour * (1 - metallic) * (1 - meanFresnel of the dielectric part)
     glm::vec3 f0{0.04f};        // specular reflectance at normal incidence
     float f90 = 1;              // and at grazing
     float alpha = 1;            // roughness squared, >= kMinAlpha
-    float clearcoat = 0;        // weight of the coat (F0 = .04)
+    float clearcoat = 0;        // weight of the coat
     float clearcoatAlpha = kMinAlpha;
+    glm::vec3 clearcoatNormal{0, 0, 1};  // local
 };
+
+/// F0 of the coat (index of refraction 1.5, KHR_materials_clearcoat); its F90 is 1.
+inline constexpr float kClearcoatF0 = 0.04f;
+
+/// Mean of Schlick's (1 - v.h)^5 over cosine-weighted view and light directions, by Monte Carlo with 4e5
+/// samples: f0 + (f90 - f0) * this is the mean Fresnel reflectance that the Lambert lobe loses.
+/// It makes the lobe separable: F0 = .04 gives .9565 (docs/pipeline.md).
+inline constexpr float kMeanSchlick = 0.00368f;
+inline float meanFresnel(float f0, float f90) {
+    return f0 + (f90 - f0) * kMeanSchlick;
+}
 
 /// GGX distribution of microfacet normals, 1/sr.
 float ggxD(float nDotH, float alpha);
@@ -42,11 +54,12 @@ inline constexpr int kSplitSumSize = 64;
 /// The table itself, [alpha][nDotV], texel centres at (i + .5) / 64; for upload to the GPU.
 const std::vector<glm::vec2>& splitSumTable();
 
-/// Weight of the Lambert lobe: 1 - mean Fresnel, and never more than the specular lobe leaves over.
-/// ours: appendix B's 1 - F(v.h) is not separable and exceeds albedo 1 at grazing angles (docs/pipeline.md).
+/// Scale of the Lambert lobe, 1 nearly everywhere: it holds the sum of both lobes' albedos at 1 where
+/// appendix B would exceed it, min(1, (1 - max E_specular) / max diffuseColor).
+/// ours, because appendix B reflects up to 1.6 times the light at grazing angles (docs/pipeline.md).
 float diffuseWeight(const Brdf& brdf, float nDotV);
-/// What the clear coat lets through to the layers below.
-float clearcoatTransmission(const Brdf& brdf, float nDotV);
+/// What the clear coat lets through to the layers below: 1 - clearcoat * E_coat(towardEye . clearcoatNormal).
+float clearcoatTransmission(const Brdf& brdf, glm::vec3 towardEye);
 
 /// BRDF * cos(towardLight), 1/sr; zero when either direction is below the horizon.
 glm::vec3 evaluateBrdf(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight);
@@ -57,8 +70,8 @@ struct LobeValues {
 };
 LobeValues evaluateLobes(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight);
 
-/// Directional albedo of everything, the chance that a photon or a path goes on.
-glm::vec3 reflectance(const Brdf& brdf, float nDotV);
+/// Directional albedo of everything, the chance that a photon or a path goes on; at most 1.
+glm::vec3 reflectance(const Brdf& brdf, glm::vec3 towardEye);
 
 struct BrdfSample {
     glm::vec3 direction{0};
