@@ -51,12 +51,22 @@ struct PackedPhatexel16 {
 PackedPhatexel16 packPhatexel16(const Phatexel& phatexel);
 Phatexel unpackPhatexel16(PackedPhatexel16 packed);
 
-/// A density over the block's hemisphere: an equal-area 16x16 histogram (hemisphere_map.h), each cell a
-/// weight of 1..65535. Stored as it is sampled, so the pdf is exact after loading.
+/// A density over the block's hemisphere: an equal-area 16x16 histogram (hemisphere_map.h). Every cell weighs
+/// at least 1 and all of them together kGuideTotal, so that one cell tells its density. Stored as it is
+/// sampled: the pdf is exact after loading.
 inline constexpr int kGuideSize = 16;
+inline constexpr int kGuideCells = kGuideSize * kGuideSize;
+inline constexpr uint32_t kGuideTotal = 1u << 16;
 struct Guide {
-    std::array<uint16_t, kGuideSize * kGuideSize> weight;  // [y][x]
+    std::array<uint16_t, kGuideCells> weight;  // [y][x]
 };
+
+/// The guide closest to the given cell weights (any scale, >= 0; all zero: uniform), mixed with `uniformShare`
+/// of the uniform density.
+Guide makeGuide(const std::array<float, kGuideCells>& cells, float uniformShare);
+Guide uniformGuide();
+/// Cells weigh their mean cosine.
+Guide cosineGuide();
 
 /// Unit square to hemisphere by the guide's inverse distribution: rows first, then along the row.
 glm::vec3 squareToGuide(const Guide& guide, glm::vec2 square);
