@@ -1,7 +1,6 @@
 #pragma once
 // The whole bake, as the paper's section 5 reads.
 
-#include <functional>
 #include <string>
 
 #include "core/atlas.h"

@@ -1,0 +1,153 @@
+#include "core/bake.h"
+
+#include <chrono>
+
+#include "core/directions.h"
+#include "core/gather.h"
+#include "core/lights.h"
+
+namespace phat {
+namespace {
+
+// A side that gets less than this share of the other side's photons is a leak or an outside that nobody sees.
+constexpr double kLeastSideShare = 0.02;
+
+/// Sides that light reaches, per connected component; only they get texels.
+std::vector<Sides> litSides(const Scene& scene, const PhotonMap& map) {
+    const std::vector<uint32_t> component = connectedComponents(scene);
+    const uint32_t count = component.empty() ? 0 : *std::max_element(component.begin(), component.end()) + 1;
+    std::vector<std::array<double, 2>> photons(count, {0, 0});
+    for (const Photon& photon : map.photons) photons[component[photon.triangle]][photon.backFace] += 1;
+
+    std::vector<Sides> sides(count, Sides::front);
+    for (uint32_t i = 0; i < count; ++i) {
+        const auto [front, back] = photons[i];
+        if (back > kLeastSideShare * front)
+            sides[i] = front > kLeastSideShare * back ? Sides::both : Sides::back;
+    }
+    return sides;
+}
+
+/// A stage's report, ended on every way out.
+class Stage {
+  public:
+    Stage(Progress& progress, const char* name, uint64_t total) : progress_(progress) {
+        progress_.begin(name, total);
+    }
+    ~Stage() { progress_.end(); }
+    Stage(const Stage&) = delete;
+    Stage& operator=(const Stage&) = delete;
+
+  private:
+    Progress& progress_;
+};
+
+std::vector<Guide> guidesFor(const GatherInput& input, Directions strategy, PhotonFilter keep,
+                             Progress& progress) {
+    switch (strategy) {
+        case Directions::uniform: return {uniformGuide()};
+        case Directions::cosine: return {cosineGuide()};
+        default: {
+            Stage stage(progress, "guides", input.atlas.blockCount);
+            return buildGuides(input.atlas, input.points, input.frames, input.photons, input.index, keep,
+                               progress);
+        }
+    }
+}
+
+ChosenDirections directionsFor(const GatherInput& input, const std::vector<Guide>& guides, PhotonFilter keep,
+                               const DirectionSettings& settings, Progress& progress) {
+    Stage stage(progress, "directions", input.atlas.texelCount());
+    return chooseDirections(input.atlas, input.points, input.frames, guides, input.photons, input.index, keep,
+                            settings, progress);
+}
+
+void bakeIndirect(const GatherInput& input, const BakeSettings& settings, Progress& progress,
+                  BakeJournal* journal, std::atomic<uint64_t>& rays, Phatexture& out) {
+    out.indirectGuides = guidesFor(input, settings.directions, isIndirectPhoton, progress);
+    for (int layer = 0; layer < settings.layers; ++layer) {
+        ChosenDirections chosen =
+            directionsFor(input, out.indirectGuides, isIndirectPhoton,
+                          {settings.directions, settings.density, settings.seed, layer}, progress);
+        Stage stage(progress, "indirect light", input.atlas.texelCount());
+        out.indirect.push_back(gatherIndirect(input, chosen, layer, settings, progress, journal, rays));
+        const bool densityFromPhotons = !chosen.splatRadiance.empty();
+        if (densityFromPhotons) out.indirect.back().pdf = std::move(chosen.pdf);
+    }
+}
+
+void bakeAreaLight(const GatherInput& input, const BakeSettings& settings, Progress& progress,
+                   BakeJournal* journal, std::atomic<uint64_t>& rays, Phatexture& out) {
+    if (!input.lights.hasArea()) return;
+    out.areaGuides = guidesFor(input, Directions::guided, isAreaPhoton, progress);
+    // Layer -1: a stream of its own, whatever the number of indirect layers.
+    const ChosenDirections chosen = directionsFor(
+        input, out.areaGuides, isAreaPhoton, {Directions::guided, settings.density, settings.seed, -1}, progress);
+    {
+        Stage stage(progress, "area light", input.atlas.texelCount());
+        out.area.push_back(gatherArea(input, chosen, progress, journal, rays));
+    }
+    Stage stage(progress, "soft shadows", input.atlas.texelCount());
+    out.areaIrradiance = gatherAreaIrradiance(input, settings, progress, journal, rays);
+}
+
+}  // namespace
+
+Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, BakeJournal* journal) {
+    const auto start = std::chrono::steady_clock::now();
+    Bake result;
+    const RayScene rays(scene);
+    const LightSampler lights(scene);
+
+    const PhotonMap photons = [&] {
+        Stage stage(progress, "photons", settings.photons.count);
+        return tracePhotons(rays, lights, settings.photons, progress);
+    }();
+    const PhotonIndex index(photons.photons);
+
+    result.atlas = [&] {
+        Stage stage(progress, "atlas", scene.triangles.size());
+        return buildAtlas(scene, litSides(scene, photons), settings.atlas, progress, &result.stats.atlas);
+    }();
+    {
+        Stage stage(progress, "texels", result.atlas.texelCount());
+        result.points = buildTexelPoints(scene, result.atlas);
+        markCoveredTexels(result.points, result.atlas, rays, progress);
+    }
+    const std::vector<Frame> frames = blockFrames(result.atlas, result.points);
+    const GatherInput input{rays, lights, result.atlas, result.points, frames, photons, index};
+
+    std::atomic<uint64_t> rayCount = 0;
+    bakeAreaLight(input, settings, progress, journal, rayCount, result.phatexture);
+    bakeIndirect(input, settings, progress, journal, rayCount, result.phatexture);
+
+    result.stats.photons = photons.stats;
+    result.stats.texels = result.atlas.texelCount();
+    for (const PhatexelLayer& layer : result.phatexture.indirect)
+        for (PackedPhatexel packed : layer.texels) result.stats.validPhatexels += packed.directionDistance != 0;
+    result.stats.rays = rayCount;
+    result.stats.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return result;
+}
+
+uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings) {
+    double texels = double(settings.atlas.texelBudget);
+    if (settings.atlas.texelSizeMeters > 0.0f) {
+        double area = 0;
+        for (const glm::uvec3& t : scene.triangles)
+            area += 0.5 * glm::length(glm::cross(scene.positions[t.y] - scene.positions[t.x],
+                                                 scene.positions[t.z] - scene.positions[t.x]));
+        // Packing and gutters take up to half as much again.
+        texels = 1.5 * area / (double(settings.atlas.texelSizeMeters) * settings.atlas.texelSizeMeters);
+    }
+    // Texel points, directions and their density, area layer and irradiance, guides, and the written file.
+    const double bytesPerTexel = 53 + 28 + 12 + 3 + 24.0 * settings.layers;
+    // A photon meets about five surfaces before it is absorbed at albedo .8; the kd-tree adds an index.
+    const double photonBytes = 5.0 * double(settings.photons.count) * (sizeof(Photon) + 16);
+    // Embree's tree and copies of the geometry, the unwrapper's topology.
+    const double sceneBytes = 700.0 * double(scene.triangles.size());
+    constexpr double kFixed = 128e6;
+    return uint64_t(texels * bytesPerTexel + photonBytes + sceneBytes + kFixed);
+}
+
+}  // namespace phat

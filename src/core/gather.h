@@ -1,0 +1,38 @@
+#pragma once
+// The slow stages: light per texel. Each can be done in parts and taken up again.
+
+#include <atomic>
+
+#include "core/bake.h"
+#include "core/directions.h"
+#include "core/path.h"
+
+namespace phat {
+
+/// What the gathering stages read.
+struct GatherInput {
+    const RayScene& rays;
+    const LightSampler& lights;
+    const Atlas& atlas;
+    const TexelPoints& points;
+    const std::vector<Frame>& frames;
+    const PhotonMap& photons;
+    const PhotonIndex& index;
+};
+
+/// PHATexels of light that was reflected at least once: one ray each, its value by `settings.radiance`.
+/// A direction below its own texel's horizon (the block's frame is a mean) gives an invalid PHATexel.
+PhatexelLayer gatherIndirect(const GatherInput& input, const ChosenDirections& chosen, int layer,
+                             const BakeSettings& settings, Progress& progress, BakeJournal* journal,
+                             std::atomic<uint64_t>& rayCount);
+
+/// PHATexels of light straight from emissive surfaces and the environment.
+PhatexelLayer gatherArea(const GatherInput& input, const ChosenDirections& chosen, Progress& progress,
+                         BakeJournal* journal, std::atomic<uint64_t>& rayCount);
+
+/// RGB9E5 irradiance of emissive surfaces and the environment, [y][x].
+std::vector<uint32_t> gatherAreaIrradiance(const GatherInput& input, const BakeSettings& settings,
+                                           Progress& progress, BakeJournal* journal,
+                                           std::atomic<uint64_t>& rayCount);
+
+}  // namespace phat

@@ -1,0 +1,193 @@
+#include "core/path.h"
+
+#include "core/brdf.h"
+
+namespace phat {
+namespace {
+
+// Paths are kept whole for two bounces; roulette on the first ones only adds noise.
+constexpr int kFirstRouletteBounce = 2;
+
+glm::vec3 originOn(const SurfacePoint& point, glm::vec3 direction) {
+    const float side = glm::dot(direction, point.normalGeometric) >= 0.0f ? 1.0f : -1.0f;
+    return offsetOrigin(point.position, side * point.normalGeometric);
+}
+
+// A direction that the shading normal allows may still point into the flat triangle: light does not pass.
+bool leavesSurface(const SurfacePoint& point, glm::vec3 direction) {
+    return glm::dot(direction, point.normalGeometric) > 0.0f;
+}
+
+// Whether light from `distance` away arrives; the ray stops just short of the lamp itself.
+bool seesLight(const RayScene& rays, glm::vec3 origin, const LightSample& light) {
+    constexpr float kShortOfLamp = 1.0f - 1e-4f;
+    return !rays.anyHit(origin, light.towardLight, light.distance * kShortOfLamp);
+}
+
+glm::vec3 punctualLight(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
+                        glm::vec3 towardEye, uint64_t& rayCount) {
+    glm::vec3 sum(0);
+    const size_t count = rays.scene().lights.size();
+    for (size_t i = 0; i < count; ++i) {
+        const LightSample light = lights.samplePunctual(i, point.position);
+        if (light.pdf <= 0.0f || !leavesSurface(point, light.towardLight)) continue;
+        const glm::vec3 reflected =
+            light.radiance * evaluateBrdf(point.brdf, point.shading.toLocal(towardEye),
+                                          point.shading.toLocal(light.towardLight));
+        if (maxComponent(reflected) <= 0.0f) continue;
+        ++rayCount;
+        if (seesLight(rays, originOn(point, light.towardLight), light)) sum += reflected;
+    }
+    return sum;
+}
+
+glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
+                    glm::vec3 towardEye, Rng& rng, uint64_t& rayCount) {
+    const float choice = rng.uniform();
+    const LightSample light = lights.sampleArea(point.position, choice, rng.uniform2());
+    if (light.pdf <= 0.0f || maxComponent(light.radiance) <= 0.0f || !leavesSurface(point, light.towardLight))
+        return glm::vec3(0);
+    const glm::vec3 eyeLocal = point.shading.toLocal(towardEye);
+    const glm::vec3 lightLocal = point.shading.toLocal(light.towardLight);
+    const glm::vec3 value = evaluateBrdf(point.brdf, eyeLocal, lightLocal);
+    if (maxComponent(value) <= 0.0f) return glm::vec3(0);
+    ++rayCount;
+    if (!seesLight(rays, originOn(point, light.towardLight), light)) return glm::vec3(0);
+    return value * light.radiance / (light.pdf + sampleBrdfPdf(point.brdf, eyeLocal, lightLocal));
+}
+
+glm::vec3 emissionToward(const RayScene& rays, const LightSampler& lights, const Hit& hit, glm::vec3 direction) {
+    if (!hit) return lights.environmentRadiance(direction);
+    return surfaceAt(rays.scene(), hit, direction).emission;
+}
+
+float areaPdf(const LightSampler& lights, glm::vec3 from, const Hit& hit, glm::vec3 direction) {
+    return hit ? lights.sampleAreaPdf(from, hit, direction) : lights.sampleEnvironmentPdf(direction);
+}
+
+/// Sums of one estimator round, in units of irradiance and of the constant pi.
+struct IrradianceRound {
+    glm::vec3 light{0};
+    float unit = 0;
+    int seen = 0;     // light samples that would have counted
+    int visible = 0;  // and were not in shadow
+};
+
+IrradianceRound irradianceRound(const RayScene& rays, const LightSampler& lights, glm::vec3 position,
+                                const Frame& frame, int lightSamples, int cosineSamples, Rng& rng,
+                                uint64_t& rayCount) {
+    // Golden-ratio (R2) points with a random shift: stratified for any count (Roberts 2018).
+    constexpr glm::vec2 kR2(0.7548776662f, 0.5698402910f);
+    IrradianceRound round;
+    const glm::vec3 origin = offsetOrigin(position, frame.normal);
+
+    const float choiceShift = rng.uniform();
+    const glm::vec2 squareShift = rng.uniform2();
+    for (int i = 0; i < lightSamples; ++i) {
+        const float choice = (float(i) + choiceShift) / float(lightSamples);
+        const LightSample light = lights.sampleArea(position, choice, glm::fract(squareShift + float(i) * kR2));
+        const float cosine = glm::dot(light.towardLight, frame.normal);
+        if (light.pdf <= 0.0f || cosine <= 0.0f) continue;
+        // Both strategies' samples share one sum: value / (n_1 p_1 + n_2 p_2).
+        const float weight =
+            cosine / (float(lightSamples) * light.pdf + float(cosineSamples) * cosine / kPi);
+        round.unit += weight;
+        if (maxComponent(light.radiance) <= 0.0f) continue;
+        ++round.seen;
+        ++rayCount;
+        if (!seesLight(rays, origin, light)) continue;
+        ++round.visible;
+        round.light += weight * light.radiance;
+    }
+    const glm::vec2 cosineShift = rng.uniform2();
+    for (int i = 0; i < cosineSamples; ++i) {
+        const glm::vec3 local = squareToCosineHemisphere(glm::fract(cosineShift + float(i) * kR2));
+        if (local.z <= 0.0f) continue;
+        const glm::vec3 direction = frame.toWorld(local);
+        ++rayCount;
+        const Hit hit = rays.closestHit(origin, direction);
+        const float pdf = areaPdf(lights, position, hit, direction);
+        const float weight = local.z / (float(lightSamples) * pdf + float(cosineSamples) * local.z / kPi);
+        round.unit += weight;
+        if (pdf > 0.0f) round.light += weight * emissionToward(rays, lights, hit, direction);
+    }
+    return round;
+}
+
+}  // namespace
+
+glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const SurfacePoint& start,
+                         glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount) {
+    SurfacePoint point = start;
+    glm::vec3 radiance(0), throughput(1);
+    for (int bounce = 0; bounce < maxBounces; ++bounce) {
+        radiance += throughput * punctualLight(rays, lights, point, towardEye, rayCount);
+        if (lights.hasArea()) radiance += throughput * areaLight(rays, lights, point, towardEye, rng, rayCount);
+
+        const float lobe = rng.uniform();
+        const BrdfSample sample = sampleBrdf(point.brdf, point.shading.toLocal(towardEye), lobe, rng.uniform2());
+        if (sample.pdf <= 0.0f) break;
+        const glm::vec3 direction = glm::normalize(point.shading.toWorld(sample.direction));
+        if (!leavesSurface(point, direction)) break;
+        throughput *= sample.weight;
+        if (bounce >= kFirstRouletteBounce) {
+            const float survival = std::min(maxComponent(throughput), 1.0f);
+            if (rng.uniform() >= survival) break;
+            throughput /= survival;
+        }
+
+        ++rayCount;
+        const Hit hit = rays.closestHit(originOn(point, direction), direction);
+        const float lightPdf = areaPdf(lights, point.position, hit, direction);
+        const float weight = sample.pdf / (sample.pdf + lightPdf);
+        if (!hit) {
+            radiance += throughput * weight * lights.environmentRadiance(direction);
+            break;
+        }
+        point = surfaceAt(rays.scene(), hit, direction);
+        radiance += throughput * weight * point.emission;
+        towardEye = -direction;
+    }
+    return radiance;
+}
+
+IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights, glm::vec3 origin,
+                               glm::vec3 direction, const PathSettings& settings, Rng rng) {
+    IncidentRadiance incident;
+    incident.rays = 1;
+    const Hit hit = rays.closestHit(origin, direction);
+    if (!hit) {
+        incident.emitted = lights.environmentRadiance(direction);
+        return incident;
+    }
+    incident.distance = hit.distance;
+    const SurfacePoint point = surfaceAt(rays.scene(), hit, direction);
+    incident.emitted = point.emission;
+    if (maxComponent(point.brdf.diffuseColor + point.brdf.f0 + point.brdf.f90 + point.brdf.clearcoat) <= 0.0f)
+        return incident;
+    for (int i = 0; i < settings.pathsPerHit; ++i)
+        incident.reflected +=
+            traceReflected(rays, lights, point, -direction, settings.maxBounces, rng, incident.rays);
+    incident.reflected /= float(std::max(settings.pathsPerHit, 1));
+    return incident;
+}
+
+glm::vec3 areaIrradiance(const RayScene& rays, const LightSampler& lights, glm::vec3 position, glm::vec3 normal,
+                         int samples, Rng rng, uint64_t& rayCount) {
+    // Penumbrae get three times as many samples again.
+    constexpr int kFurtherRounds = 3;
+    const Frame frame = frameFromNormal(normal);
+    const int cosineSamples = std::max(samples / 4, 1);
+    IrradianceRound sum = irradianceRound(rays, lights, position, frame, samples, cosineSamples, rng, rayCount);
+    if (sum.visible > 0 && sum.visible < sum.seen) {
+        for (int round = 0; round < kFurtherRounds; ++round) {
+            const IrradianceRound more =
+                irradianceRound(rays, lights, position, frame, samples, cosineSamples, rng, rayCount);
+            sum.light += more.light;
+            sum.unit += more.unit;
+        }
+    }
+    return sum.unit > 0.0f ? kPi * sum.light / sum.unit : glm::vec3(0);
+}
+
+}  // namespace phat

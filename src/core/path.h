@@ -1,0 +1,42 @@
+#pragma once
+// Path tracing: the radiance that a PHATexel's ray brings back, and irradiance of area lights.
+
+#include "core/lights.h"
+#include "core/phatexture.h"
+#include "core/random.h"
+#include "core/rays.h"
+
+namespace phat {
+
+/// What arrives along one direction.
+struct IncidentRadiance {
+    glm::vec3 emitted{0};    // straight from an emissive surface or the environment
+    glm::vec3 reflected{0};  // everything that was reflected at least once
+    float distance = kFarDistance;
+    uint64_t rays = 0;
+};
+
+struct PathSettings {
+    int pathsPerHit = 4;   // independent continuations of the one ray
+    int maxBounces = 12;   // reflections between the lamp and the receiver
+};
+
+/// Traces one ray and, from what it meets, `pathsPerHit` paths: next-event estimation of every punctual light
+/// and of one place on the area lights, multiple importance sampling (balance heuristic, Veach 1997), Russian
+/// roulette by throughput from the third bounce. Unbiased but for `maxBounces`.
+/// pre: |direction| = 1.
+IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights, glm::vec3 origin,
+                               glm::vec3 direction, const PathSettings& settings, Rng rng);
+
+/// Reflected radiance of one path that starts at `point` and leaves toward `towardEye`.
+glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
+                         glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount);
+
+/// Irradiance of emissive surfaces and the environment at a place, W/m2: light samples and cosine-weighted
+/// rays, combined by the balance heuristic and normalised by the same samples' estimate of pi, which makes a
+/// constant surrounding exact. Where the first round finds a penumbra, further rounds are spent.
+/// `samples` light samples a round and a quarter as many cosine rays.
+glm::vec3 areaIrradiance(const RayScene& rays, const LightSampler& lights, glm::vec3 position,
+                         glm::vec3 normal, int samples, Rng rng, uint64_t& rayCount);
+
+}  // namespace phat
