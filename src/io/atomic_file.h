@@ -1,0 +1,19 @@
+#pragma once
+// Output files that are either wholly there or not at all.
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+
+namespace phat {
+
+/// Calls `write` with the path of a new empty file beside `path`, then renames that to `path`; a symbolic
+/// link is followed. When `write` throws, the new file is removed and an old one at `path` stays as it was.
+/// Throws FileError, also when `path` is a folder or a device, and whatever `write` throws.
+void replaceFile(const std::string& path, const std::function<void(const std::string& temporaryPath)>& write);
+
+/// The same for bytes that are already in memory.
+void replaceFile(const std::string& path, std::span<const uint8_t> bytes);
+
+}  // namespace phat
