@@ -1,1 +1,48 @@
-int main() { return 0; }
+// phat: bake, draw and measure PHATextures.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <new>
+
+#include "cli/commands.h"
+#include "core/progress.h"
+#include "io/file_error.h"
+
+namespace {
+
+enum ExitCode { kDone = 0, kFailed = 1, kWrongUsage = 2, kInterrupted = 130 };
+
+int fail(const char* reason) {
+    fmt::print(stderr, "phat: {}\n", reason);
+    return kFailed;
+}
+
+int run(int argc, char** argv) {
+    CLI::App app("Interactive glossy global illumination from a bake.", "phat");
+    app.set_version_flag("--version", "phat " PHAT_VERSION);
+    app.require_subcommand(1);
+    app.footer("phat COMMAND --help explains a command.");
+    try {
+        app.parse(argc, argv);
+        return kDone;
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? kDone : kWrongUsage;  // 0: --help and --version
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const phat::Interrupted&) {
+        fmt::print(stderr, "phat: interrupted\n");
+        return kInterrupted;
+    } catch (const std::bad_alloc&) {
+        return fail("out of memory");
+    } catch (const std::exception& error) {  // FileError and GlError say what and why
+        return fail(error.what());
+    }
+}
