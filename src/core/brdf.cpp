@@ -25,13 +25,14 @@ glm::vec2 integrateSplitSum(float nDotV, float alpha) {
 }
 
 std::vector<glm::vec2> integrateSplitSumTable() {
+    constexpr float kLeastCosine = 1e-3f;  // at 0 the visible normals are undefined
     std::vector<glm::vec2> table(kSplitSumSize * kSplitSumSize);
     for (int y = 0; y < kSplitSumSize; ++y) {
         for (int x = 0; x < kSplitSumSize; ++x) {
-            const float nDotV = (float(x) + 0.5f) / kSplitSumSize;
-            const float roughness = (float(y) + 0.5f) / kSplitSumSize;
+            const float nDotV = float(x) / (kSplitSumSize - 1);
+            const float roughness = float(y) / (kSplitSumSize - 1);
             table[size_t(y) * kSplitSumSize + x] =
-                integrateSplitSum(nDotV, std::max(roughness * roughness, kMinAlpha));
+                integrateSplitSum(std::max(nDotV, kLeastCosine), std::max(roughness * roughness, kMinAlpha));
         }
     }
     return table;
@@ -107,8 +108,8 @@ const std::vector<glm::vec2>& splitSumTable() {
 glm::vec2 splitSum(float nDotV, float alpha) {
     const std::vector<glm::vec2>& table = splitSumTable();
     constexpr float kLast = kSplitSumSize - 1;
-    const float x = std::clamp(nDotV * kSplitSumSize - 0.5f, 0.0f, kLast);
-    const float y = std::clamp(std::sqrt(alpha) * kSplitSumSize - 0.5f, 0.0f, kLast);
+    const float x = std::clamp(nDotV, 0.0f, 1.0f) * kLast;
+    const float y = std::clamp(std::sqrt(alpha), 0.0f, 1.0f) * kLast;
     const int x0 = std::min(int(x), kSplitSumSize - 2);
     const int y0 = std::min(int(y), kSplitSumSize - 2);
     const glm::vec2* corner = &table[size_t(y0) * kSplitSumSize + x0];

@@ -51,7 +51,7 @@ glm::vec3 schlick(glm::vec3 f0, float f90, float vDotH);
 glm::vec2 splitSum(float nDotV, float alpha);
 glm::vec3 specularAlbedo(glm::vec3 f0, float f90, float alpha, float nDotV);
 inline constexpr int kSplitSumSize = 64;
-/// The table itself, [alpha][nDotV], texel centres at (i + .5) / 64; for upload to the GPU.
+/// The table itself, [sqrt(alpha)][nDotV], entry i at i / 63 of either axis; for upload to the GPU.
 const std::vector<glm::vec2>& splitSumTable();
 
 /// Scale of the Lambert lobe, 1 nearly everywhere: it holds the sum of both lobes' albedos at 1 where

@@ -117,6 +117,7 @@ Phatexel unpackPhatexel(PackedPhatexel packed) {
     if (distanceCode == 0) return phatexel;
     phatexel.radiance = unpackRgb9e5(packed.radiance);
     phatexel.directionBlock = unpackOctahedral24(packed.directionDistance & 0xffffffu);
+    phatexel.directionBlock.z = std::max(phatexel.directionBlock.z, 0.0f);
     phatexel.distance = unpackDistance(distanceCode);
     phatexel.valid = true;
     return phatexel;
@@ -210,10 +211,8 @@ Phatexel phatexelAt(const PhatexelLayer& layer, const std::vector<Guide>& guides
     if (!layer.pdf.empty()) {
         phatexel.pdf = layer.pdf[index];
     } else {
-        // A direction at the very horizon may come back a hair below it.
-        glm::vec3 d = phatexel.directionBlock;
-        d.z = std::max(d.z, 0.0f);
-        phatexel.pdf = squareToGuidePdf(guides.size() == 1 ? guides[0] : guides[atlas.blockAt(texel)], d);
+        const Guide& guide = guides.size() == 1 ? guides[0] : guides[atlas.blockAt(texel)];
+        phatexel.pdf = squareToGuidePdf(guide, phatexel.directionBlock);
     }
     return phatexel;
 }

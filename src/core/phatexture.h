@@ -31,7 +31,7 @@ struct PackedPhatexel {
 
 uint32_t packRgb9e5(glm::vec3 rgb);  // clamps to [0, 65408]; relative error of the largest channel <= 2^-9
 glm::vec3 unpackRgb9e5(uint32_t packed);
-/// 12+12 bit octahedral code of a unit direction; worst error 0.03 degrees.
+/// 12+12 bit octahedral code of a unit direction; worst error 0.06 degrees.
 uint32_t packOctahedral24(glm::vec3 direction);
 glm::vec3 unpackOctahedral24(uint32_t packed);
 /// Codes 1..254: 1 mm to 1 km in equal ratios (5.6 %); 255: kFarDistance.
@@ -39,7 +39,8 @@ uint32_t packDistance(float meters);
 float unpackDistance(uint32_t code);
 
 PackedPhatexel packPhatexel(const Phatexel& phatexel);
-/// The pdf is not in the bytes: it comes from the block's guide (or PhatexelLayer::pdf).
+/// The pdf is not in the bytes: it comes from the block's guide (or PhatexelLayer::pdf). Directions that
+/// rounding put under the block's horizon are lifted onto it.
 Phatexel unpackPhatexel(PackedPhatexel packed);
 
 /// The paper's 16-byte storage (section 6): three floats and two angles as halves in one channel.
