@@ -53,11 +53,16 @@ bool anyTexelShines(const Scene& scene, const Material& material, const UvBox& b
     return false;
 }
 
-bool emissionIsUniform(const Scene& scene, const Material& material) {
-    const bool plainColor =
-        scene.colors.empty() || !(material.unlit || material.alphaMode != AlphaMode::opaque);
-    const bool plainAlpha = material.alphaMode == AlphaMode::opaque || material.baseColorTexture.image < 0;
-    return material.emissionTexture.image < 0 && plainColor && plainAlpha;
+bool oneColor(const Scene& scene, const Surface& surface) {
+    const auto first = scene.colors.begin() + surface.firstVertex;
+    return std::all_of(first, first + surface.vertexCount, [&](glm::vec4 color) { return color == *first; });
+}
+
+bool emissionIsUniform(const Scene& scene, const Surface& surface) {
+    const Material& material = scene.materials[surface.material];
+    const bool opaque = material.alphaMode == AlphaMode::opaque;
+    return material.emissionTexture.image < 0 && (opaque || material.baseColorTexture.image < 0) &&
+           ((opaque && !material.unlit) || oneColor(scene, surface));
 }
 
 glm::vec3 meanRadiance(const Scene& scene, const Material& material, const EmissiveTriangle& emitter) {
@@ -105,7 +110,7 @@ std::vector<EmissiveTriangle> findEmissiveTriangles(const Scene& scene) {
     for (const Surface& surface : scene.surfaces) {
         const Material& material = scene.materials[surface.material];
         if (!(maxComponent(material.emission) > 0)) continue;
-        const bool uniform = emissionIsUniform(scene, material);
+        const bool uniform = emissionIsUniform(scene, surface);
         for (uint32_t i = 0; i < surface.triangleCount; ++i) {
             const uint32_t triangle = surface.firstTriangle + i;
             const glm::uvec3 corner = scene.triangles[triangle];

@@ -1,6 +1,7 @@
 #pragma once
 // Photon tracing and density estimation. source: Jensen 2001; Hensley et al. 2003, section 5.
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -18,8 +19,8 @@ struct Photon {
     glm::vec3 towardOrigin{0};  // unit, back along its way: the direction that it is light from
     glm::vec3 normal{0};        // geometric, on the side that it arrived at
     uint32_t triangle = kNoTriangle;
-    bool firstHit = false;   // has not been reflected yet
-    bool punctual = false;   // emitted by a punctual light
+    bool firstHit = false;  // has not been reflected yet
+    bool punctual = false;  // emitted by a punctual light
     bool backFace = false;
 };
 
@@ -30,10 +31,11 @@ struct PhotonSettings {
 };
 
 /// Every emitted watt is accounted for: emitted = absorbed + escaped (within rounding), where "absorbed"
-/// counts what Russian roulette and maxBounces end.
+/// counts what Russian roulette, maxBounces and a light's range end.
 struct PhotonStats {
     uint64_t emitted = 0;
     uint64_t stored = 0;
+    uint64_t belowSurface = 0;  // absorbed because the shading normal sent them under the real surface
     glm::dvec3 emittedWatts{0};
     glm::dvec3 absorbedWatts{0};
     glm::dvec3 escapedWatts{0};
@@ -44,6 +46,8 @@ struct PhotonMap {
     PhotonStats stats;
 };
 
+/// Photons are stored wherever they arrive on a side that reflects or shines, before the roulette.
+/// Throws Interrupted when `progress` asks, std::length_error when more than 2^32 photons would be stored.
 PhotonMap tracePhotons(const RayScene& rays, const LightSampler& lights, const PhotonSettings& settings,
                        Progress& progress);
 
@@ -58,9 +62,13 @@ class PhotonIndex {
         uint32_t photon;
         float distanceSquared;
     };
-    /// The k nearest within maxRadius, nearest first, appended to a cleared `out`.
+    /// The k nearest within maxRadius (inclusive), nearest first and in photon order where equally near;
+    /// `out` is cleared first.
     void nearest(glm::vec3 position, uint32_t k, float maxRadiusMeters, std::vector<Neighbor>& out) const;
-    /// All within the radius, in photon order.
+    /// The same among the photons that `accept` takes.
+    void nearest(glm::vec3 position, uint32_t k, float maxRadiusMeters,
+                 const std::function<bool(uint32_t photon)>& accept, std::vector<Neighbor>& out) const;
+    /// All within the radius (inclusive), in photon order.
     void within(glm::vec3 position, float radiusMeters, std::vector<Neighbor>& out) const;
 
   private:
@@ -74,11 +82,12 @@ struct DensityEstimate {
 };
 
 /// Radiance reflected toward `towardEye` at `point` by the local photons: sum of f * flux / (pi r^2), r the
-/// distance of the k-th. Photons on surfaces that face elsewhere (normals over 60 degrees apart) are left out.
-/// `keep` selects photons (first hits, kinds).
+/// distance of the k-th, which only marks the rim and is not in the sum: for evenly spread photons that is
+/// unbiased, where counting it would be k / (k - 1) too bright. Where fewer than k are found, all of them
+/// over the disc of maxRadius. Photons on surfaces that face elsewhere (normals over 60 degrees apart) are
+/// left out. `keep` selects photons (first hits, kinds); null: all.
 glm::vec3 photonRadiance(const PhotonMap& map, const PhotonIndex& index, const SurfacePoint& point,
-                         glm::vec3 towardEye, const DensityEstimate& settings,
-                         bool (*keep)(const Photon&));
+                         glm::vec3 towardEye, const DensityEstimate& settings, bool (*keep)(const Photon&));
 
 /// Irradiance at a point by the same estimate.
 glm::vec3 photonIrradiance(const PhotonMap& map, const PhotonIndex& index, glm::vec3 position,

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "chi_squared.h"
+#include "direction_density.h"
 #include "core/brdf.h"
 #include "core/random.h"
 

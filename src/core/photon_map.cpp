@@ -1,0 +1,126 @@
+#include "core/photon_map.h"
+
+#include <tbb/parallel_for.h>
+
+#include <limits>
+#include <stdexcept>
+
+#include "core/light_punctual.h"
+#include "core/photon_adjoint.h"
+
+namespace phat {
+namespace {
+
+// Photons a task: large enough to hide the scheduling, small enough to stop within 100 ms.
+constexpr uint64_t kBatchSize = 4096;
+
+constexpr uint64_t kBounceStream = 0x9407;  // of hashOf
+
+struct Batch {
+    std::vector<Photon> photons;
+    PhotonStats stats;
+};
+
+// A photon between two surfaces.
+struct Flight {
+    glm::vec3 origin;
+    glm::vec3 direction;
+    glm::vec3 fluxWatts;
+};
+
+// Reflects the photon off the surface, or says why not: its flux is zero then. Roulette after the choice of
+// direction keeps the brightest channel of the flux at what it was, unless the surface makes it grow.
+bool reflect(const SurfacePoint& surface, Rng& rng, Flight& flight, PhotonStats& stats) {
+    const glm::vec3 towardOrigin = -flight.direction;
+    const glm::vec3 towardOriginLocal = surface.shading.toLocal(towardOrigin);
+    const float lobe = rng.uniform();
+    const BrdfSample sample = sampleBrdf(surface.brdf, towardOriginLocal, lobe, rng.uniform2());
+    const float survival = rng.uniform();
+    if (!(sample.pdf > 0)) return false;
+
+    const glm::vec3 leaving = surface.shading.toWorld(sample.direction);
+    const float cosLeaving = glm::dot(leaving, surface.normalGeometric);
+    if (cosLeaving <= 0) {
+        ++stats.belowSurface;
+        return false;
+    }
+    const float cosArriving = glm::dot(towardOrigin, surface.normalGeometric);
+    const glm::vec3 reflected =
+        flight.fluxWatts * perArrivingFlux(surface.brdf, sample.direction, towardOriginLocal, cosArriving) *
+        (cosLeaving / sample.pdf);
+    const float chance = std::min(1.0f, maxComponent(reflected) / maxComponent(flight.fluxWatts));
+    if (!(survival < chance)) return false;
+    flight = {offsetOrigin(surface.position, surface.normalGeometric), leaving, reflected / chance};
+    return true;
+}
+
+void trace(const RayScene& rays, const EmittedPhoton& emitted, Rng rng, int maxBounces, Batch& batch) {
+    Flight flight{emitted.origin, emitted.direction, emitted.fluxWatts};
+    for (int bounce = 0; maxComponent(flight.fluxWatts) > 0; ++bounce) {
+        const Hit hit = rays.closestHit(flight.origin, flight.direction);
+        if (!hit) {
+            batch.stats.escapedWatts += glm::dvec3(flight.fluxWatts);
+            return;
+        }
+        const glm::dvec3 arriving(flight.fluxWatts);
+        if (bounce == 0) flight.fluxWatts *= rangeAttenuation(hit.distance, emitted.rangeMeters);
+        const bool blackSide = hit.backFace && !rays.scene().materialOf(hit.triangle).doubleSided;
+        bool goesOn = false;
+        if (!blackSide && maxComponent(flight.fluxWatts) > 0) {
+            const SurfacePoint surface = surfaceAt(rays.scene(), hit, flight.direction);
+            batch.photons.push_back({surface.position, flight.fluxWatts, -flight.direction,
+                                     surface.normalGeometric, hit.triangle, bounce == 0, emitted.punctual,
+                                     hit.backFace});
+            goesOn = bounce < maxBounces && reflect(surface, rng, flight, batch.stats);
+        }
+        batch.stats.absorbedWatts += arriving - (goesOn ? glm::dvec3(flight.fluxWatts) : glm::dvec3(0));
+        if (!goesOn) return;
+    }
+}
+
+void addStats(PhotonStats& sum, const PhotonStats& more) {
+    sum.stored += more.stored;
+    sum.belowSurface += more.belowSurface;
+    sum.emittedWatts += more.emittedWatts;
+    sum.absorbedWatts += more.absorbedWatts;
+    sum.escapedWatts += more.escapedWatts;
+}
+
+}  // namespace
+
+PhotonMap tracePhotons(const RayScene& rays, const LightSampler& lights, const PhotonSettings& settings,
+                       Progress& progress) {
+    PhotonMap map;
+    if (!(maxComponent(lights.powerPunctual() + lights.powerArea()) > 0)) return map;
+
+    progress.begin("photons", settings.count);
+    std::vector<Batch> batches((settings.count + kBatchSize - 1) / kBatchSize);
+    tbb::parallel_for(size_t(0), batches.size(), [&](size_t i) {
+        progress.throwIfStopped();
+        const uint64_t first = i * kBatchSize, end = std::min(first + kBatchSize, settings.count);
+        Batch& batch = batches[i];
+        for (uint64_t photon = first; photon < end; ++photon) {
+            const EmittedPhoton emitted = lights.emitPhoton(photon, settings.count, settings.seed);
+            batch.stats.emittedWatts += glm::dvec3(emitted.fluxWatts);
+            trace(rays, emitted, Rng(hashOf(settings.seed, kBounceStream, photon)), settings.maxBounces,
+                  batch);
+        }
+        batch.stats.stored = batch.photons.size();
+        batch.photons.shrink_to_fit();
+        progress.advance(end - first);
+    });
+
+    // In batch order, so that neither the photons nor the sums depend on who traced them.
+    for (const Batch& batch : batches) addStats(map.stats, batch.stats);
+    if (map.stats.stored > std::numeric_limits<uint32_t>::max()) throw std::length_error("too many photons");
+    map.stats.emitted = settings.count;
+    map.photons.reserve(map.stats.stored);
+    for (Batch& batch : batches) {
+        map.photons.insert(map.photons.end(), batch.photons.begin(), batch.photons.end());
+        batch.photons = {};
+    }
+    progress.end();
+    return map;
+}
+
+}  // namespace phat
