@@ -1,1 +1,33 @@
 #include "io/gltf_loader.h"
+
+#include "io/file_error.h"
+#include "io/gltf_flatten.h"
+#include "io/gltf_images.h"
+#include "io/gltf_lights_cameras.h"
+#include "io/gltf_materials.h"
+
+namespace phat {
+
+LoadedScene loadGltf(const std::string& path) {
+    try {
+        gltf::Notes notes;
+        gltf::MemoryBudget budget(0);
+        const gltf::Document document = gltf::readDocument(path, budget, notes);
+        const std::vector<gltf::WorldNode> nodes = gltf::worldNodes(document.model(), notes);
+
+        LoadedScene loaded;
+        loaded.scene.materials = gltf::readMaterials(document, notes);
+        gltf::loadImages(document, loaded.scene, budget,
+                         notes);  // a normal map that is missing needs no tangents
+        gltf::flattenMeshes(document, nodes, loaded.scene, budget, notes);
+        gltf::readLightsAndCameras(document, nodes, loaded.scene, notes);
+        loaded.notes = gltf::linesOf(notes);
+        return loaded;
+    } catch (const gltf::Problem& problem) {
+        throw FileError(path, problem.what());
+    } catch (const std::bad_alloc&) {
+        throw FileError(path, "not enough memory");
+    }
+}
+
+}  // namespace phat
