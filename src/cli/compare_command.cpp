@@ -121,7 +121,7 @@ void print(const CompareOptions& options, const Metrics& metrics, size_t allPixe
         fmt::print("{}\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
         return;
     }
-    fmt::print("relMSE    {:10.6f}\n", metrics.relMse);
+    fmt::print("relMSE    {:10.4g}\n", metrics.relMse);
     fmt::print("MAE/mean  {:10.6f}\n", metrics.maeOverMean);
     fmt::print("bias      {:+10.6f}\n", metrics.bias);
     fmt::print("FLIP      {:10.6f}\n", metrics.flip);
