@@ -28,9 +28,11 @@ struct Flight {
     glm::vec3 fluxWatts;
 };
 
-// Reflects the photon off the surface, or says why not: its flux is zero then. Roulette after the choice of
-// direction keeps the brightest channel of the flux at what it was, unless the surface makes it grow.
-bool reflect(const SurfacePoint& surface, Rng& rng, Flight& flight, PhotonStats& stats) {
+// Reflects the photon off the surface, or ends it. Roulette follows the choice of direction and steers the
+// brightest channel back to `fluxGoal`, what it was emitted with: dim photons end or catch up, and those that
+// a surface made heavier (a coat lets in what it would reflect, so the BRDF is not symmetric) go on
+// unchanged.
+bool reflect(const SurfacePoint& surface, float fluxGoal, Rng& rng, Flight& flight, PhotonStats& stats) {
     const glm::vec3 towardOrigin = -flight.direction;
     const glm::vec3 towardOriginLocal = surface.shading.toLocal(towardOrigin);
     const float lobe = rng.uniform();
@@ -48,7 +50,7 @@ bool reflect(const SurfacePoint& surface, Rng& rng, Flight& flight, PhotonStats&
     const glm::vec3 reflected =
         flight.fluxWatts * perArrivingFlux(surface.brdf, sample.direction, towardOriginLocal, cosArriving) *
         (cosLeaving / sample.pdf);
-    const float chance = std::min(1.0f, maxComponent(reflected) / maxComponent(flight.fluxWatts));
+    const float chance = std::min(1.0f, maxComponent(reflected) / fluxGoal);
     if (!(survival < chance)) return false;
     flight = {offsetOrigin(surface.position, surface.normalGeometric), leaving, reflected / chance};
     return true;
@@ -56,6 +58,7 @@ bool reflect(const SurfacePoint& surface, Rng& rng, Flight& flight, PhotonStats&
 
 void trace(const RayScene& rays, const EmittedPhoton& emitted, Rng rng, int maxBounces, Batch& batch) {
     Flight flight{emitted.origin, emitted.direction, emitted.fluxWatts};
+    const float fluxGoal = maxComponent(emitted.fluxWatts);
     for (int bounce = 0; maxComponent(flight.fluxWatts) > 0; ++bounce) {
         const Hit hit = rays.closestHit(flight.origin, flight.direction);
         if (!hit) {
@@ -71,7 +74,7 @@ void trace(const RayScene& rays, const EmittedPhoton& emitted, Rng rng, int maxB
             batch.photons.push_back({surface.position, flight.fluxWatts, -flight.direction,
                                      surface.normalGeometric, hit.triangle, bounce == 0, emitted.punctual,
                                      hit.backFace});
-            goesOn = bounce < maxBounces && reflect(surface, rng, flight, batch.stats);
+            goesOn = bounce < maxBounces && reflect(surface, fluxGoal, rng, flight, batch.stats);
         }
         batch.stats.absorbedWatts += arriving - (goesOn ? glm::dvec3(flight.fluxWatts) : glm::dvec3(0));
         if (!goesOn) return;

@@ -2,9 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-#include <numeric>
-
 #include "core/light_punctual.h"
 #include "scene_builder.h"
 
