@@ -1,1 +1,147 @@
 #include "gl/renderer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "gl/display_pass.h"
+#include "gl/gl_error.h"
+#include "gl/phatexture_upload.h"
+#include "gl/relight_pass.h"
+#include "gl/scene_upload.h"
+#include "gl/shadow_maps.h"
+#include "gl/textures.h"
+
+namespace phat {
+namespace {
+
+bool anyClearcoat(const std::vector<Material>& materials) {
+    return std::any_of(materials.begin(), materials.end(), [](const Material& m) { return m.clearcoat > 0; });
+}
+
+void requireOpenGl45() {
+    if (epoxy_gl_version() < 45 || !epoxy_is_desktop_gl())
+        throw GlError(fmt::format("OpenGL 4.5 is needed, this driver offers {}",
+                                  reinterpret_cast<const char*>(glGetString(GL_VERSION))));
+}
+
+// Seconds on the GPU of whatever runs between construction and stop().
+class PassTimer {
+  public:
+    PassTimer() {
+        GLuint name = 0;
+        glCreateQueries(GL_TIME_ELAPSED, 1, &name);
+        query_ = GlQuery(name);
+    }
+    void start() { glBeginQuery(GL_TIME_ELAPSED, query_.name()); }
+    void stop() { glEndQuery(GL_TIME_ELAPSED); }
+    /// Waits for the GPU.
+    double seconds() const {
+        GLuint64 nanoseconds = 0;
+        glGetQueryObjectui64v(query_.name(), GL_QUERY_RESULT, &nanoseconds);
+        return double(nanoseconds) * 1e-9;
+    }
+
+  private:
+    GlQuery query_;
+};
+
+Image readPicture(const FrameTargets& targets) {
+    Image image(int(targets.size.x), int(targets.size.y));
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, targets.sumTarget.name());
+    glReadBuffer(GL_COLOR_ATTACHMENT0);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, image.width, image.height, GL_RGB, GL_FLOAT, image.pixels.data());
+    // OpenGL's row 0 is the bottom.
+    for (int y = 0; y < image.height / 2; ++y)
+        std::swap_ranges(&image.at(0, y), &image.at(0, y) + image.width, &image.at(0, image.height - 1 - y));
+    return image;
+}
+
+}  // namespace
+
+struct Renderer::State {
+    std::string shaderFolder;
+    std::vector<Material> materials;
+    std::vector<PunctualLight> lights;
+    GpuScene scene;
+    GpuAtlas atlas;
+    RelightPass relight;
+    DisplayPass display;
+    ShadowMaps shadows;
+    FrameTargets targets;
+    PassTimer relightTimer, pyramidTimer, shadowTimer, displayTimer;
+    FrameTimes times;
+    bool materialsChanged = true;
+
+    void createPasses() {
+        const bool clearcoat = anyClearcoat(materials);
+        relight = createRelightPass(shaderFolder, atlas, clearcoat);
+        display = createDisplayPass(shaderFolder, atlas, clearcoat);
+        materialsChanged = true;
+    }
+};
+
+Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) {
+    requireOpenGl45();
+    state_ = std::make_unique<State>();
+    state_->shaderFolder = shaderFolder;
+    state_->materials = input.scene.materials;
+    state_->lights = input.scene.lights;
+    state_->scene = uploadScene(input.scene, input.atlas);
+    state_->atlas =
+        uploadAtlas(input.scene, input.atlas, input.points, input.phatexture, input.indirectIrradiance);
+    state_->createPasses();
+}
+
+Renderer::~Renderer() = default;
+
+Image Renderer::render(const FrameSettings& settings) {
+    State& s = *state_;
+    const glm::uvec2 size(std::max(settings.width, 1), std::max(settings.height, 1));
+    if (s.targets.size != size) s.targets = createFrameTargets(size);
+
+    const bool needShadows = !s.shadows.depth;
+    if (needShadows) {
+        s.shadowTimer.start();
+        s.shadows = renderShadowMaps(s.lights, s.scene, s.materials, s.display.depthProgram);
+        s.shadowTimer.stop();
+    }
+
+    glDisable(GL_BLEND);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    s.relightTimer.start();
+    if (s.materialsChanged) applyMaterials(s.relight, s.atlas, s.materials);
+    s.materialsChanged = false;
+    relight(s.relight, s.atlas, eyeOf(settings.camera));
+    s.relightTimer.stop();
+    s.pyramidTimer.start();
+    buildPyramid(s.relight, s.atlas);
+    s.pyramidTimer.stop();
+
+    s.displayTimer.start();
+    phat::display(s.display, {s.scene, s.atlas, s.relight, s.shadows, s.materials}, settings, s.targets);
+    s.displayTimer.stop();
+
+    Image image = readPicture(s.targets);
+    checkGl("drawing a frame");
+    s.times = {s.relightTimer.seconds(), s.pyramidTimer.seconds(), needShadows ? s.shadowTimer.seconds() : 0.0,
+               s.displayTimer.seconds()};
+    return image;
+}
+
+FrameTimes Renderer::lastFrameTimes() const {
+    return state_->times;
+}
+
+void Renderer::setMaterials(const std::vector<Material>& materials) {
+    State& s = *state_;
+    if (materials.size() != s.materials.size()) throw GlError("materials may be changed, not added or removed");
+    const bool coatAppears = anyClearcoat(materials) && !s.relight.clearcoat;
+    s.materials = materials;
+    s.materialsChanged = true;
+    if (coatAppears) s.createPasses();
+}
+
+}  // namespace phat

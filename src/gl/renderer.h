@@ -24,9 +24,12 @@ struct FrameSettings {
     int height = 360;
     Camera camera;
     Component component = Component::all;
+    /// Anti-aliasing: this many whole pictures, shifted inside the pixel, are averaged (a box filter of one
+    /// pixel, over edges, textures and highlights alike). 1 turns it off.
+    int samplesPerPixel = 4;
 };
 
-/// Seconds on the GPU by pass, and texel reads a pixel of the display pass.
+/// Seconds on the GPU by pass.
 struct FrameTimes {
     double relight = 0;
     double pyramid = 0;

@@ -1,0 +1,17 @@
+// Which chart and which block an atlas texel belongs to.
+// twin: Atlas::chartAt and Atlas::blockAt in src/core/atlas.h.
+
+const int kTileSize = 8;
+const uint kNoChart = 0xffffffffu;
+
+// [tileY][tileX]: x chart, y block; both kNoChart where the atlas is empty. Outside of it, empty too.
+uniform usampler2D tileTable;
+
+uint chartOfTile(ivec2 tile) {
+    if (any(lessThan(tile, ivec2(0))) || any(greaterThanEqual(tile, textureSize(tileTable, 0)))) return kNoChart;
+    return texelFetch(tileTable, tile, 0).x;
+}
+
+uint chartAt(ivec2 texel) {
+    return chartOfTile(ivec2(texel.x >> 3, texel.y >> 3));
+}

@@ -1,0 +1,110 @@
+// The glTF 2.0 material model. All directions are unit, local (z = shading normal) and point away from the
+// surface.
+// twin: src/core/brdf.h, same names and sources; tests/shader compares the two.
+#include "lib/hemisphere_map.glsl"
+
+const float kMinAlpha = 1e-3;
+const float kClearcoatF0 = 0.04;
+
+struct Brdf {
+    vec3 diffuseColor;
+    vec3 f0;
+    float f90;
+    float alpha;
+    float clearcoat;
+    float clearcoatAlpha;
+    vec3 clearcoatNormal;  // local
+};
+
+struct LobeValues {
+    vec3 diffuse;
+    vec3 specular;
+};
+
+// 64x64 over (nDotV, sqrt(alpha)), two channels, bilinear, clamped: core's splitSumTable().
+uniform sampler2D splitSumTable;
+
+float maxComponent(vec3 v) {
+    return max(v.x, max(v.y, v.z));
+}
+
+float ggxD(float nDotH, float alpha) {
+    float a2 = alpha * alpha;
+    float d = (nDotH * a2 - nDotH) * nDotH + 1.0;
+    return a2 / (kPi * d * d);
+}
+
+float smithV(float nDotL, float nDotV, float alpha) {
+    float a2 = alpha * alpha;
+    float eye = nDotL * sqrt(nDotV * nDotV * (1.0 - a2) + a2);
+    float light = nDotV * sqrt(nDotL * nDotL * (1.0 - a2) + a2);
+    return 0.5 / max(eye + light, 1e-7);
+}
+
+float smithG1(float nDotV, float alpha) {
+    float a2 = alpha * alpha;
+    return 2.0 * nDotV / (nDotV + sqrt(nDotV * nDotV * (1.0 - a2) + a2));
+}
+
+vec3 schlick(vec3 f0, float f90, float vDotH) {
+    float m = clamp(1.0 - vDotH, 0.0, 1.0);
+    return f0 + (vec3(f90) - f0) * (m * m * m * m * m);
+}
+
+vec2 splitSum(float nDotV, float alpha) {
+    return textureLod(splitSumTable, vec2(nDotV, sqrt(alpha)), 0.0).rg;
+}
+
+vec3 specularAlbedo(vec3 f0, float f90, float alpha, float nDotV) {
+    vec2 ab = splitSum(nDotV, alpha);
+    return f0 * ab.x + vec3(f90 * ab.y);
+}
+
+float diffuseWeight(Brdf brdf, float nDotV) {
+    float brightest = maxComponent(brdf.diffuseColor);
+    if (brightest <= 0.0) return 1.0;
+    float left = 1.0 - maxComponent(specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, nDotV));
+    return clamp(left / brightest, 0.0, 1.0);
+}
+
+float clearcoatTransmission(Brdf brdf, vec3 towardEye) {
+    if (brdf.clearcoat <= 0.0) return 1.0;
+    float cosine = max(dot(towardEye, brdf.clearcoatNormal), 0.0);
+    vec2 ab = splitSum(cosine, brdf.clearcoatAlpha);
+    return 1.0 - brdf.clearcoat * (kClearcoatF0 * ab.x + ab.y);
+}
+
+// BRDF * cos by lobe: Lambert, and GGX with the coat.
+LobeValues evaluateLobes(Brdf brdf, vec3 towardEye, vec3 towardLight) {
+    LobeValues value = LobeValues(vec3(0.0), vec3(0.0));
+    if (towardEye.z <= 0.0 || towardLight.z <= 0.0) return value;
+
+    vec3 h = normalize(towardEye + towardLight);
+    float vDotH = dot(towardEye, h);
+    float transmission = clearcoatTransmission(brdf, towardEye);
+    value.diffuse = transmission * diffuseWeight(brdf, towardEye.z) * towardLight.z / kPi * brdf.diffuseColor;
+    value.specular = transmission * ggxD(h.z, brdf.alpha) * smithV(towardLight.z, towardEye.z, brdf.alpha) *
+                     towardLight.z * schlick(brdf.f0, brdf.f90, vDotH);
+    if (brdf.clearcoat > 0.0) {
+        float nDotV = dot(towardEye, brdf.clearcoatNormal);
+        float nDotL = dot(towardLight, brdf.clearcoatNormal);
+        if (nDotV > 0.0 && nDotL > 0.0) {
+            float nDotH = dot(h, brdf.clearcoatNormal);
+            value.specular += brdf.clearcoat * ggxD(nDotH, brdf.clearcoatAlpha) *
+                              smithV(nDotL, nDotV, brdf.clearcoatAlpha) * nDotL *
+                              schlick(vec3(kClearcoatF0), 1.0, vDotH);
+        }
+    }
+    return value;
+}
+
+vec3 evaluateBrdf(Brdf brdf, vec3 towardEye, vec3 towardLight) {
+    LobeValues value = evaluateLobes(brdf, towardEye, towardLight);
+    return value.diffuse + value.specular;
+}
+
+const float kMeanSchlick = 0.00368;
+
+float meanFresnel(float f0, float f90) {
+    return f0 + (f90 - f0) * kMeanSchlick;
+}

@@ -1,0 +1,53 @@
+// The neighbourhood of a texel: cone-weighted sums over the pyramid, inside one chart.
+#include "lib/atlas.glsl"
+
+// Top of the pyramid: a level-3 texel is one tile, the largest square that is sure to be of one chart.
+const int kTopLevel = 3;
+// A cone of radius R spans at most 2 * kRadiusInTaps + 1 taps a side at the level that is read for it.
+const float kRadiusInTaps = 3.0;
+const int kMaxTaps = 7 * 7;
+// Radii in texels of level 0. The smallest is bilinear interpolation; the largest is what the taps reach at
+// the top level: charts' tiles are the limit, wider cones would need a pyramid for each chart.
+const float kMinRadius = 1.0;
+const float kMaxRadius = 24.0;
+// What the display pass reads for one lobe: four radii and, a tap, its sums; each after a look at its tile.
+const int kMaxReadsPerLobe = 2 * 4 + 2 * kMaxTaps;
+
+// sum k a L, sum k a around `center` (texel coordinates of level 0) with the cone k = 1 - r / radius.
+vec4 coneSum(sampler2DArray pyramid, int lobeIndex, vec2 center, float radius, uint chart) {
+    int level = clamp(int(ceil(log2(radius / kRadiusInTaps))), 0, kTopLevel);
+    float scale = exp2(float(-level));
+    float radiusTaps = min(radius * scale, kRadiusInTaps);
+    vec2 centerTaps = center * scale;
+    ivec2 first = ivec2(ceil(centerTaps - radiusTaps - 0.5));
+    ivec2 last = ivec2(floor(centerTaps + radiusTaps - 0.5));
+    int tileShift = kTopLevel - level;
+
+    vec4 sum = vec4(0.0);
+    for (int y = first.y; y <= last.y; ++y) {
+        for (int x = first.x; x <= last.x; ++x) {
+            vec2 offset = vec2(float(x), float(y)) + 0.5 - centerTaps;
+            float k = 1.0 - length(offset) / radiusTaps;
+            if (k <= 0.0 || chartOfTile(ivec2(x >> tileShift, y >> tileShift)) != chart) continue;
+            sum += k * texelFetch(pyramid, ivec3(x, y, lobeIndex), level);
+        }
+    }
+    return sum;
+}
+
+// Radius chosen by radius.frag, interpolated between the tiles of the chart; 0: no light was found.
+float coneRadius(sampler2DArray radii, int lobeIndex, vec2 center, uint chart) {
+    vec2 tiles = center / float(kTileSize) - 0.5;
+    ivec2 corner = ivec2(floor(tiles));
+    vec2 t = tiles - vec2(corner);
+    float sum = 0.0, weights = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 side = ivec2(i & 1, i >> 1);
+        ivec2 tile = corner + side;
+        if (chartOfTile(tile) != chart) continue;
+        float weight = (side.x == 1 ? t.x : 1.0 - t.x) * (side.y == 1 ? t.y : 1.0 - t.y) + 1e-4;
+        sum += weight * texelFetch(radii, ivec3(tile, lobeIndex), 0).r;
+        weights += weight;
+    }
+    return weights > 0.0 ? sum / weights : 0.0;
+}

@@ -1,0 +1,60 @@
+// PHATexels as they are stored, and the guides' densities.
+// twin: src/core/phatexture.h, same names; tests/shader compares the two.
+#include "lib/hemisphere_map.glsl"
+
+const int kGuideSize = 16;
+const float kFarDistance = 1e30;
+const int kOctahedralMax = 4095;
+
+struct Phatexel {
+    vec3 radiance;        // W/(m2 sr), arriving
+    vec3 directionBlock;  // unit, in the block's frame
+    float distance;       // metres; kFarDistance: infinity
+    float pdf;            // 1/sr
+    bool valid;
+};
+
+vec3 unpackRgb9e5(uint bits) {
+    float scale = exp2(float(int(bits >> 27) - 15 - 9));
+    return vec3(float(bits & 511u), float((bits >> 9) & 511u), float((bits >> 18) & 511u)) * scale;
+}
+
+// Point of the octahedron's unfolded square [-1,1]^2 to unit direction.
+vec3 octahedralToDirection(vec2 folded) {
+    vec3 d = vec3(folded, 1.0 - abs(folded.x) - abs(folded.y));
+    if (d.z < 0.0)
+        d.xy = (1.0 - abs(d.yx)) * vec2(d.x >= 0.0 ? 1.0 : -1.0, d.y >= 0.0 ? 1.0 : -1.0);
+    return normalize(d);
+}
+
+vec3 unpackOctahedral24(uint bits) {
+    vec2 code = vec2(float(bits & 4095u), float((bits >> 12) & 4095u));
+    return octahedralToDirection(code * (2.0 / float(kOctahedralMax)) - 1.0);
+}
+
+float unpackDistance(uint code) {
+    if (code == 255u) return kFarDistance;
+    const float kCodesPerOctave = 253.0 / 19.931569;
+    return 1e-3 * exp2(float(int(code) - 1) / kCodesPerOctave);
+}
+
+// The pdf is not in the bytes and stays 0 here.
+Phatexel unpackPhatexel(uvec2 bits) {
+    Phatexel phatexel = Phatexel(vec3(0.0), vec3(0.0, 0.0, 1.0), 0.0, 0.0, false);
+    uint distanceCode = bits.y >> 24;
+    if (distanceCode == 0u) return phatexel;
+    phatexel.radiance = unpackRgb9e5(bits.x);
+    phatexel.directionBlock = unpackOctahedral24(bits.y & 0xffffffu);
+    phatexel.distance = unpackDistance(distanceCode);
+    phatexel.valid = true;
+    return phatexel;
+}
+
+// `guidePdf` holds a tile of 16x16 cell densities (1/sr) for each block, row by row.
+float squareToGuidePdf(sampler2D guidePdf, int block, vec3 direction) {
+    if (direction.z < 0.0) return 0.0;
+    int blocksWide = textureSize(guidePdf, 0).x / kGuideSize;
+    ivec2 tile = ivec2(block % blocksWide, block / blocksWide) * kGuideSize;
+    ivec2 cell = clamp(ivec2(hemisphereToSquare(direction) * float(kGuideSize)), 0, kGuideSize - 1);
+    return texelFetch(guidePdf, tile + cell, 0).r;
+}

@@ -1,0 +1,242 @@
+#include "gl/display_pass.h"
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "core/random.h"
+#include "gl/textures.h"
+
+namespace phat {
+namespace {
+
+// Units 0-6 hold what all materials share, 7-15 a material's nine slots: the 16 that every GPU has.
+constexpr int kFirstMaterialUnit = 7;
+
+struct CameraMatrices {
+    glm::mat4 clipFromWorld{1};
+    glm::mat4 worldFromClipRotation{1};  // with the eye at the origin
+};
+
+// `jitter` in pixels.
+CameraMatrices matricesOf(const Camera& camera, glm::uvec2 size, const Bounds& bounds, glm::vec2 jitter) {
+    const float aspect = camera.aspect > 0 ? camera.aspect : float(size.x) / float(size.y);
+    const glm::vec3 eye(camera.worldFromCamera[3]);
+    const float reach = glm::distance(eye, bounds.center()) + 0.5f * bounds.diagonal();
+    const float nearMeters = std::max(camera.znear, 1e-5f);
+    const float farMeters = std::max(2 * nearMeters, 1.01f * reach);
+    glm::mat4 clipFromCamera =
+        camera.perspective
+            ? glm::perspective(camera.yfovRadians, aspect, nearMeters, farMeters)
+            : glm::ortho(-camera.ymag * aspect, camera.ymag * aspect, -camera.ymag, camera.ymag, nearMeters, farMeters);
+    const glm::vec2 shift = 2.0f * jitter / glm::vec2(size);
+    clipFromCamera = glm::translate(glm::mat4(1), glm::vec3(shift, 0)) * clipFromCamera;
+    const glm::mat4 cameraFromWorld = glm::inverse(camera.worldFromCamera);
+    return {clipFromCamera * cameraFromWorld,
+            glm::inverse(clipFromCamera * glm::mat4(glm::mat3(cameraFromWorld)))};
+}
+
+// Hammersley's points, centred: every n is evenly spread over the pixel's box, and one sample is its centre.
+glm::vec2 jitterOf(int index, int count) {
+    if (count == 1) return glm::vec2(0);
+    const float y = float(reverseBits(uint32_t(index), 16)) / 65536.0f + 0.5f / float(count);
+    return glm::vec2((float(index) + 0.5f) / float(count), y - std::floor(y)) - 0.5f;
+}
+
+glm::vec3 shownParts(Component component) {
+    switch (component) {
+        case Component::all: return {1, 1, 1};
+        case Component::direct: return {1, 0, 0};
+        case Component::indirect: return {0, 1, 1};
+        case Component::glossyIndirect: return {0, 1, 0};
+        case Component::diffuseIndirect: return {0, 0, 1};
+    }
+    return glm::vec3(1);
+}
+
+void setCulling(const Material& material) {
+    if (material.doubleSided) {
+        glDisable(GL_CULL_FACE);
+    } else {
+        glEnable(GL_CULL_FACE);
+        glCullFace(GL_BACK);
+    }
+}
+
+void drawBackground(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& camera,
+                    glm::uvec2 size, bool shown) {
+    const GLfloat black[4] = {0, 0, 0, 0};
+    glClearBufferfv(GL_COLOR, 0, black);
+    const GLfloat farthest = 1;
+    glDepthMask(GL_TRUE);
+    glClearBufferfv(GL_DEPTH, 0, &farthest);
+    if (!shown || !input.scene.environment) return;
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    const ShaderProgram& program = pass.backgroundProgram;
+    program.bind("environment", 0, input.scene.environment.name(), input.scene.environmentSampler.name());
+    program.set("worldFromClip", camera.worldFromClipRotation);
+    program.set("viewport", glm::vec2(size));
+    glBindVertexArray(pass.noVertices.name());
+    program.use();
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void drawDepth(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& camera) {
+    const ShaderProgram& program = pass.depthProgram;
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    program.set("clipFromWorld", camera.clipFromWorld);
+    program.use();
+    for (const DrawRange& draw : input.scene.draws) {
+        const Material& material = input.materials[draw.material];
+        if (material.alphaMode == AlphaMode::blend) continue;
+        setCulling(material);
+        program.set("alphaMode", int(material.alphaMode));
+        bindMaterial(input.scene, program, material, 0, false);
+        glDrawArrays(GL_TRIANGLES, draw.firstVertex, draw.vertexCount);
+    }
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+void bindShared(const ShaderProgram& program, const DisplayInput& input, const CameraMatrices& camera,
+                const FrameSettings& settings) {
+    program.bind("relit", 0, input.relit.lobes.name());
+    program.bind("radii", 1, input.relit.radii.name());
+    program.bind("tileTable", 2, input.atlas.tileTable.name());
+    program.bind("irradiance", 3, input.atlas.irradiance.name());
+    program.bind("splitSumTable", 4, input.scene.splitSum.name(), input.scene.bilinear.name());
+    program.bind("lightTable", 5, input.shadows.lightTable.name());
+    program.bind("shadowMaps", 6, input.shadows.depth.name());
+    program.set("lightCount", input.shadows.lightCount);
+    program.set("clipFromWorld", camera.clipFromWorld);
+    const Eye eye = eyeOf(settings.camera);
+    program.set("eyeWorld", eye.place);
+    program.set("eyeAtInfinity", eye.atInfinity ? 1.0f : 0.0f);
+    program.set("show", shownParts(settings.component));
+    program.use();
+}
+
+void drawSurface(const ShaderProgram& program, const DisplayInput& input, const DrawRange& draw) {
+    const Material& material = input.materials[draw.material];
+    program.set("alphaMode", int(material.alphaMode));
+    bindMaterial(input.scene, program, material, kFirstMaterialUnit, true);
+    glDrawArrays(GL_TRIANGLES, draw.firstVertex, draw.vertexCount);
+}
+
+// Behind what was drawn already: back to front, by the surfaces' middles; a surface's own back before its front.
+void drawBlended(DisplayPass& pass, const DisplayInput& input, const Camera& camera) {
+    pass.blendOrder.clear();
+    for (uint32_t i = 0; i < input.scene.draws.size(); ++i)
+        if (input.materials[input.scene.draws[i].material].alphaMode == AlphaMode::blend)
+            pass.blendOrder.push_back(i);
+    const glm::vec3 eye(camera.worldFromCamera[3]), backward(camera.worldFromCamera[2]);
+    const auto depth = [&](uint32_t i) {
+        const glm::vec3 toward = eye - input.scene.draws[i].center;
+        return camera.perspective ? glm::dot(toward, toward) : glm::dot(toward, backward);
+    };
+    std::stable_sort(pass.blendOrder.begin(), pass.blendOrder.end(),
+                     [&](uint32_t a, uint32_t b) { return depth(a) > depth(b); });
+
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_FALSE);
+    glEnable(GL_CULL_FACE);
+    for (uint32_t i : pass.blendOrder) {
+        const DrawRange& draw = input.scene.draws[i];
+        if (input.materials[draw.material].doubleSided) {
+            glCullFace(GL_FRONT);
+            drawSurface(pass.displayProgram, input, draw);
+        }
+        glCullFace(GL_BACK);
+        drawSurface(pass.displayProgram, input, draw);
+    }
+    glDisable(GL_BLEND);
+}
+
+void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
+                 const FrameTargets& targets, glm::vec2 jitter) {
+    const CameraMatrices camera = matricesOf(settings.camera, targets.size, input.scene.bounds, jitter);
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
+    glViewport(0, 0, GLsizei(targets.size.x), GLsizei(targets.size.y));
+    glDisable(GL_BLEND);
+    drawBackground(pass, input, camera, targets.size, shownParts(settings.component).x > 0);
+
+    glBindVertexArray(input.scene.vertexArray.name());
+    drawDepth(pass, input, camera);
+    glDepthFunc(GL_EQUAL);
+    glDepthMask(GL_FALSE);
+    bindShared(pass.displayProgram, input, camera, settings);
+    for (const DrawRange& draw : input.scene.draws) {
+        const Material& material = input.materials[draw.material];
+        if (material.alphaMode == AlphaMode::blend) continue;
+        setCulling(material);
+        drawSurface(pass.displayProgram, input, draw);
+    }
+    drawBlended(pass, input, settings.camera);
+    glDepthMask(GL_TRUE);
+}
+
+void accumulate(const DisplayPass& pass, const FrameTargets& targets, float weight) {
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.sumTarget.name());
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE);
+    pass.accumulateProgram.bind("picture", 0, targets.picture.name());
+    pass.accumulateProgram.set("weight", weight);
+    glBindVertexArray(pass.noVertices.name());
+    pass.accumulateProgram.use();
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDisable(GL_BLEND);
+}
+
+}  // namespace
+
+FrameTargets createFrameTargets(glm::uvec2 size) {
+    FrameTargets targets;
+    targets.size = size;
+    targets.picture = createTexture2D(GL_RGBA32F, size);
+    targets.depth = createTexture2D(GL_DEPTH_COMPONENT32F, size);
+    targets.sum = createTexture2D(GL_RGBA32F, size);
+    targets.pictureTarget = createFramebuffer({{targets.picture.name()}}, targets.depth.name());
+    targets.sumTarget = createFramebuffer({{targets.sum.name()}});
+    checkGl("creating the frame's targets");
+    return targets;
+}
+
+DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat) {
+    std::vector<std::string> defines;
+    if (atlas.sources.size() > 1) defines.push_back("AREA");
+    if (clearcoat) defines.push_back("CLEARCOAT");
+    DisplayPass pass;
+    pass.displayProgram = ShaderProgram(folder, "surface.vert", "display.frag", defines);
+    pass.depthProgram = ShaderProgram(folder, "surface.vert", "depth.frag");
+    pass.backgroundProgram = ShaderProgram(folder, "fullscreen.vert", "background.frag");
+    pass.accumulateProgram = ShaderProgram(folder, "fullscreen.vert", "accumulate.frag");
+    GLuint name = 0;
+    glCreateVertexArrays(1, &name);
+    pass.noVertices = GlVertexArray(name);
+    return pass;
+}
+
+void display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
+             const FrameTargets& targets) {
+    const int count = std::max(1, settings.samplesPerPixel);
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.sumTarget.name());
+    const GLfloat black[4] = {0, 0, 0, 0};
+    glClearBufferfv(GL_COLOR, 0, black);
+    for (int i = 0; i < count; ++i) {
+        drawPicture(pass, input, settings, targets, jitterOf(i, count));
+        accumulate(pass, targets, 1.0f / float(count));
+    }
+}
+
+Eye eyeOf(const Camera& camera) {
+    if (camera.perspective) return {glm::vec3(camera.worldFromCamera[3]), false};
+    return {glm::normalize(glm::vec3(camera.worldFromCamera[2])), true};
+}
+
+}  // namespace phat

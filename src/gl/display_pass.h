@@ -1,0 +1,44 @@
+#pragma once
+// Pass 3: the picture.
+
+#include <vector>
+
+#include "gl/relight_pass.h"
+#include "gl/renderer.h"
+#include "gl/scene_upload.h"
+#include "gl/shadow_maps.h"
+
+namespace phat {
+
+/// Colour, depth and the box filter's sum, of one size.
+struct FrameTargets {
+    glm::uvec2 size{0};
+    GlTexture picture, depth, sum;
+    GlFramebuffer pictureTarget, sumTarget;
+};
+FrameTargets createFrameTargets(glm::uvec2 size);
+
+struct DisplayPass {
+    ShaderProgram displayProgram, depthProgram, backgroundProgram, accumulateProgram;
+    GlVertexArray noVertices;
+    std::vector<uint32_t> blendOrder;  // reused from frame to frame
+};
+
+DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat);
+
+struct DisplayInput {
+    const GpuScene& scene;
+    const GpuAtlas& atlas;
+    const RelightPass& relit;
+    const ShadowMaps& shadows;
+    const std::vector<Material>& materials;
+};
+
+/// Draws `settings.samplesPerPixel` jittered pictures and leaves their mean in `targets.sum`.
+void display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
+             const FrameTargets& targets);
+
+/// The eye of a camera.
+Eye eyeOf(const Camera& camera);
+
+}  // namespace phat

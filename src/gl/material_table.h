@@ -1,0 +1,38 @@
+#pragma once
+// A material as rows of four floats. twin: shaders/lib/material.glsl.
+
+#include <array>
+#include <vector>
+
+#include "core/scene.h"
+
+namespace phat {
+
+inline constexpr int kFactorRows = 5;
+inline constexpr int kSlotCount = 9;
+inline constexpr int kMaterialRows = kFactorRows + 2 * kSlotCount;
+
+/// The texture slots in the order of the rows, with the sampler each feeds.
+struct NamedSlot {
+    const char* sampler;
+    const TextureSlot Material::*slot;
+    bool srgb;
+};
+inline constexpr std::array<NamedSlot, kSlotCount> kSlots = {{
+    {"baseColorTexture", &Material::baseColorTexture, true},
+    {"metallicRoughnessTexture", &Material::metallicRoughnessTexture, false},
+    {"normalTexture", &Material::normalTexture, false},
+    {"emissionTexture", &Material::emissionTexture, true},
+    {"specularTexture", &Material::specularTexture, false},
+    {"specularColorTexture", &Material::specularColorTexture, true},
+    {"clearcoatTexture", &Material::clearcoatTexture, false},
+    {"clearcoatRoughnessTexture", &Material::clearcoatRoughnessTexture, false},
+    {"clearcoatNormalTexture", &Material::clearcoatNormalTexture, false},
+}};
+
+std::array<glm::vec4, kMaterialRows> packMaterial(const Material& material);
+
+/// The factor rows of all materials, one after the other.
+std::vector<glm::vec4> packFactors(const std::vector<Material>& materials);
+
+}  // namespace phat

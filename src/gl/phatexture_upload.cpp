@@ -1,0 +1,204 @@
+#include "gl/phatexture_upload.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include "core/shading.h"
+#include "gl/gl_error.h"
+#include "gl/textures.h"
+
+namespace phat {
+namespace {
+
+// Tiles of 16x16 densities, this many side by side: 2048 texels wide.
+constexpr uint32_t kGuidesWide = 128;
+
+GlTexture uploadGuides(const std::vector<Guide>& guides) {
+    const uint32_t count = std::max<uint32_t>(1, uint32_t(guides.size()));
+    const glm::uvec2 size(kGuidesWide * kGuideSize, (count + kGuidesWide - 1) / kGuidesWide * kGuideSize);
+    std::vector<float> pdf(size_t(size.x) * size.y, 0.0f);
+    for (uint32_t g = 0; g < guides.size(); ++g) {
+        uint32_t total = 0;
+        for (uint16_t weight : guides[g].weight) total += weight;
+        const float scale = float(kGuideSize * kGuideSize) / (2.0f * kPi * float(std::max(total, 1u)));
+        const glm::uvec2 corner = glm::uvec2(g % kGuidesWide, g / kGuidesWide) * uint32_t(kGuideSize);
+        for (uint32_t y = 0; y < kGuideSize; ++y)
+            for (uint32_t x = 0; x < kGuideSize; ++x)
+                pdf[size_t(corner.y + y) * size.x + corner.x + x] =
+                    float(guides[g].weight[y * kGuideSize + x]) * scale;
+    }
+    GlTexture texture = createTexture2D(GL_R32F, size);
+    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(size.x), GLsizei(size.y), GL_RED, GL_FLOAT, pdf.data());
+    return texture;
+}
+
+GpuPhatexels uploadPhatexels(const std::vector<PhatexelLayer>& layers, const std::vector<Guide>& guides,
+                             glm::uvec2 size) {
+    GpuPhatexels gpu;
+    gpu.layerCount = int(layers.size());
+    gpu.guideCount = int(guides.size());
+    gpu.guidePdf = uploadGuides(guides);
+    gpu.texels = createTextureArray(GL_RG32UI, size, std::max(1, gpu.layerCount));
+    if (!layers.empty() && !layers[0].pdf.empty())
+        gpu.texelPdf = createTextureArray(GL_R32F, size, gpu.layerCount);
+    for (int i = 0; i < gpu.layerCount; ++i) {
+        glTextureSubImage3D(gpu.texels.name(), 0, 0, 0, i, GLsizei(size.x), GLsizei(size.y), 1, GL_RG_INTEGER,
+                            GL_UNSIGNED_INT, layers[i].texels.data());
+        if (gpu.texelPdf)
+            glTextureSubImage3D(gpu.texelPdf.name(), 0, 0, 0, i, GLsizei(size.x), GLsizei(size.y), 1, GL_RED,
+                                GL_FLOAT, layers[i].pdf.data());
+    }
+    return gpu;
+}
+
+GlTexture uploadTileTable(const Atlas& atlas) {
+    const glm::uvec2 tiles = atlas.sizeTiles();
+    std::vector<glm::uvec2> table(atlas.tileChart.size());
+    for (uint32_t y = 0; y < tiles.y; ++y) {
+        for (uint32_t x = 0; x < tiles.x; ++x) {
+            const uint32_t chart = atlas.tileChart[size_t(y) * tiles.x + x];
+            const uint32_t block = chart == kNoChart ? kNoChart : atlas.blockAt(glm::uvec2(x, y) * kTileSize);
+            table[size_t(y) * tiles.x + x] = {chart, block};
+        }
+    }
+    GlTexture texture = createTexture2D(GL_RG32UI, tiles);
+    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(tiles.x), GLsizei(tiles.y), GL_RG_INTEGER,
+                        GL_UNSIGNED_INT, table.data());
+    return texture;
+}
+
+GlTexture uploadBlockFrames(const Atlas& atlas, const TexelPoints& points) {
+    std::vector<glm::vec4> rows;
+    for (const Frame& frame : blockFrames(atlas, points)) {
+        rows.emplace_back(frame.normal, 0.0f);
+        rows.emplace_back(frame.tangent, 0.0f);
+    }
+    return createTable(rows);
+}
+
+glm::vec2 octahedral(glm::vec3 d) {
+    d /= std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
+    if (d.z >= 0.0f) return {d.x, d.y};
+    return {(1.0f - std::abs(d.y)) * (d.x >= 0.0f ? 1.0f : -1.0f),
+            (1.0f - std::abs(d.x)) * (d.y >= 0.0f ? 1.0f : -1.0f)};
+}
+
+uint8_t unorm8(float x) {
+    return uint8_t(std::clamp(x, 0.0f, 1.0f) * 255.0f + 0.5f);
+}
+
+struct TexelArrays {
+    std::vector<glm::i16vec4> normals;
+    std::vector<uint32_t> material;
+    std::vector<glm::u8vec4> texturesA, texturesB;
+};
+
+// The material's textures alone, without its factors, which may change. Means over the channels suffice: they
+// only weigh PHATexels.
+void sampleTextures(const Scene& scene, uint32_t triangle, glm::vec2 barycentric, glm::u8vec4& a, glm::u8vec4& b) {
+    const Material& m = scene.materialOf(triangle);
+    const glm::uvec3 t = scene.triangles[triangle];
+    glm::vec2 inside = glm::max(barycentric, glm::vec2(0));
+    inside /= std::max(inside.x + inside.y, 1.0f);
+    const glm::vec3 weights(1.0f - inside.x - inside.y, inside);
+    const auto mix = [&](const auto& values) {
+        return values[t.x] * weights.x + values[t.y] * weights.y + values[t.z] * weights.z;
+    };
+    const auto look = [&](const TextureSlot& slot, bool srgb) {
+        if (slot.image < 0) return glm::vec4(1);
+        return sampleTexture(scene, slot, slot.uvSet == 0 ? mix(scene.uv0) : mix(scene.uv1), srgb);
+    };
+    const glm::vec4 base = mix(scene.colors) * look(m.baseColorTexture, true);
+    const glm::vec4 metallicRoughness = look(m.metallicRoughnessTexture, false);
+    const glm::vec4 specularColor = look(m.specularColorTexture, true);
+    a = {unorm8((base.r + base.g + base.b) / 3.0f), unorm8(metallicRoughness.g), unorm8(metallicRoughness.b),
+         unorm8(look(m.specularTexture, false).a)};
+    b = {unorm8((specularColor.r + specularColor.g + specularColor.b) / 3.0f),
+         unorm8(look(m.clearcoatTexture, false).r), unorm8(look(m.clearcoatRoughnessTexture, false).g), 255};
+}
+
+TexelArrays sampleTexels(const Scene& scene, const Atlas& atlas, const TexelPoints& points) {
+    const size_t count = atlas.texelCount();
+    TexelArrays arrays{std::vector<glm::i16vec4>(count), std::vector<uint32_t>(count),
+                       std::vector<glm::u8vec4>(count), std::vector<glm::u8vec4>(count)};
+    oneapi::tbb::parallel_for(uint32_t(0), atlas.sizeTexels.y, [&](uint32_t y) {
+        for (uint32_t x = 0; x < atlas.sizeTexels.x; ++x) {
+            const size_t texel = size_t(y) * atlas.sizeTexels.x + x;
+            const uint32_t triangle = points.triangle[texel];
+            if (!points.valid(texel) || triangle == kNoTriangle) continue;
+            const bool back = atlas.charts[atlas.chartAt({x, y})].back;
+            const SurfacePoint at = surfaceAt(scene, triangle, points.barycentric[texel], back);
+            const glm::vec3 coat = at.shading.toWorld(at.brdf.clearcoatNormal);
+            const glm::vec4 folded(octahedral(at.shading.normal), octahedral(coat));
+            arrays.normals[texel] = glm::i16vec4(glm::round(glm::clamp(folded, -1.0f, 1.0f) * 32767.0f));
+            arrays.material[texel] = scene.surfaces[scene.triangleSurface[triangle]].material;
+            sampleTextures(scene, triangle, points.barycentric[texel], arrays.texturesA[texel],
+                           arrays.texturesB[texel]);
+        }
+    });
+    return arrays;
+}
+
+GlTexture uploadIrradiance(const Phatexture& phatexture, const IrradianceMap& indirect, glm::uvec2 size) {
+    // Half floats end there: brighter irradiance is clamped.
+    constexpr float kLargestHalf = 65504.0f;
+    GlTexture texture = createTextureArray(GL_RGB16F, size, 2);
+    std::vector<glm::vec3> layer(size_t(size.x) * size.y, glm::vec3(0));
+    const auto upload = [&](int index) {
+        for (glm::vec3& e : layer) e = glm::min(e, glm::vec3(kLargestHalf));
+        glTextureSubImage3D(texture.name(), 0, 0, 0, index, GLsizei(size.x), GLsizei(size.y), 1, GL_RGB, GL_FLOAT,
+                            layer.data());
+    };
+    std::copy(indirect.begin(), indirect.end(), layer.begin());
+    upload(0);
+    std::fill(layer.begin(), layer.end(), glm::vec3(0));
+    for (size_t i = 0; i < phatexture.areaIrradiance.size(); ++i)
+        layer[i] = unpackRgb9e5(phatexture.areaIrradiance[i]);
+    upload(1);
+    return texture;
+}
+
+void requireSizes(const Atlas& atlas, const TexelPoints& points, const Phatexture& phatexture,
+                  const IrradianceMap& indirect) {
+    const size_t count = atlas.texelCount();
+    const auto fits = [&](size_t size) { return size == count || size == 0; };
+    bool good = count > 0 && points.triangle.size() == count && fits(indirect.size()) &&
+                fits(phatexture.areaIrradiance.size());
+    for (const auto* layers : {&phatexture.indirect, &phatexture.area})
+        for (const PhatexelLayer& layer : *layers)
+            good = good && layer.texels.size() == count && fits(layer.pdf.size());
+    if (!good) throw GlError("the atlas and its PHATexels differ in size");
+}
+
+}  // namespace
+
+GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
+                     const Phatexture& phatexture, const IrradianceMap& indirectIrradiance) {
+    requireSizes(atlas, points, phatexture, indirectIrradiance);
+    GpuAtlas gpu;
+    gpu.sizeTexels = atlas.sizeTexels;
+    gpu.texelSizeMeters = atlas.texelSizeMeters;
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    gpu.tileTable = uploadTileTable(atlas);
+    gpu.blockFrames = uploadBlockFrames(atlas, points);
+
+    const auto texture = [&](GLenum internal, GLenum format, GLenum type, const void* data) {
+        GlTexture made = createTexture2D(internal, atlas.sizeTexels);
+        glTextureSubImage2D(made.name(), 0, 0, 0, GLsizei(atlas.sizeTexels.x), GLsizei(atlas.sizeTexels.y), format,
+                            type, data);
+        return made;
+    };
+    const TexelArrays arrays = sampleTexels(scene, atlas, points);
+    gpu.position = texture(GL_RGB32F, GL_RGB, GL_FLOAT, points.position.data());
+    gpu.normals = texture(GL_RGBA16_SNORM, GL_RGBA, GL_SHORT, arrays.normals.data());
+    gpu.materialIndex = texture(GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, arrays.material.data());
+    gpu.texturesA = texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, arrays.texturesA.data());
+    gpu.texturesB = texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, arrays.texturesB.data());
+    gpu.irradiance = uploadIrradiance(phatexture, indirectIrradiance, atlas.sizeTexels);
+    gpu.sources.push_back(uploadPhatexels(phatexture.indirect, phatexture.indirectGuides, atlas.sizeTexels));
+    if (!phatexture.area.empty() || !phatexture.areaIrradiance.empty())
+        gpu.sources.push_back(uploadPhatexels(phatexture.area, phatexture.areaGuides, atlas.sizeTexels));
+    checkGl("uploading the PHATexels");
+    return gpu;
+}
+
+}  // namespace phat

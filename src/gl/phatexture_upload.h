@@ -1,0 +1,39 @@
+#pragma once
+// The atlas, its texels' surfaces and the PHATexels on the GPU.
+
+#include "core/atlas.h"
+#include "core/irradiance.h"
+#include "core/phatexture.h"
+#include "core/scene.h"
+#include "gl/gl_objects.h"
+
+namespace phat {
+
+/// One kind of light's PHATexels.
+struct GpuPhatexels {
+    GlTexture texels;    // RG32UI [layer][y][x]
+    GlTexture guidePdf;  // R32F, see squareToGuidePdf in shaders/lib/phatexel.glsl
+    GlTexture texelPdf;  // R32F [layer][y][x], only where the guides do not tell the pdf
+    int layerCount = 0;
+    int guideCount = 0;
+};
+
+struct GpuAtlas {
+    glm::uvec2 sizeTexels{0};
+    float texelSizeMeters = 0;
+    GlTexture tileTable;      // RG32UI: chart, block
+    GlTexture blockFrames;    // table: normal, tangent
+    GlTexture position;       // RGB32F
+    GlTexture normals;        // RGBA16_SNORM: octahedral shading normal, coat normal
+    GlTexture materialIndex;  // R32UI
+    GlTexture texturesA;      // RGBA8: mean base colour, roughness, metallic, specular
+    GlTexture texturesB;      // RGBA8: mean specular colour, clearcoat, clearcoat roughness
+    GlTexture irradiance;     // RGB16F: indirect, area
+    std::vector<GpuPhatexels> sources;  // indirect, then area if there is any
+};
+
+/// Texels' surfaces by core/shading, so that relighting sees what the bake saw. Throws GlError.
+GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
+                     const Phatexture& phatexture, const IrradianceMap& indirectIrradiance);
+
+}  // namespace phat

@@ -1,0 +1,128 @@
+#include "gl/relight_pass.h"
+
+#include "gl/material_table.h"
+#include "gl/textures.h"
+
+namespace phat {
+namespace {
+
+void drawFullscreen(const RelightPass& pass, const ShaderProgram& program, const GlFramebuffer& target,
+                    glm::uvec2 size) {
+    glBindFramebuffer(GL_FRAMEBUFFER, target.name());
+    glViewport(0, 0, GLsizei(size.x), GLsizei(size.y));
+    glBindVertexArray(pass.noVertices.name());
+    program.use();
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void createTargets(RelightPass& pass, const GpuAtlas& atlas) {
+    const int sources = int(atlas.sources.size());
+    pass.lobeCount = pass.clearcoat ? 2 * sources : sources;
+    pass.texelBrdf = createTexture2D(GL_RGBA16F, atlas.sizeTexels);
+    pass.lobes = createTextureArray(GL_RGBA32F, atlas.sizeTexels, pass.lobeCount, kTopLevel + 1);
+    pass.statistics = createTextureArray(GL_RG32F, atlas.sizeTexels, pass.lobeCount, kTopLevel + 1);
+    pass.radii = createTextureArray(GL_R32F, atlas.sizeTexels / kTileSize, pass.lobeCount);
+
+    const GLuint lobes = pass.lobes.name(), statistics = pass.statistics.name();
+    pass.brdfTarget = createFramebuffer({{pass.texelBrdf.name()}});
+    for (int s = 0; s < sources; ++s) {
+        if (pass.clearcoat)
+            pass.relightTargets.push_back(createFramebuffer(
+                {{lobes, 0, s}, {statistics, 0, s}, {lobes, 0, s + sources}, {statistics, 0, s + sources}}));
+        else
+            pass.relightTargets.push_back(createFramebuffer({{lobes, 0, s}, {statistics, 0, s}}));
+    }
+    for (int lobe = 0; lobe < pass.lobeCount; ++lobe) {
+        auto& levels = pass.pyramidTargets.emplace_back();
+        for (int level = 1; level <= kTopLevel; ++level)
+            levels.push_back(createFramebuffer({{lobes, level, lobe}, {statistics, level, lobe}}));
+        pass.radiusTargets.push_back(createFramebuffer({{pass.radii.name(), 0, lobe}}));
+    }
+}
+
+// Only `level` may be read, so that drawing to the next one is no feedback loop; < 0: all levels.
+void exposeLevels(GLuint texture, int level) {
+    glTextureParameteri(texture, GL_TEXTURE_BASE_LEVEL, std::max(level, 0));
+    glTextureParameteri(texture, GL_TEXTURE_MAX_LEVEL, level < 0 ? kTopLevel : level);
+}
+
+}  // namespace
+
+RelightPass createRelightPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat) {
+    RelightPass pass;
+    pass.clearcoat = clearcoat;
+    pass.materialProgram = ShaderProgram(folder, "fullscreen.vert", "texel_material.frag");
+    for (const GpuPhatexels& source : atlas.sources) {
+        std::vector<std::string> defines;
+        if (source.texelPdf) defines.push_back("TEXEL_PDF");
+        if (clearcoat) defines.push_back("CLEARCOAT");
+        pass.relightPrograms.emplace_back(folder, "fullscreen.vert", "relight.frag", defines);
+    }
+    pass.pyramidProgram = ShaderProgram(folder, "fullscreen.vert", "pyramid.frag");
+    pass.radiusProgram = ShaderProgram(folder, "fullscreen.vert", "radius.frag");
+    GLuint name = 0;
+    glCreateVertexArrays(1, &name);
+    pass.noVertices = GlVertexArray(name);
+    createTargets(pass, atlas);
+    checkGl("creating the relight targets");
+    return pass;
+}
+
+void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const std::vector<Material>& materials) {
+    const GlTexture table = createTable(packFactors(materials));
+    const ShaderProgram& program = pass.materialProgram;
+    program.bind("texelMaterial", 0, atlas.materialIndex.name());
+    program.bind("texelTexturesA", 1, atlas.texturesA.name());
+    program.bind("texelTexturesB", 2, atlas.texturesB.name());
+    program.bind("materialTable", 3, table.name());
+    drawFullscreen(pass, program, pass.brdfTarget, atlas.sizeTexels);
+}
+
+void relight(const RelightPass& pass, const GpuAtlas& atlas, const Eye& eye) {
+    for (size_t s = 0; s < atlas.sources.size(); ++s) {
+        const GpuPhatexels& source = atlas.sources[s];
+        const ShaderProgram& program = pass.relightPrograms[s];
+        program.bind("tileTable", 0, atlas.tileTable.name());
+        program.bind("phatexels", 1, source.texels.name());
+        program.bind("guidePdf", 2, source.guidePdf.name());
+        program.bind("blockFrames", 3, atlas.blockFrames.name());
+        program.bind("texelPosition", 4, atlas.position.name());
+        program.bind("texelNormals", 5, atlas.normals.name());
+        program.bind("texelBrdf", 6, pass.texelBrdf.name());
+        if (source.texelPdf) program.bind("texelPdf", 7, source.texelPdf.name());
+        program.set("eyeWorld", eye.place);
+        program.set("eyeAtInfinity", eye.atInfinity ? 1.0f : 0.0f);
+        program.set("layerCount", source.layerCount);
+        program.set("guideCount", source.guideCount);
+        drawFullscreen(pass, program, pass.relightTargets[s], atlas.sizeTexels);
+    }
+}
+
+void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas) {
+    const GLuint lobes = pass.lobes.name(), statistics = pass.statistics.name();
+    const ShaderProgram& pyramid = pass.pyramidProgram;
+    pyramid.bind("finerLobe", 0, lobes);
+    pyramid.bind("finerStatistics", 1, statistics);
+    for (int level = 1; level <= kTopLevel; ++level) {
+        exposeLevels(lobes, level - 1);
+        exposeLevels(statistics, level - 1);
+        for (int lobe = 0; lobe < pass.lobeCount; ++lobe) {
+            pyramid.set("lobeIndex", lobe);
+            drawFullscreen(pass, pyramid, pass.pyramidTargets[lobe][level - 1], atlas.sizeTexels >> uint32_t(level));
+        }
+    }
+    exposeLevels(lobes, -1);
+    exposeLevels(statistics, -1);
+
+    const ShaderProgram& radius = pass.radiusProgram;
+    radius.bind("tileTable", 0, atlas.tileTable.name());
+    radius.bind("pyramid", 1, lobes);
+    radius.bind("statistics", 2, statistics);
+    radius.set("texelSizeMeters", atlas.texelSizeMeters);
+    for (int lobe = 0; lobe < pass.lobeCount; ++lobe) {
+        radius.set("lobeIndex", lobe);
+        drawFullscreen(pass, radius, pass.radiusTargets[lobe], atlas.sizeTexels / kTileSize);
+    }
+}
+
+}  // namespace phat

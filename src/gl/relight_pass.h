@@ -1,0 +1,48 @@
+#pragma once
+// Passes 1 and 2 over the atlas: the BRDF on every PHATexel, the pyramid of sums, the cones' radii.
+
+#include <vector>
+
+#include "core/scene.h"
+#include "gl/gl_objects.h"
+#include "gl/phatexture_upload.h"
+#include "gl/shader_loader.h"
+
+namespace phat {
+
+/// twin: kTopLevel in shaders/lib/cone.glsl.
+inline constexpr int kTopLevel = 3;
+
+struct RelightPass {
+    ShaderProgram materialProgram;
+    std::vector<ShaderProgram> relightPrograms;  // [source]
+    ShaderProgram pyramidProgram, radiusProgram;
+    GlVertexArray noVertices;
+
+    bool clearcoat = false;
+    int lobeCount = 0;      // sources, twice with clear coats
+    GlTexture texelBrdf;    // RGBA16F, see shaders/texel_material.frag
+    GlTexture lobes;        // RGBA32F [lobe][y][x], levels 0 to 3: sum a L, sum a
+    GlTexture statistics;   // RG32F, the same: sum a^2, sum a / distance
+    GlTexture radii;        // R32F [lobe][tileY][tileX]
+    GlFramebuffer brdfTarget;
+    std::vector<GlFramebuffer> relightTargets;                // [source]
+    std::vector<std::vector<GlFramebuffer>> pyramidTargets;   // [lobe][level - 1]
+    std::vector<GlFramebuffer> radiusTargets;                 // [lobe]
+};
+
+/// `clearcoat`: whether any material has a coat now. Throws GlError.
+RelightPass createRelightPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat);
+
+/// Applies the materials' factors to the texels' textures.
+void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const std::vector<Material>& materials);
+
+/// Where the eye is; for parallel projections the direction toward it.
+struct Eye {
+    glm::vec3 place{0};
+    bool atInfinity = false;
+};
+void relight(const RelightPass& pass, const GpuAtlas& atlas, const Eye& eye);
+void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas);
+
+}  // namespace phat

@@ -1,0 +1,210 @@
+#include "gl/scene_upload.h"
+
+#include <bit>
+#include <cstddef>
+
+#include "core/brdf.h"
+#include "gl/material_table.h"
+#include "gl/textures.h"
+
+namespace phat {
+namespace {
+
+// twin: the inputs of shaders/surface.vert.
+struct Vertex {
+    glm::vec3 position;
+    glm::vec3 normal;
+    glm::vec4 tangent;
+    glm::vec2 uv0;
+    glm::vec2 uv1;
+    glm::vec4 color;
+    glm::vec2 texelFront;
+    glm::vec2 texelBack;
+    glm::uvec2 charts;
+};
+
+// The charts of a triangle's front and back, and where the back's texels are relative to the front's.
+struct TriangleSides {
+    glm::uvec2 charts{kNoChart};
+    glm::vec2 frontOffset{0};
+    glm::vec2 backOffset{0};
+};
+
+TriangleSides sidesOf(const Atlas& atlas, uint32_t triangle) {
+    TriangleSides sides;
+    const uint32_t own = atlas.triangleChart[triangle];
+    if (own == kNoChart) return sides;
+    const Chart& chart = atlas.charts[own];
+    const uint32_t other = chart.otherSide;
+    sides.charts = chart.back ? glm::uvec2(other, own) : glm::uvec2(own, other);
+    if (other != kNoChart) {
+        const glm::vec2 offset =
+            glm::vec2(atlas.charts[other].originTexel()) - glm::vec2(chart.originTexel());
+        (chart.back ? sides.frontOffset : sides.backOffset) = offset;
+    }
+    return sides;
+}
+
+std::vector<Vertex> expandTriangles(const Scene& scene, const Atlas& atlas) {
+    std::vector<Vertex> vertices;
+    vertices.reserve(scene.triangles.size() * 3);
+    for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
+        const TriangleSides sides = sidesOf(atlas, t);
+        for (int corner = 0; corner < 3; ++corner) {
+            const uint32_t v = scene.triangles[t][corner];
+            const glm::vec2 texel = atlas.triangleTexels[t][corner];
+            vertices.push_back({scene.positions[v], scene.normals[v], scene.tangents[v], scene.uv0[v],
+                                scene.uv1[v], scene.colors[v], texel + sides.frontOffset,
+                                texel + sides.backOffset, sides.charts});
+        }
+    }
+    return vertices;
+}
+
+void describeVertices(GLuint vertexArray, GLuint buffer) {
+    glVertexArrayVertexBuffer(vertexArray, 0, buffer, 0, sizeof(Vertex));
+    GLuint location = 0;
+    const auto floats = [&](GLint count, size_t offset) {
+        glEnableVertexArrayAttrib(vertexArray, location);
+        glVertexArrayAttribFormat(vertexArray, location, count, GL_FLOAT, GL_FALSE, GLuint(offset));
+        glVertexArrayAttribBinding(vertexArray, location++, 0);
+    };
+    floats(3, offsetof(Vertex, position));
+    floats(3, offsetof(Vertex, normal));
+    floats(4, offsetof(Vertex, tangent));
+    floats(2, offsetof(Vertex, uv0));
+    floats(2, offsetof(Vertex, uv1));
+    floats(4, offsetof(Vertex, color));
+    floats(2, offsetof(Vertex, texelFront));
+    floats(2, offsetof(Vertex, texelBack));
+    glEnableVertexArrayAttrib(vertexArray, location);
+    glVertexArrayAttribIFormat(vertexArray, location, 2, GL_UNSIGNED_INT, offsetof(Vertex, charts));
+    glVertexArrayAttribBinding(vertexArray, location, 0);
+}
+
+GlTexture uploadImage(const TextureImage& image, bool srgb) {
+    const glm::uvec2 size(image.width, image.height);
+    const int levels = std::bit_width(std::max(size.x, size.y));
+    GlTexture texture = createTexture2D(srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, size, levels);
+    glTextureSubImage2D(texture.name(), 0, 0, 0, image.width, image.height, GL_RGBA, GL_UNSIGNED_BYTE,
+                        image.texels.data());
+    glGenerateTextureMipmap(texture.name());
+    return texture;
+}
+
+void uploadImages(const Scene& scene, GpuScene& gpu) {
+    gpu.imagesLinear.resize(scene.images.size());
+    gpu.imagesSrgb.resize(scene.images.size());
+    for (const Material& material : scene.materials) {
+        for (const NamedSlot& named : kSlots) {
+            const int32_t image = (material.*named.slot).image;
+            if (image < 0 || scene.images[image].texels.empty()) continue;
+            GlTexture& texture = (named.srgb ? gpu.imagesSrgb : gpu.imagesLinear)[image];
+            if (!texture) texture = uploadImage(scene.images[image], named.srgb);
+        }
+    }
+    gpu.white = createTexture2D(GL_RGBA8, {1, 1});
+    const glm::u8vec4 white(255);
+    glTextureSubImage2D(gpu.white.name(), 0, 0, 0, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, &white);
+}
+
+GlSampler createSampler(GLenum wrapU, GLenum wrapV, GLenum minFilter, GLenum magFilter) {
+    GLuint name = 0;
+    glCreateSamplers(1, &name);
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_S, GLint(wrapU));
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_T, GLint(wrapV));
+    glSamplerParameteri(name, GL_TEXTURE_MIN_FILTER, GLint(minFilter));
+    glSamplerParameteri(name, GL_TEXTURE_MAG_FILTER, GLint(magFilter));
+    return GlSampler(name);
+}
+
+size_t samplerIndex(const TextureSlot& slot) {
+    return (size_t(slot.wrapU) * 3 + size_t(slot.wrapV)) * 2 + (slot.nearest ? 1 : 0);
+}
+
+// In the order of samplerIndex.
+std::vector<GlSampler> createSamplers() {
+    float anisotropy = 1;
+    if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic") ||
+        epoxy_has_gl_extension("GL_ARB_texture_filter_anisotropic"))
+        glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &anisotropy);
+    // Beyond 8 the sharper textures at grazing angles are hardly seen.
+    anisotropy = std::min(anisotropy, 8.0f);
+    std::vector<GlSampler> samplers;
+    const GLenum wraps[] = {GL_REPEAT, GL_MIRRORED_REPEAT, GL_CLAMP_TO_EDGE};
+    for (GLenum wrapU : wraps) {
+        for (GLenum wrapV : wraps) {
+            samplers.push_back(createSampler(wrapU, wrapV, GL_LINEAR_MIPMAP_LINEAR, GL_LINEAR));
+            if (anisotropy > 1)
+                glSamplerParameterf(samplers.back().name(), GL_TEXTURE_MAX_ANISOTROPY, anisotropy);
+            samplers.push_back(createSampler(wrapU, wrapV, GL_NEAREST_MIPMAP_LINEAR, GL_NEAREST));
+        }
+    }
+    return samplers;
+}
+
+GlTexture uploadEnvironment(const Image& image) {
+    GlTexture texture = createTexture2D(GL_RGB32F, glm::uvec2(image.width, image.height));
+    glTextureSubImage2D(texture.name(), 0, 0, 0, image.width, image.height, GL_RGB, GL_FLOAT,
+                        image.pixels.data());
+    return texture;
+}
+
+std::vector<DrawRange> drawRanges(const Scene& scene) {
+    std::vector<DrawRange> draws;
+    for (const Surface& surface : scene.surfaces) {
+        if (surface.triangleCount == 0) continue;
+        Bounds bounds;
+        for (uint32_t t = 0; t < surface.triangleCount; ++t)
+            for (int corner = 0; corner < 3; ++corner)
+                bounds.add(scene.positions[scene.triangles[surface.firstTriangle + t][corner]]);
+        draws.push_back({GLint(surface.firstTriangle * 3), GLsizei(surface.triangleCount * 3), surface.material,
+                         bounds.center()});
+    }
+    return draws;
+}
+
+}  // namespace
+
+GpuScene uploadScene(const Scene& scene, const Atlas& atlas) {
+    GpuScene gpu;
+    GLuint name = 0;
+    glCreateVertexArrays(1, &name);
+    gpu.vertexArray = GlVertexArray(name);
+    glCreateBuffers(1, &name);
+    gpu.vertices = GlBuffer(name);
+    const std::vector<Vertex> vertices = expandTriangles(scene, atlas);
+    if (!vertices.empty())
+        glNamedBufferStorage(name, GLsizeiptr(vertices.size() * sizeof(Vertex)), vertices.data(), 0);
+    describeVertices(gpu.vertexArray.name(), name);
+    gpu.draws = drawRanges(scene);
+    gpu.bounds = boundsOf(scene);
+
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    uploadImages(scene, gpu);
+    gpu.samplers = createSamplers();
+    gpu.bilinear = createSampler(GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE, GL_LINEAR, GL_LINEAR);
+    gpu.splitSum = createTexture2D(GL_RG32F, glm::uvec2(kSplitSumSize));
+    glTextureSubImage2D(gpu.splitSum.name(), 0, 0, 0, kSplitSumSize, kSplitSumSize, GL_RG, GL_FLOAT,
+                        splitSumTable().data());
+    if (scene.environment) {
+        gpu.environment = uploadEnvironment(scene.environment->radiance);
+        gpu.environmentSampler = createSampler(GL_REPEAT, GL_CLAMP_TO_EDGE, GL_LINEAR, GL_LINEAR);
+    }
+    checkGl("uploading the scene");
+    return gpu;
+}
+
+void bindMaterial(const GpuScene& gpu, const ShaderProgram& program, const Material& material, int firstUnit,
+                  bool allSlots) {
+    program.set("material", packMaterial(material));
+    for (int i = 0; i < (allSlots ? kSlotCount : 1); ++i) {
+        const TextureSlot& slot = material.*kSlots[i].slot;
+        const auto& images = kSlots[i].srgb ? gpu.imagesSrgb : gpu.imagesLinear;
+        const bool bound = slot.image >= 0 && images[slot.image];
+        program.bind(kSlots[i].sampler, firstUnit + i, bound ? images[slot.image].name() : gpu.white.name(),
+                     gpu.samplers[samplerIndex(slot)].name());
+    }
+}
+
+}  // namespace phat

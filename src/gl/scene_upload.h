@@ -1,0 +1,43 @@
+#pragma once
+// The scene's triangles, pictures and samplers on the GPU.
+
+#include <vector>
+
+#include "core/atlas.h"
+#include "core/scene.h"
+#include "gl/gl_objects.h"
+#include "gl/shader_loader.h"
+
+namespace phat {
+
+/// One surface: a run of corners with one material.
+struct DrawRange {
+    GLint firstVertex = 0;
+    GLsizei vertexCount = 0;
+    uint32_t material = 0;
+    glm::vec3 center{0};  // by which blended surfaces are sorted
+};
+
+struct GpuScene {
+    GlVertexArray vertexArray;
+    GlBuffer vertices;
+    std::vector<DrawRange> draws;
+    std::vector<GlTexture> imagesLinear;  // [image], empty where no slot reads it so
+    std::vector<GlTexture> imagesSrgb;
+    GlTexture white;
+    std::vector<GlSampler> samplers;  // see samplerIndex
+    GlTexture splitSum;
+    GlSampler bilinear;
+    GlTexture environment;  // empty without one
+    GlSampler environmentSampler;
+    Bounds bounds;
+};
+
+/// Throws GlError.
+GpuScene uploadScene(const Scene& scene, const Atlas& atlas);
+
+/// Binds a material's uniforms; textures from unit `firstUnit` on when `allSlots`, else the base colour alone.
+void bindMaterial(const GpuScene& gpu, const ShaderProgram& program, const Material& material, int firstUnit,
+                  bool allSlots);
+
+}  // namespace phat

@@ -1,0 +1,135 @@
+#include "gl/shadow_maps.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "gl/textures.h"
+
+namespace phat {
+namespace {
+
+// Taps reach two texels past a face; with this border they never leave it.
+constexpr float kBorderTexels = 3;
+// Spots beyond 60 degrees from their axis waste a single perspective map; they get the point light's six.
+constexpr float kWidestSingleSpotCosine = 0.5f;
+
+// Sharp where there are few lights, within 400 MB where there are many.
+int mapSize(size_t layers) {
+    return layers <= 12 ? 2048 : layers <= 96 ? 1024 : 512;
+}
+
+glm::mat4 perspectiveView(glm::vec3 eye, glm::vec3 direction, float tangent, int size, float nearMeters,
+                           float farMeters) {
+    const float widened = tangent * float(size) / (float(size) - 2 * kBorderTexels);
+    const glm::vec3 up = std::abs(direction.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
+    const glm::mat4 view = glm::lookAt(eye, eye + direction, up);
+    return glm::perspective(2 * std::atan(widened), 1.0f, nearMeters, farMeters) * view;
+}
+
+glm::mat4 parallelView(glm::vec3 direction, const Bounds& bounds, int size) {
+    const float radius = std::max(0.5f * bounds.diagonal(), 1e-3f);
+    const float half = radius * float(size) / (float(size) - 2 * kBorderTexels);
+    const glm::vec3 up = std::abs(direction.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
+    const glm::mat4 view = glm::lookAt(bounds.center() - 2 * radius * direction, bounds.center(), up);
+    return glm::ortho(-half, half, -half, half, 0.9f * radius, 3.1f * radius) * view;
+}
+
+int layersOf(const PunctualLight& light) {
+    const bool cube = light.type == PunctualLight::Type::point ||
+                      (light.type == PunctualLight::Type::spot && light.cosOuterCone < kWidestSingleSpotCosine);
+    return cube ? 6 : 1;
+}
+
+void addViews(const PunctualLight& light, const Bounds& bounds, int size, std::vector<glm::mat4>& views) {
+    if (light.type == PunctualLight::Type::directional) {
+        views.push_back(parallelView(light.direction, bounds, size));
+        return;
+    }
+    const float farMeters = std::max(glm::distance(light.position, bounds.center()) + 0.5f * bounds.diagonal(), 1e-3f);
+    // Geometry nearer than this to a lamp casts no shadow; float depth keeps the precision beyond.
+    const float nearMeters = farMeters * 2e-4f;
+    if (layersOf(light) == 1) {
+        const float tangent = std::sqrt(1 - square(light.cosOuterCone)) / light.cosOuterCone;
+        views.push_back(perspectiveView(light.position, light.direction, std::max(tangent, 1e-3f), size, nearMeters,
+                                        farMeters));
+        return;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        for (float sign : {1.0f, -1.0f}) {
+            glm::vec3 direction(0);
+            direction[axis] = sign;
+            views.push_back(perspectiveView(light.position, direction, 1, size, nearMeters, farMeters));
+        }
+    }
+}
+
+GlTexture createDepthArray(int size, int layers) {
+    GlTexture depth = createTextureArray(GL_DEPTH_COMPONENT32F, glm::uvec2(size), layers);
+    glTextureParameteri(depth.name(), GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    glTextureParameteri(depth.name(), GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    return depth;
+}
+
+void drawView(const glm::mat4& clipFromWorld, GLuint depth, int layer, int size, const GpuScene& gpu,
+              const std::vector<Material>& materials, const ShaderProgram& program) {
+    GLuint name = 0;
+    glCreateFramebuffers(1, &name);
+    const GlFramebuffer framebuffer(name);
+    glNamedFramebufferTextureLayer(name, GL_DEPTH_ATTACHMENT, depth, 0, layer);
+    glBindFramebuffer(GL_FRAMEBUFFER, name);
+    glViewport(0, 0, size, size);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    program.set("clipFromWorld", clipFromWorld);
+    for (const DrawRange& draw : gpu.draws) {
+        const Material& material = materials[draw.material];
+        bindMaterial(gpu, program, material, 0, false);
+        program.set("alphaMode", int(material.alphaMode));
+        glDrawArrays(GL_TRIANGLES, draw.firstVertex, draw.vertexCount);
+    }
+}
+
+GlTexture createLightTable(const std::vector<PunctualLight>& lights, const std::vector<glm::mat4>& views) {
+    std::vector<glm::vec4> rows;
+    int layer = 0;
+    for (const PunctualLight& light : lights) {
+        rows.emplace_back(light.position, float(light.type));
+        rows.emplace_back(light.intensity, light.rangeMeters);
+        rows.emplace_back(light.direction, light.cosInnerCone);
+        rows.emplace_back(light.cosOuterCone, float(layer), float(layersOf(light)), 0.0f);
+        layer += layersOf(light);
+    }
+    for (const glm::mat4& clipFromWorld : views)
+        for (int column = 0; column < 4; ++column) rows.push_back(clipFromWorld[column]);
+    return createTable(rows);
+}
+
+}  // namespace
+
+ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, const GpuScene& gpu,
+                            const std::vector<Material>& materials, const ShaderProgram& depthProgram) {
+    size_t layers = 0;
+    for (const PunctualLight& light : lights) layers += size_t(layersOf(light));
+    const int size = lights.empty() ? 1 : mapSize(layers);
+    std::vector<glm::mat4> views;
+    for (const PunctualLight& light : lights) addViews(light, gpu.bounds, size, views);
+
+    ShadowMaps maps;
+    maps.lightCount = int(lights.size());
+    maps.depth = createDepthArray(size, std::max(1, int(views.size())));
+    maps.lightTable = createLightTable(lights, views);
+
+    // Both sides cast shadows, as they stop rays.
+    glDisable(GL_CULL_FACE);
+    glDisable(GL_BLEND);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
+    glClearDepth(1);
+    glBindVertexArray(gpu.vertexArray.name());
+    depthProgram.use();
+    for (size_t i = 0; i < views.size(); ++i)
+        drawView(views[i], maps.depth.name(), int(i), size, gpu, materials, depthProgram);
+    checkGl("drawing the shadow maps");
+    return maps;
+}
+
+}  // namespace phat

@@ -1,0 +1,22 @@
+#pragma once
+// Depth pictures from every punctual light, made once: the scene does not move.
+
+#include <vector>
+
+#include "core/scene.h"
+#include "gl/gl_objects.h"
+#include "gl/scene_upload.h"
+
+namespace phat {
+
+struct ShadowMaps {
+    GlTexture depth;       // DEPTH32F array with comparison; one layer even without lights
+    GlTexture lightTable;  // see shaders/lib/lights.glsl
+    int lightCount = 0;
+};
+
+/// Six layers for a point light or a wide spot, one for a spot or a directional light. Throws GlError.
+ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, const GpuScene& gpu,
+                            const std::vector<Material>& materials, const ShaderProgram& depthProgram);
+
+}  // namespace phat

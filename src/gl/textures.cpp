@@ -1,0 +1,87 @@
+#include "gl/textures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "gl/gl_error.h"
+
+namespace phat {
+namespace {
+
+void requireSize(glm::uvec2 size, int layers) {
+    GLint maxSide = 0, maxLayers = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &maxSide);
+    glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &maxLayers);
+    if (std::max(size.x, size.y) > uint32_t(maxSide) || layers > maxLayers) {
+        throw GlError(fmt::format("a texture of {} x {} x {} exceeds this machine's limit of {} x {} x {}", size.x,
+                                  size.y, layers, maxSide, maxSide, maxLayers));
+    }
+}
+
+void setNearest(GLuint texture, int levels) {
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, levels > 1 ? GL_NEAREST_MIPMAP_NEAREST : GL_NEAREST);
+    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+}  // namespace
+
+GlTexture createTexture2D(GLenum format, glm::uvec2 size, int levels) {
+    requireSize(size, 1);
+    GLuint name = 0;
+    glCreateTextures(GL_TEXTURE_2D, 1, &name);
+    GlTexture texture(name);
+    glTextureStorage2D(name, levels, format, GLsizei(size.x), GLsizei(size.y));
+    setNearest(name, levels);
+    return texture;
+}
+
+GlTexture createTextureArray(GLenum format, glm::uvec2 size, int layers, int levels) {
+    requireSize(size, layers);
+    GLuint name = 0;
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
+    GlTexture texture(name);
+    glTextureStorage3D(name, levels, format, GLsizei(size.x), GLsizei(size.y), layers);
+    setNearest(name, levels);
+    return texture;
+}
+
+GlFramebuffer createFramebuffer(std::initializer_list<Attachment> colors, GLuint depth) {
+    GLuint name = 0;
+    glCreateFramebuffers(1, &name);
+    GlFramebuffer framebuffer(name);
+    std::vector<GLenum> buffers;
+    for (const Attachment& color : colors) {
+        const GLenum slot = GL_COLOR_ATTACHMENT0 + GLenum(buffers.size());
+        if (color.layer < 0) glNamedFramebufferTexture(name, slot, color.texture, color.level);
+        else glNamedFramebufferTextureLayer(name, slot, color.texture, color.level, color.layer);
+        buffers.push_back(slot);
+    }
+    if (depth != 0) glNamedFramebufferTexture(name, GL_DEPTH_ATTACHMENT, depth, 0);
+    glNamedFramebufferDrawBuffers(name, GLsizei(buffers.size()), buffers.data());
+    if (glCheckNamedFramebufferStatus(name, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+        throw GlError("the graphics driver cannot draw to float textures");
+    return framebuffer;
+}
+
+GlTexture createTable(std::span<const glm::vec4> values) {
+    const uint32_t rows = std::max(1u, (uint32_t(values.size()) + kTableWidth - 1) / kTableWidth);
+    GlTexture table = createTexture2D(GL_RGBA32F, {kTableWidth, rows});
+    for (uint32_t row = 0; row * kTableWidth < values.size(); ++row) {
+        const size_t first = size_t(row) * kTableWidth;
+        const size_t count = std::min<size_t>(kTableWidth, values.size() - first);
+        glTextureSubImage2D(table.name(), 0, 0, GLint(row), GLsizei(count), 1, GL_RGBA, GL_FLOAT, &values[first]);
+    }
+    return table;
+}
+
+void checkGl(const char* doing) {
+    const GLenum error = glGetError();
+    if (error == GL_NO_ERROR) return;
+    if (error == GL_OUT_OF_MEMORY) throw GlError(fmt::format("out of video memory while {}", doing));
+    throw GlError(fmt::format("OpenGL error 0x{:04x} while {}", error, doing));
+}
+
+}  // namespace phat
