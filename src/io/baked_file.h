@@ -2,6 +2,7 @@
 // The .phat.glb file: the input scene, an atlas UV set and the PHATexels (docs/format.md).
 
 #include <string>
+#include <vector>
 
 #include "core/bake.h"
 #include "io/gltf_loader.h"
@@ -28,9 +29,12 @@ struct BakedScene {
 bool isBakedFile(const std::string& path);
 
 /// Rewrites `sourcePath` with the atlas and the PHATexels into `outPath`. `scene` must be what
-/// loadGltf(sourcePath) gave (plus its environment, which is stored too).
-void writeBakedFile(const std::string& outPath, const std::string& sourcePath, const Scene& scene,
-                    const Bake& bake, const BakeRecord& record);
+/// loadGltf(sourcePath) gave (plus its environment, which is stored too). Returns what of the input could not
+/// be kept, one line each. Throws FileError, and Interrupted when `progress` was asked to stop; an old file
+/// at `outPath` then stays as it was.
+std::vector<std::string> writeBakedFile(const std::string& outPath, const std::string& sourcePath,
+                                        const Scene& scene, const Bake& bake, const BakeRecord& record,
+                                        Progress* progress = nullptr);
 
 /// Throws FileError when anything is missing, truncated or inconsistent.
 BakedScene readBakedFile(const std::string& path);

@@ -1,0 +1,106 @@
+#include "io/phat_payload.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cassert>
+#include <stdexcept>
+
+namespace phat {
+namespace {
+
+// Large enough that zlib's set-up is nothing, small enough that a stop request is seen within milliseconds.
+constexpr size_t kPieceBytes = 256 << 10;
+
+std::vector<uint8_t> splitPlanes(std::span<const uint8_t> bytes, size_t elementSize) {
+    const size_t count = bytes.size() / elementSize;
+    std::vector<uint8_t> planes(bytes.size());
+    for (size_t byte = 0; byte < elementSize; ++byte)
+        for (size_t i = 0; i < count; ++i) planes[byte * count + i] = bytes[i * elementSize + byte];
+    return planes;
+}
+
+std::vector<uint8_t> joinPlanes(std::span<const uint8_t> planes, size_t elementSize) {
+    const size_t count = planes.size() / elementSize;
+    std::vector<uint8_t> bytes(planes.size());
+    for (size_t byte = 0; byte < elementSize; ++byte)
+        for (size_t i = 0; i < count; ++i) bytes[i * elementSize + byte] = planes[byte * count + i];
+    return bytes;
+}
+
+struct Deflater {
+    z_stream z{};
+    Deflater() {
+        if (deflateInit(&z, Z_DEFAULT_COMPRESSION) != Z_OK) throw std::runtime_error("zlib has no memory");
+    }
+    ~Deflater() { deflateEnd(&z); }
+};
+
+struct Inflater {
+    z_stream z{};
+    Inflater() {
+        if (inflateInit(&z) != Z_OK) throw std::runtime_error("zlib has no memory");
+    }
+    ~Inflater() { inflateEnd(&z); }
+};
+
+}  // namespace
+
+std::vector<uint8_t> encodePayload(std::span<const uint8_t> bytes, size_t elementSize,
+                                   const Progress* progress) {
+    assert(elementSize > 0 && bytes.size() % elementSize == 0);
+    std::vector<uint8_t> planes = splitPlanes(bytes, elementSize);
+    std::vector<uint8_t> stream;
+    std::vector<uint8_t> piece(kPieceBytes);
+    Deflater deflater;
+    z_stream& z = deflater.z;
+    size_t begin = 0;
+    int status = Z_OK;
+    do {
+        if (progress) progress->throwIfStopped();
+        const size_t size = std::min(kPieceBytes, planes.size() - begin);
+        const bool last = begin + size == planes.size();
+        z.next_in = planes.data() + begin;
+        z.avail_in = uInt(size);
+        do {
+            z.next_out = piece.data();
+            z.avail_out = uInt(piece.size());
+            status = deflate(&z, last ? Z_FINISH : Z_NO_FLUSH);
+            stream.insert(stream.end(), piece.data(), z.next_out);
+        } while (z.avail_out == 0);
+        begin += size;
+    } while (status != Z_STREAM_END);
+    return stream;
+}
+
+std::vector<uint8_t> decodePayload(std::span<const uint8_t> stream, size_t elementSize, size_t byteLength) {
+    assert(elementSize > 0 && byteLength % elementSize == 0);
+    if (byteLength / kMaxPayloadExpansion > stream.size())
+        throw std::runtime_error("a payload is too short for what it should hold");
+    std::vector<uint8_t> planes(byteLength);
+    Inflater inflater;
+    z_stream& z = inflater.z;
+    size_t consumed = 0, produced = 0;
+    uint8_t overflow;  // one byte of room past the end shows a stream that holds too much
+    while (true) {
+        const size_t inSize = std::min(kPieceBytes, stream.size() - consumed);
+        const size_t outSize = std::min(kPieceBytes, byteLength - produced);
+        z.next_in = const_cast<uint8_t*>(stream.data()) + consumed;
+        z.avail_in = uInt(inSize);
+        z.next_out = outSize ? planes.data() + produced : &overflow;
+        z.avail_out = outSize ? uInt(outSize) : 1;
+        const uInt room = z.avail_out;
+        const int status = inflate(&z, Z_NO_FLUSH);
+        consumed += inSize - z.avail_in;
+        const size_t written = room - z.avail_out;
+        if (written > outSize) throw std::runtime_error("a payload holds more than its size says");
+        produced += written;
+        if (status == Z_STREAM_END) break;
+        if (status != Z_OK) throw std::runtime_error("a payload is truncated or damaged");
+    }
+    if (produced != byteLength) throw std::runtime_error("a payload holds less than its size says");
+    if (consumed != stream.size()) throw std::runtime_error("a payload has bytes after its end");
+    return joinPlanes(planes, elementSize);
+}
+
+}  // namespace phat
