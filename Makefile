@@ -1,0 +1,32 @@
+# Two commands: `make demo` and `make test`. Both install what is missing on Debian 12 (root or sudo).
+
+BUILD_JOBS ?= $(shell nproc)
+
+.PHONY: demo test release dev setup clean
+
+demo: out/tabletop.png
+	@echo "Look at out/tabletop.png"
+
+test: dev
+	tools/run_tests build/dev
+
+out/tabletop.png: out/tabletop.phat.glb
+	build/release/phat render out/tabletop.phat.glb -o $@
+
+out/tabletop.phat.glb: scenes/tabletop.glb | release
+	@mkdir -p out
+	build/release/phat bake scenes/tabletop.glb -o $@
+
+release: setup
+	@test -f build/release/build.ninja || cmake --preset release
+	cmake --build build/release --target phat -j $(BUILD_JOBS)
+
+dev: setup
+	@test -f build/dev/build.ninja || cmake --preset dev
+	cmake --build build/dev -j $(BUILD_JOBS)
+
+setup:
+	@tools/setup
+
+clean:
+	rm -rf build out
