@@ -3,7 +3,8 @@
 
 namespace phat {
 
-/// From now on SIGINT and SIGTERM only set a flag, the second one ends the program at once with exit code 130.
+/// From now on SIGINT and SIGTERM only set a flag, the second one ends the program at once with exit code
+/// 130.
 void catchInterrupts();
 
 /// Whether one has come.

@@ -24,6 +24,7 @@ int run(int argc, char** argv) {
     app.set_version_flag("--version", "phat " PHAT_VERSION);
     app.require_subcommand(1);
     app.footer("phat COMMAND --help explains a command.");
+    phat::addBakeCommand(app);
     phat::addCompareCommand(app);
     try {
         app.parse(argc, argv);

@@ -9,6 +9,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <mutex>
 #include <unordered_map>
 
@@ -101,6 +102,13 @@ void addGltfFile(Fingerprint& fingerprint, const std::string& path) {
     }
 }
 
+void addFile(Fingerprint& fingerprint, const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    if (!file) throw FileError(path, "cannot be read");
+    fingerprint.add(text);
+}
+
 struct FileJournal::State {
     struct Place {
         uint64_t offset;
@@ -191,6 +199,10 @@ void FileJournal::store(uint64_t key, const std::vector<uint8_t>& bytes) {
 
 size_t FileJournal::resumedRecords() const {
     return state_->resumed;
+}
+
+bool FileJournal::empty() const {
+    return state_->records.empty();
 }
 
 void FileJournal::remove() {

@@ -26,6 +26,8 @@ class Fingerprint {
 
 /// Adds the bytes of a .glb or .gltf and of all files that it names. Throws FileError.
 void addGltfFile(Fingerprint& fingerprint, const std::string& path);
+/// Adds the bytes of any file. Throws FileError.
+void addFile(Fingerprint& fingerprint, const std::string& path);
 
 /// A journal in a file. With `resume`, the records of an earlier run with the same fingerprint are kept;
 /// otherwise, and when the file is of another bake or no journal, it starts anew.
@@ -42,6 +44,8 @@ class FileJournal : public BakeJournal {
 
     /// Records that an earlier run has left.
     size_t resumedRecords() const;
+    /// Whether nothing is stored.
+    bool empty() const;
     /// Deletes the file: the bake is done.
     void remove();
 

@@ -1,0 +1,284 @@
+// phat bake: scene in, baked file out.
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "cli/bake_stages.h"
+#include "cli/commands.h"
+#include "cli/interrupt.h"
+#include "cli/progress_bar.h"
+#include "io/bake_journal.h"
+#include "io/baked_file.h"
+#include "io/file_error.h"
+#include "io/gltf_loader.h"
+
+namespace phat {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kGenerator = "phatextures " PHAT_VERSION;
+
+const std::map<std::string, Directions> kDirections = {{"guided", Directions::guided},
+                                                       {"photons", Directions::photons},
+                                                       {"nearest-photon", Directions::nearestPhoton},
+                                                       {"uniform", Directions::uniform},
+                                                       {"cosine", Directions::cosine}};
+const std::map<std::string, RadianceSource> kRadiance = {
+    {"path", RadianceSource::path}, {"photons", RadianceSource::photons}, {"splat", RadianceSource::splat}};
+
+struct BakeOptions {
+    std::string input;
+    std::string output;
+    std::string environment;  // empty: none
+    BakeSettings settings;
+    std::string settingsLine;  // the settings as JSON
+    std::optional<int> threads;
+    double memoryLimitBytes = 0;
+    bool resume = false;
+    bool quiet = false;
+    bool json = false;
+};
+
+// 250000, 500k, 1.5M
+uint64_t parseCount(const CLI::Option* option, double low, double high) {
+    const auto text = option->as<std::string>();
+    char* end = nullptr;
+    double value = std::strtod(text.c_str(), &end);
+    const std::string unit = end;
+    if (unit == "k" || unit == "K") value *= 1e3;
+    if (unit == "M") value *= 1e6;
+    const bool known = unit.empty() || unit == "k" || unit == "K" || unit == "M";
+    if (end == text.c_str() || !known || !(value >= low && value <= high) || value != std::floor(value))
+        throw CLI::ValidationError(
+            option->get_name(),
+            fmt::format("\"{}\" is not a count from {:.0f} to {:.0f} (1500, 500k, 2M)", text, low, high));
+    return uint64_t(value);
+}
+
+std::string defaultOutput(const std::string& input) {
+    std::filesystem::path path(input);
+    path.replace_extension();
+    if (path.extension() == ".phat") path.replace_extension();
+    return path.string() + ".phat.glb";
+}
+
+double physicalMemoryBytes() {
+    return double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
+}
+
+std::string describe(const BakeSettings& s, const std::string& directions, const std::string& radiance,
+                     const std::string& environment) {
+    json line = {{"samples", s.layers},
+                 {"photons", s.photons.count},
+                 {"directions", directions},
+                 {"radiance", radiance},
+                 {"bounces", s.maxBounces},
+                 {"gatherNeighbors", s.density.neighbors},
+                 {"paths", s.pathsPerPhatexel},
+                 {"gutter", s.atlas.gutterTexels},
+                 {"seed", s.seed}};
+    if (s.atlas.texelSizeMeters > 0)
+        line["texelSize"] = s.atlas.texelSizeMeters;
+    else
+        line["resolution"] = s.atlas.texelBudget;
+    if (s.atlas.useUvSet >= 0) line["useUv"] = s.atlas.useUvSet;
+    if (!environment.empty()) line["environment"] = std::filesystem::path(environment).filename().string();
+    return line.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+LoadedScene loadInput(const BakeOptions& options) {
+    LoadedScene loaded;
+    if (isBakedFile(options.input))
+        loaded = readBakedFile(options.input).loaded;  // with the environment that it was baked in
+    else
+        loaded = loadGltf(options.input);
+    if (!options.environment.empty()) loaded.scene.environment = loadEnvironment(options.environment);
+    if (loaded.scene.triangles.empty()) throw FileError(options.input, "has no triangles to bake");
+    return loaded;
+}
+
+void refuseTooLarge(const BakeOptions& options, const Scene& scene) {
+    const auto needed = double(estimateBakeMemory(scene, options.settings));
+    if (needed > options.memoryLimitBytes)
+        throw FileError(
+            options.input,
+            fmt::format("the bake would need about {:.2f} GB of memory, the limit is {:.2f} GB: a "
+                        "larger --texel-size, a smaller --resolution or fewer --photons need less",
+                        needed * 1e-9, options.memoryLimitBytes * 1e-9));
+}
+
+uint64_t fingerprintOf(const BakeOptions& options) {
+    Fingerprint fingerprint;
+    fingerprint.add(kGenerator);
+    fingerprint.add(options.settingsLine);
+    addGltfFile(fingerprint, options.input);
+    if (!options.environment.empty()) addFile(fingerprint, options.environment);
+    return fingerprint.value();
+}
+
+json statsOf(const BakeOptions& options, const Bake& result, size_t resumedParts,
+             const std::vector<std::string>& notes) {
+    const BakeStats& stats = result.stats;
+    return {{"output", options.output},
+            {"bytes", std::filesystem::file_size(options.output)},
+            {"atlas",
+             {{"width", result.atlas.sizeTexels.x},
+              {"height", result.atlas.sizeTexels.y},
+              {"texelSize", result.atlas.texelSizeMeters},
+              {"charts", stats.atlas.chartCount},
+              {"coverage", stats.atlas.coverage},
+              {"areaWithinStretch15", stats.atlas.areaWithinStretch15},
+              {"degenerateTriangles", stats.atlas.degenerateTriangles}}},
+            {"photons", {{"emitted", stats.photons.emitted}, {"stored", stats.photons.stored}}},
+            {"phatexels", {{"layers", result.phatexture.indirect.size()}, {"valid", stats.validPhatexels}}},
+            {"rays", stats.rays},
+            {"resumedParts", resumedParts},
+            {"seconds", stats.seconds},
+            {"notes", notes}};
+}
+
+void printSummary(const json& stats) {
+    const json& atlas = stats["atlas"];
+    fmt::print("{}: {:.1f} MB\n", stats["output"].get<std::string>(), stats["bytes"].get<double>() * 1e-6);
+    fmt::print("  atlas       {} x {} texels of {:.4g} mm, {} charts, {:.0f} % covered\n",
+               atlas["width"].get<uint32_t>(), atlas["height"].get<uint32_t>(),
+               atlas["texelSize"].get<double>() * 1e3, atlas["charts"].get<uint32_t>(),
+               atlas["coverage"].get<double>() * 100);
+    fmt::print("  photons     {} emitted, {} stored\n", stats["photons"]["emitted"].get<uint64_t>(),
+               stats["photons"]["stored"].get<uint64_t>());
+    fmt::print("  PHATexels   {} valid, {} rays\n", stats["phatexels"]["valid"].get<uint64_t>(),
+               stats["rays"].get<uint64_t>());
+    if (const auto parts = stats["resumedParts"].get<size_t>()) fmt::print("  resumed     {} parts\n", parts);
+    fmt::print("  time        {:.1f} s\n", stats["seconds"].get<double>());
+    for (const json& note : stats["notes"]) fmt::print("  note        {}\n", note.get<std::string>());
+}
+
+void runBake(const BakeOptions& options) {
+    std::error_code ignored;
+    if (std::filesystem::equivalent(options.input, options.output, ignored))
+        throw CLI::ValidationError("--output", "would overwrite the input");
+    std::optional<tbb::global_control> threads;
+    if (options.threads)
+        threads.emplace(tbb::global_control::max_allowed_parallelism, size_t(*options.threads));
+    catchInterrupts();
+
+    const LoadedScene loaded = loadInput(options);
+    refuseTooLarge(options, loaded.scene);
+    FileJournal journal(options.output + ".journal", fingerprintOf(options), options.resume);
+    ProgressBar progress(progressStyle(options.quiet), bakeStages(options.settings));
+    try {
+        const Bake result = bake(loaded.scene, options.settings, progress, &journal);
+        const BakeRecord record{kGenerator, std::filesystem::path(options.input).filename().string(),
+                                options.settingsLine, options.settings.seed};
+        std::vector<std::string> notes = loaded.notes;
+        for (std::string& note :
+             writeBakedFile(options.output, options.input, loaded.scene, result, record, &progress))
+            notes.push_back(std::move(note));
+        journal.remove();
+        const json stats = statsOf(options, result, journal.resumedRecords(), notes);
+        if (options.json)
+            fmt::print("{}\n", stats.dump(-1, ' ', false, json::error_handler_t::replace));
+        else if (!options.quiet)
+            printSummary(stats);
+    } catch (const Interrupted&) {
+        fmt::print(stderr, "phat: the same command with --resume goes on from {}.journal\n", options.output);
+        throw;
+    } catch (...) {
+        if (journal.empty()) journal.remove();
+        throw;
+    }
+}
+
+}  // namespace
+
+void addBakeCommand(CLI::App& app) {
+    const BakeSettings defaults;
+    CLI::App* command = app.add_subcommand("bake", "Bake a scene's indirect light into a file");
+    const auto option = [&](const char* name, const char* type, const std::string& help) {
+        return command->add_option(name, help)->type_name(type);
+    };
+    CLI::Option* input = option("IN", "FILE", "The scene: .glb or .gltf")->required();
+    CLI::Option* output = option("-o,--output", "FILE", "Default: IN with the extension .phat.glb");
+    CLI::Option* texelSize =
+        option("--texel-size", "METERS", "Side of a PHATexel on the surface")->check(CLI::Range(1e-5, 1e3));
+    CLI::Option* resolution = option("--resolution", "N", "About so many texels in the whole atlas")
+                                  ->default_str("1048576")
+                                  ->excludes(texelSize);
+    CLI::Option* samples = option("--samples", "K", "PHATexels per texel")
+                               ->check(CLI::Range(1, 64))
+                               ->default_val(defaults.layers);
+    CLI::Option* photons = option("--photons", "N", "Photons to emit")->default_str("500k");
+    CLI::Option* neighbors = option("--gather-neighbors", "K", "Photons in a density estimate")
+                                 ->check(CLI::Range(1, 10'000))
+                                 ->default_val(defaults.density.neighbors);
+    CLI::Option* directions =
+        option("--directions", "NAME", "guided, photons, nearest-photon, uniform or cosine")
+            ->check(CLI::IsMember(kDirections))
+            ->default_val("guided");
+    CLI::Option* radiance = option("--radiance", "NAME", "path, photons or splat")
+                                ->check(CLI::IsMember(kRadiance))
+                                ->default_val("path");
+    CLI::Option* bounces = option("--bounces,--max-bounces", "N", "Longest path, in reflections")
+                               ->check(CLI::Range(1, 1000))
+                               ->default_val(defaults.maxBounces);
+    CLI::Option* paths = option("--paths", "N", "Paths per PHATexel (--radiance path)")
+                             ->check(CLI::Range(1, 65'536))
+                             ->default_val(defaults.pathsPerPhatexel);
+    CLI::Option* environment = option("--environment", "FILE", "Sky: latitude-longitude .hdr or .exr");
+    CLI::Option* useUv = option("--use-uv", "N", "Take the charts of TEXCOORD_N instead of unwrapping")
+                             ->check(CLI::Range(0, 1));
+    CLI::Option* gutter = option("--gutter", "N", "Texels around every chart at least")
+                              ->check(CLI::Range(1, 64))
+                              ->default_val(defaults.atlas.gutterTexels);
+    CLI::Option* seed = option("--seed", "S", "Of all random numbers")->default_val(defaults.seed);
+    CLI::Option* threads = option("--threads", "T", "Default: all cores")->check(CLI::Range(1, 1024));
+    CLI::Option* memory =
+        option("--memory-limit", "GB", "Refuse to start a larger bake; default: the machine's")
+            ->check(CLI::Range(0.001, 1e6));
+    CLI::Option* resume = command->add_flag("--resume")->description("Go on where a stopped bake was");
+    CLI::Option* quiet = command->add_flag("--quiet")->description("Print errors only");
+    CLI::Option* asJson = command->add_flag("--json")->description("Print the result as JSON");
+    command->footer(
+        "Counts may end in k or M. The same input, flags and seed give the same bytes on any number of "
+        "threads.\n"
+        "Example: phat bake room.glb --texel-size 0.005 --samples 2");
+    command->callback([=] {
+        BakeOptions options;
+        options.input = input->as<std::string>();
+        options.output = *output ? output->as<std::string>() : defaultOutput(options.input);
+        if (*environment) options.environment = environment->as<std::string>();
+        BakeSettings& settings = options.settings;
+        if (*texelSize) settings.atlas.texelSizeMeters = texelSize->as<float>();
+        if (*resolution) settings.atlas.texelBudget = parseCount(resolution, 64, 0x1p32);
+        if (*photons) settings.photons.count = parseCount(photons, 1, 0x1p32);
+        if (*useUv) settings.atlas.useUvSet = useUv->as<int>();
+        settings.atlas.gutterTexels = gutter->as<uint32_t>();
+        settings.layers = samples->as<int>();
+        settings.density.neighbors = neighbors->as<uint32_t>();
+        settings.directions = kDirections.at(directions->as<std::string>());
+        settings.radiance = kRadiance.at(radiance->as<std::string>());
+        settings.maxBounces = bounces->as<int>();
+        if (*bounces) settings.photons.maxBounces = settings.maxBounces;
+        settings.pathsPerPhatexel = paths->as<int>();
+        settings.seed = settings.photons.seed = seed->as<uint64_t>();
+        options.settingsLine = describe(settings, directions->as<std::string>(), radiance->as<std::string>(),
+                                        options.environment);
+        if (*threads) options.threads = threads->as<int>();
+        options.memoryLimitBytes = *memory ? memory->as<double>() * 1e9 : physicalMemoryBytes();
+        options.resume = resume->count() > 0;
+        options.quiet = quiet->count() > 0;
+        options.json = asJson->count() > 0;
+        runBake(options);
+    });
+}
+
+}  // namespace phat

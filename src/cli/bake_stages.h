@@ -1,0 +1,12 @@
+#pragma once
+// What the stages of a bake cost, for the time that is left.
+
+#include "cli/progress_bar.h"
+#include "core/bake.h"
+
+namespace phat {
+
+/// The stages that bake() will go through, in order. Those that the scene does not need are skipped.
+std::vector<PlannedStage> bakeStages(const BakeSettings& settings);
+
+}  // namespace phat

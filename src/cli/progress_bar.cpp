@@ -1,0 +1,133 @@
+#include "cli/progress_bar.h"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "cli/interrupt.h"
+
+namespace phat {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::chrono::steady_clock::duration kRedrawInterval = 100ms;
+constexpr std::chrono::steady_clock::duration kLineInterval = 10s;
+// Before this share of a stage, its own speed says less than that of the stages before it.
+constexpr double kTrustedFraction = 0.02;
+constexpr int kBarWidth = 24;
+
+double secondsOf(std::chrono::steady_clock::duration duration) {
+    return std::chrono::duration<double>(duration).count();
+}
+
+std::string clockTime(double seconds) {
+    const auto whole = int64_t(seconds + 0.5);
+    if (whole < 3600) return fmt::format("{}:{:02}", whole / 60, whole % 60);
+    return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+std::string shortCount(double count) {
+    if (count >= 1e6) return fmt::format("{:.1f}M", count * 1e-6);
+    if (count >= 1e3) return fmt::format("{:.1f}k", count * 1e-3);
+    return fmt::format("{:.0f}", count);
+}
+
+size_t terminalWidth() {
+    winsize size{};
+    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+}  // namespace
+
+ProgressStyle progressStyle(bool quiet) {
+    if (quiet) return ProgressStyle::none;
+    return isatty(STDERR_FILENO) ? ProgressStyle::oneLine : ProgressStyle::lines;
+}
+
+ProgressBar::ProgressBar(ProgressStyle style, std::vector<PlannedStage> plan)
+    : style_(style), plan_(std::move(plan)) {}
+
+bool ProgressBar::stopRequested() const {
+    return interruptRequested();
+}
+
+void ProgressBar::begin(const char* stage, uint64_t total) {
+    const std::lock_guard lock(mutex_);
+    stage_ = stage;
+    total_ = total;
+    active_ = true;
+    stageStart_ = Clock::now();
+    done_ = 0;
+    shareNow_ = 0;
+    const auto first = plan_.begin() + std::ptrdiff_t(nextPlanned_);
+    const auto found = std::find_if(first, plan_.end(), [&](const auto& p) { return p.name == stage_; });
+    if (found != plan_.end()) {  // what lies between was not needed
+        nextPlanned_ = size_t(found - plan_.begin()) + 1;
+        shareNow_ = found->share;
+    }
+    const auto wait = style_ == ProgressStyle::oneLine ? 0ms : kLineInterval;
+    nextDraw_ = (Clock::now() - start_ + wait).count();
+}
+
+void ProgressBar::advance(uint64_t done) {
+    done_ += done;
+    if (style_ == ProgressStyle::none) return;
+    const auto now = Clock::now() - start_;
+    int64_t due = nextDraw_;
+    const auto interval = style_ == ProgressStyle::oneLine ? kRedrawInterval : kLineInterval;
+    // One thread draws, the others go on working.
+    if (now.count() < due || !nextDraw_.compare_exchange_strong(due, (now + interval).count())) return;
+    const std::lock_guard lock(mutex_);
+    if (active_) draw(false);
+}
+
+void ProgressBar::end() {
+    const std::lock_guard lock(mutex_);
+    if (!active_) return;
+    draw(true);
+    active_ = false;
+    if (shareNow_ > 0) {
+        plannedSeconds_ += secondsOf(Clock::now() - stageStart_);
+        plannedShares_ += shareNow_;
+    }
+}
+
+// The current stage at its own speed; those to come at the speed, in seconds a share, of all so far.
+double ProgressBar::secondsLeft(double stageSeconds, double stageFraction) const {
+    double sharesToCome = 0;
+    for (size_t i = nextPlanned_; i < plan_.size(); ++i) sharesToCome += plan_[i].share;
+    const double sharesDone = plannedShares_ + shareNow_ * stageFraction;
+    const double secondsAShare = sharesDone > 0 ? (plannedSeconds_ + stageSeconds) / sharesDone : 0;
+    const double ofThisStage = stageFraction > kTrustedFraction
+                                   ? stageSeconds / stageFraction * (1 - stageFraction)
+                                   : secondsAShare * shareNow_;
+    return ofThisStage + secondsAShare * sharesToCome;
+}
+
+void ProgressBar::draw(bool last) {
+    if (style_ == ProgressStyle::none) return;
+    const double stageSeconds = secondsOf(Clock::now() - stageStart_);
+    const bool stopped = stopRequested();
+    const uint64_t done = last && !stopped ? total_ : std::min<uint64_t>(done_, total_);
+    const double fraction = total_ > 0 ? double(done) / double(total_) : 1.0;
+    std::string times = fmt::format("{} elapsed", clockTime(secondsOf(Clock::now() - start_)));
+    if (!last) times += fmt::format(", about {} left", clockTime(secondsLeft(stageSeconds, fraction)));
+    if (stageSeconds > 0) times += fmt::format(", {}/s", shortCount(double(done) / stageSeconds));
+
+    if (style_ == ProgressStyle::lines) {
+        fmt::print(stderr, "{}: {:.0f} %, {}\n", stage_, 100 * fraction, times);
+    } else {
+        const auto filled = size_t(kBarWidth * fraction);
+        std::string line = fmt::format("{:<15} [{}{}] {:3.0f} %  {}", stage_, std::string(filled, '#'),
+                                       std::string(kBarWidth - filled, '-'), 100 * fraction, times);
+        line.resize(std::min(line.size(), terminalWidth() - 1));
+        fmt::print(stderr, "\r{}\x1b[K{}", line, last ? "\n" : "");  // erase what is left of a longer line
+    }
+    std::fflush(stderr);
+}
+
+}  // namespace phat

@@ -1,0 +1,64 @@
+#pragma once
+// How far long work is, on stderr.
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "core/progress.h"
+
+namespace phat {
+
+/// A stage that is expected, and its share of the whole time in any unit.
+struct PlannedStage {
+    std::string name;
+    double share = 0;
+};
+
+enum class ProgressStyle {
+    none,
+    lines,    // a plain line now and then: logs
+    oneLine,  // redrawn in place: terminals
+};
+
+/// oneLine where stderr is a terminal.
+ProgressStyle progressStyle(bool quiet);
+
+/// Draws what it is told, and answers stopRequested() from the signals (interrupt.h). Stages that are not in
+/// the plan are shown, but do not count for the time that is left.
+class ProgressBar : public Progress {
+  public:
+    ProgressBar(ProgressStyle style, std::vector<PlannedStage> plan);
+
+    void begin(const char* stage, uint64_t total) override;
+    void advance(uint64_t done) override;
+    void end() override;
+    bool stopRequested() const override;
+
+  private:
+    using Clock = std::chrono::steady_clock;
+
+    double secondsLeft(double stageSeconds, double stageFraction) const;
+    void draw(bool last);
+
+    const ProgressStyle style_;
+    const std::vector<PlannedStage> plan_;
+    const Clock::time_point start_ = Clock::now();
+
+    std::mutex mutex_;  // guards what follows
+    std::string stage_;
+    bool active_ = false;
+    Clock::time_point stageStart_;
+    uint64_t total_ = 0;
+    size_t nextPlanned_ = 0;     // plan_[nextPlanned_ - 1] is the current stage if it was planned
+    double shareNow_ = 0;        // of the current stage
+    double plannedSeconds_ = 0;  // that planned stages took, and their shares
+    double plannedShares_ = 0;
+
+    std::atomic<uint64_t> done_{0};
+    std::atomic<int64_t> nextDraw_{0};  // clock ticks since start_
+};
+
+}  // namespace phat
