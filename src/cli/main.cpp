@@ -25,6 +25,7 @@ int run(int argc, char** argv) {
     app.require_subcommand(1);
     app.footer("phat COMMAND --help explains a command.");
     phat::addBakeCommand(app);
+    phat::addRenderCommand(app);
     phat::addCompareCommand(app);
     try {
         app.parse(argc, argv);
