@@ -14,7 +14,9 @@ enum ComponentType { kByte = 5120, kUnsignedByte, kShort, kUnsignedShort, kUnsig
 
 /// A glTF under construction: `json` is free to be changed; data go into one buffer.
 struct GltfBuilder {
-    nlohmann::json json = {{"asset", {{"version", "2.0"}}}, {"scene", 0}};
+    nlohmann::json json = {{"asset", {{"version", "2.0"}}},
+                           {"scene", 0},
+                           {"scenes", nlohmann::json::array({nlohmann::json::object()})}};
     std::vector<char> binary;
 
     /// A buffer view over raw bytes.
