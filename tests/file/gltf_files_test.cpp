@@ -54,6 +54,7 @@ GltfBuilder smallScene() {
 enum class Outcome { loaded, refused };
 Outcome tryLoad(const TemporaryFolder& folder, const std::vector<char>& bytes) {
     const std::string path = folder.file("try.glb");
+    std::filesystem::remove(path);  // cutting a file to nothing waits for the disk on some file systems
     writeBytes(path, bytes);
     try {
         const LoadedScene loaded = loadGltf(path);

@@ -294,6 +294,19 @@ TEST(GltfMeshes, NodesMustFormAForest) {
     EXPECT_NE(reasonOf(cycle).find("cycle"), std::string::npos);
 }
 
+TEST(GltfMeshes, DeepChainsNeedNoStack) {
+    constexpr int kDepth = 100000;
+    GltfBuilder builder;
+    const int mesh = builder.mesh({{"attributes", {{"POSITION", builder.floats("VEC3", corners(3))}}}});
+    Json nodes = Json::array();
+    for (int i = 0; i + 1 < kDepth; ++i)
+        nodes.push_back({{"children", {i + 1}}, {"translation", {0.25, 0, 0}}});
+    nodes.push_back({{"mesh", mesh}});
+    builder.json["nodes"] = nodes;
+    builder.json["scenes"][0]["nodes"] = {0};
+    EXPECT_EQ(load(builder).scene.positions[0], glm::vec3(0.25f * (kDepth - 1), 0, 0));
+}
+
 TEST(GltfMeshes, AMillionTrianglesLoadWithinSeconds) {
     GltfBuilder builder;
     constexpr int kSide = 708;  // 707 * 707 * 2 triangles
