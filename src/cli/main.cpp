@@ -27,6 +27,8 @@ int run(int argc, char** argv) {
     phat::addBakeCommand(app);
     phat::addRenderCommand(app);
     phat::addCompareCommand(app);
+    phat::addInfoCommand(app);
+    phat::addExportCommand(app);
     try {
         app.parse(argc, argv);
         return kDone;

@@ -1,0 +1,192 @@
+// phat info: what is in a scene or a baked file.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "core/scene.h"
+#include "io/baked_file.h"
+#include "io/gltf_loader.h"
+
+namespace phat {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json vectorJson(glm::vec3 v) {
+    return {v.x, v.y, v.z};
+}
+
+Json namesOf(const auto& things) {
+    Json names = Json::array();
+    for (const auto& thing : things) names.push_back(thing.name);
+    return names;
+}
+
+Json describeScene(const LoadedScene& loaded) {
+    constexpr const char* kLightTypes[] = {"point", "spot", "directional"};
+    const Scene& scene = loaded.scene;
+    Json lights = Json::array();
+    for (const PunctualLight& light : scene.lights)
+        lights.push_back({{"name", light.name}, {"type", kLightTypes[size_t(light.type)]}});
+    size_t emissive = 0;
+    for (const Material& material : scene.materials) emissive += maxComponent(material.emission) > 0;
+
+    Json report{{"triangles", scene.triangles.size()},
+                {"vertices", scene.positions.size()},
+                {"surfaces", scene.surfaces.size()},
+                {"materials", namesOf(scene.materials)},
+                {"emissiveMaterials", emissive},
+                {"textures", scene.images.size()},
+                {"lights", lights},
+                {"cameras", namesOf(scene.cameras)},
+                {"environment", nullptr},
+                {"bounds", nullptr},
+                {"notes", loaded.notes}};
+    if (scene.environment)
+        report["environment"] = {scene.environment->radiance.width, scene.environment->radiance.height};
+    if (const Bounds bounds = boundsOf(scene); !bounds.empty())
+        report["bounds"] = {{"low", vectorJson(bounds.low)}, {"high", vectorJson(bounds.high)}};
+    return report;
+}
+
+Json describeLayers(const std::vector<PhatexelLayer>& layers) {
+    uint64_t all = 0, valid = 0, bytes = 0;
+    for (const PhatexelLayer& layer : layers) {
+        all += layer.texels.size();
+        for (const PackedPhatexel& texel : layer.texels) valid += unpackPhatexel(texel).valid;
+        bytes += layer.texels.size() * sizeof(PackedPhatexel) + layer.pdf.size() * sizeof(float);
+    }
+    return {{"layers", layers.size()},
+            {"phatexels", all},
+            {"valid", valid},
+            {"validShare", all ? double(valid) / double(all) : 0.0},
+            {"bytes", bytes}};
+}
+
+Json describeBake(const BakedScene& baked) {
+    const Atlas& atlas = baked.atlas;
+    const Phatexture& phatexture = baked.phatexture;
+    uint64_t withSurface = 0;
+    for (const TexelState state : baked.points.state) withSurface += state == TexelState::surface;
+    const size_t guides = phatexture.indirectGuides.size() + phatexture.areaGuides.size();
+
+    Json settings = Json::parse(baked.record.settings, nullptr, false);
+    if (settings.is_discarded()) settings = baked.record.settings;
+    return {{"record",
+             {{"generator", baked.record.generator},
+              {"source", baked.record.source},
+              {"seed", baked.record.seed},
+              {"settings", settings}}},
+            {"atlas",
+             {{"size", {atlas.sizeTexels.x, atlas.sizeTexels.y}},
+              {"texelSizeMeters", atlas.texelSizeMeters},
+              {"charts", atlas.charts.size()},
+              {"blocks", atlas.blockCount},
+              {"coverage", double(withSurface) / double(std::max<size_t>(1, atlas.texelCount()))}}},
+            {"indirect", describeLayers(phatexture.indirect)},
+            {"area", describeLayers(phatexture.area)},
+            {"guideBytes", guides * sizeof(Guide)},
+            {"irradianceBytes", phatexture.areaIrradiance.size() * sizeof(uint32_t)}};
+}
+
+Json describe(const std::string& path) {
+    const bool isBaked = isBakedFile(path);  // throws where the size below would say nothing
+    Json report{{"file", path}, {"fileBytes", std::filesystem::file_size(path)}};
+    if (isBaked) {
+        const BakedScene baked = readBakedFile(path);
+        report["scene"] = describeScene(baked.loaded);
+        report["bake"] = describeBake(baked);
+    } else {
+        report["scene"] = describeScene(loadGltf(path));
+    }
+    return report;
+}
+
+std::string megabytes(const Json& bytes) {
+    return fmt::format("{:.2f} MB", double(bytes.get<uint64_t>()) * 1e-6);
+}
+
+void printLine(const char* label, const std::string& text) {
+    fmt::print("  {:<12} {}\n", label, text);
+}
+
+std::string joined(const Json& names) {
+    std::string text;
+    for (const auto& name : names) text += (text.empty() ? "" : ", ") + name.get<std::string>();
+    return text.empty() ? "none" : text;
+}
+
+void printScene(const Json& scene) {
+    printLine("triangles", fmt::format("{} in {} surfaces", scene["triangles"].get<size_t>(),
+                                       scene["surfaces"].get<size_t>()));
+    printLine("materials",
+              fmt::format("{} ({} emissive), {} textures", scene["materials"].size(),
+                          scene["emissiveMaterials"].get<size_t>(), scene["textures"].get<size_t>()));
+    std::string lights;
+    for (const auto& light : scene["lights"])
+        lights += fmt::format("{}{} ({})", lights.empty() ? "" : ", ", light["name"].get<std::string>(),
+                              light["type"].get<std::string>());
+    printLine("lights", lights.empty() ? "none" : lights);
+    printLine("cameras", joined(scene["cameras"]));
+    if (const Json& size = scene["environment"]; !size.is_null())
+        printLine("environment", fmt::format("{} x {}", size[0].get<int>(), size[1].get<int>()));
+    if (const Json& bounds = scene["bounds"]; !bounds.is_null()) {
+        const auto low = bounds["low"].get<std::array<float, 3>>(),
+                   high = bounds["high"].get<std::array<float, 3>>();
+        printLine("bounds", fmt::format("({:.3f} {:.3f} {:.3f}) to ({:.3f} {:.3f} {:.3f}) m", low[0], low[1],
+                                        low[2], high[0], high[1], high[2]));
+    }
+    for (const auto& note : scene["notes"]) printLine("note", note.get<std::string>());
+}
+
+void printLayers(const char* label, const Json& part) {
+    printLine(label, fmt::format("{} layers, {} PHATexels, {:.1f} % valid, {}", part["layers"].get<size_t>(),
+                                 part["phatexels"].get<uint64_t>(), 100 * part["validShare"].get<double>(),
+                                 megabytes(part["bytes"])));
+}
+
+void printBake(const Json& bake) {
+    const Json& atlas = bake["atlas"];
+    printLine("atlas", fmt::format("{} x {} texels of {:.3g} mm, {} charts, {:.1f} % covered",
+                                   atlas["size"][0].get<uint32_t>(), atlas["size"][1].get<uint32_t>(),
+                                   1000 * atlas["texelSizeMeters"].get<double>(),
+                                   atlas["charts"].get<size_t>(), 100 * atlas["coverage"].get<double>()));
+    printLayers("indirect", bake["indirect"]);
+    if (bake["area"]["layers"] != 0) printLayers("area lights", bake["area"]);
+    printLine("guides", megabytes(bake["guideBytes"]));
+    if (bake["irradianceBytes"] != 0) printLine("irradiance", megabytes(bake["irradianceBytes"]));
+    const Json& record = bake["record"];
+    printLine("baked by", fmt::format("{} from {}, seed {}", record["generator"].get<std::string>(),
+                                      record["source"].get<std::string>(), record["seed"].get<uint64_t>()));
+    const Json& settings = record["settings"];
+    printLine("settings", settings.is_string() ? settings.get<std::string>() : settings.dump());
+}
+
+}  // namespace
+
+void addInfoCommand(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("info", "Say what is in a scene or a baked file");
+    CLI::Option* file = command->add_option("FILE", "A .glb or .gltf file, baked or not")->required();
+    CLI::Option* json = command->add_flag("--json")->description("Print JSON");
+    command->footer(
+        "Sizes of payloads are in memory; the file holds them compressed.\n"
+        "Example: phat info room.phat.glb --json");
+    command->callback([=] {
+        const Json report = describe(file->as<std::string>());
+        if (json->count() > 0) {
+            fmt::print("{}\n", report.dump(2, ' ', false, Json::error_handler_t::replace));
+            return;
+        }
+        fmt::print("{} ({})\n", report["file"].get<std::string>(), megabytes(report["fileBytes"]));
+        printScene(report["scene"]);
+        if (report.contains("bake")) printBake(report["bake"]);
+    });
+}
+
+}  // namespace phat
