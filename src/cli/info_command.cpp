@@ -146,9 +146,10 @@ void printScene(const Json& scene) {
 }
 
 void printLayers(const char* label, const Json& part) {
-    printLine(label, fmt::format("{} layers, {} PHATexels, {:.1f} % valid, {}", part["layers"].get<size_t>(),
-                                 part["phatexels"].get<uint64_t>(), 100 * part["validShare"].get<double>(),
-                                 megabytes(part["bytes"])));
+    const size_t layers = part["layers"].get<size_t>();
+    printLine(label, fmt::format("{} PHATexels in {} {}, {:.1f} % valid, {}",
+                                 part["phatexels"].get<uint64_t>(), layers, layers == 1 ? "layer" : "layers",
+                                 100 * part["validShare"].get<double>(), megabytes(part["bytes"])));
 }
 
 void printBake(const Json& bake) {
