@@ -1,13 +1,16 @@
 // Pass 2b, one texel a tile: how wide the display pass's cone must be there.
 //
-// Grows a square of tiles until it holds enough effective samples, N = (sum a)^2 / sum a^2; the cone's radius
-// is the one whose share of the square's area holds the wanted number. It is bounded by the distance of what
-// is reflected, because a lobe smeared over the neighbourhood leaks light where things touch.
+// Grows a square of tiles until it holds enough samples; the cone's radius is the one whose share of the square's
+// area holds the wanted number. Indirect light: the number expected under the lobe (relight.frag). Area lights:
+// the effective number (sum a L)^2 / sum (a L)^2 of what was found, so that highlights stay as sharp as they are.
+// The radius is bounded by the distance of what is reflected, because a lobe smeared over the neighbourhood leaks
+// light where things touch.
 #include "lib/cone.glsl"
 
 uniform sampler2DArray pyramid;
 uniform sampler2DArray statistics;
 uniform int lobeIndex;
+uniform int areaLights;  // 1: a lobe of the area lights
 uniform float texelSizeMeters;
 
 layout(location = 0) out float radius;
@@ -25,7 +28,7 @@ void main() {
     uint chart = chartOfTile(tile);
     if (chart == kNoChart) return;
 
-    float a = 0.0, aa = 0.0, aPerMeter = 0.0, samples = 0.0, texels = 0.0;
+    float weight = 0.0, light = 0.0, count = 0.0, perMeter = 0.0, samples = 0.0, texels = 0.0;
     for (int ring = 0; ring <= int(kRadiusInTaps); ++ring) {
         for (int y = -ring; y <= ring; ++y) {
             // Only the square's border is new.
@@ -34,22 +37,25 @@ void main() {
                 ivec2 at = tile + ivec2(x, y);
                 if (chartOfTile(at) != chart) continue;
                 vec2 s = texelFetch(statistics, ivec3(at, lobeIndex), kTopLevel).rg;
-                a += texelFetch(pyramid, ivec3(at, lobeIndex), kTopLevel).a;
-                aa += s.x;
-                aPerMeter += s.y;
+                vec4 sums = texelFetch(pyramid, ivec3(at, lobeIndex), kTopLevel);
+                weight += sums.a;
+                light += dot(sums.rgb, vec3(0.2126, 0.7152, 0.0722));
+                count += s.x;
+                perMeter += s.y;
                 texels += float(kTileSize * kTileSize);
             }
         }
-        samples = aa > 0.0 ? a * a / aa : 0.0;
+        samples = areaLights == 0 ? count : count > 0.0 ? light * light / count : 0.0;
         if (samples >= kWantedSamples) break;
     }
     if (samples <= 0.0) {
-        radius = kMaxRadius;
+        // Nothing under an indirect lobe: look far. No light of a lamp: there is nothing to smooth.
+        radius = areaLights == 0 ? kMaxRadius : kMinRadius;
         return;
     }
     // A cone's effective area is (sum k)^2 / sum k^2 = pi R^2 (1/3)^2 / (1/6) = 2/3 pi R^2.
     float perSample = sqrt(texels / samples * 1.5 / 3.14159265);
-    float distanceTexels = a / max(aPerMeter, 1e-20 * a) / texelSizeMeters;
+    float distanceTexels = weight / max(perMeter, 1e-20 * weight + 1e-30) / texelSizeMeters;
     float wanted = perSample * sqrt(kWantedSamples);
     float least = perSample * sqrt(kLeastSamples);
     radius = clamp(max(min(wanted, kRadiusPerDistance * distanceTexels), least), kMinRadius, kMaxRadius);

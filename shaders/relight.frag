@@ -1,9 +1,12 @@
 // Pass 1, once a frame: the BRDF applied to every PHATexel of the atlas, seen from the eye.
 //
-// With a = D V F cos / p of the texel's own sample (scalar F), writes a L and a: the display pass divides the
-// two sums (ratio estimator), so invalid PHATexels drop out as zeros. The statistics are sum a^2 for the
-// effective number of samples and sum a/d for the distance of what is reflected.
-// source: Hensley et al. 2003, section 6; the pdf and the normaliser are ours (docs/pipeline.md).
+// With a = D V F cos / p of the texel's own sample (scalar F), the display pass divides sum a L by sum w and
+// multiplies by the lobe's albedo; invalid PHATexels drop out as zeros.
+//  - Indirect light: w = a, the ratio estimator: a convex combination of real radiances.
+//  - Area lights (EXPECTED_WEIGHT): w is a's expectation, the albedo. Their samples crowd toward the lights, where
+//    a is small; a neighbourhood that happens to miss the few large a would show bare lamps as bright dots.
+// The statistics tell radius.frag how many samples a lobe has here and how far away is what it reflects.
+// source: Hensley et al. 2003, section 6; the pdf and the normalisers are ours (docs/pipeline.md).
 #include "lib/atlas.glsl"
 #include "lib/brdf.glsl"
 #include "lib/phatexel.glsl"
@@ -23,21 +26,65 @@ uniform float eyeAtInfinity;           // 1: parallel projection
 uniform int layerCount;
 uniform int guideCount;
 
-layout(location = 0) out vec4 lobe;
-layout(location = 1) out vec2 lobeStatistics;
+layout(location = 0) out vec4 lobe;            // sum a L, sum w
+layout(location = 1) out vec2 lobeStatistics;  // see addSample; sum a / distance
 #ifdef CLEARCOAT
 layout(location = 2) out vec4 coat;
 layout(location = 3) out vec2 coatStatistics;
 #endif
 
-// a of one lobe; 0 when either direction is below the horizon.
-float lobeWeight(vec3 normal, vec3 towardEye, vec3 towardLight, float f0, float f90, float alpha, float pdf) {
-    float nDotV = dot(normal, towardEye);
-    float nDotL = dot(normal, towardLight);
+struct Lobe {
+    vec3 normal;
+    float f0;
+    float f90;
+    float alpha;
+};
+
+float densityAt(int block, vec3 directionBlock, ivec3 texelLayer) {
+#ifdef TEXEL_PDF
+    return texelFetch(texelPdf, texelLayer, 0).r;
+#else
+    // A direction at the very horizon may come back a hair below it.
+    vec3 direction = vec3(directionBlock.xy, max(directionBlock.z, 0.0));
+    return squareToGuidePdf(guidePdf, guideCount == 1 ? 0 : block, direction);
+#endif
+}
+
+// D V F cos; 0 when either direction is below the horizon.
+float lobeValue(Lobe l, vec3 towardEye, vec3 towardLight) {
+    float nDotV = dot(l.normal, towardEye);
+    float nDotL = dot(l.normal, towardLight);
     if (nDotV <= 0.0 || nDotL <= 0.0) return 0.0;
     vec3 h = normalize(towardEye + towardLight);
-    float fresnel = schlick(vec3(f0), f90, dot(towardEye, h)).x;
-    return ggxD(min(dot(normal, h), 1.0), alpha) * smithV(nDotL, nDotV, alpha) * fresnel * nDotL / pdf;
+    float fresnel = schlick(vec3(l.f0), l.f90, dot(towardEye, h)).x;
+    return ggxD(min(dot(l.normal, h), 1.0), l.alpha) * smithV(nDotL, nDotV, l.alpha) * fresnel * nDotL;
+}
+
+// How many of a texel's samples may be expected under the lobe: the density at its mirror direction times the
+// lobe's solid angle. Counting the samples that are there would not do: where none hit the lobe, its tails look
+// like many. The solid angle is 1 / (integral of D^2), 3 pi alpha^2 for small alpha, times d(light)/d(half) = 4 v.h.
+float expectedSamples(Lobe l, vec3 towardEye, mat3 worldFromBlock, int block, ivec3 texelLayer) {
+    float nDotV = dot(l.normal, towardEye);
+    if (nDotV <= 0.0) return 0.0;
+    vec3 mirror = (2.0 * nDotV * l.normal - towardEye) * worldFromBlock;
+    mirror = normalize(vec3(mirror.xy, max(mirror.z, 0.0)));
+    float solidAngle = min(12.0 * kPi * l.alpha * l.alpha * nDotV, kPi);
+    return densityAt(block, mirror, texelLayer) * solidAngle;
+}
+
+void addSample(Lobe l, vec3 towardEye, vec3 towardLight, mat3 worldFromBlock, int block, ivec3 texelLayer,
+               Phatexel phatexel, inout vec4 sums, inout vec2 statistics) {
+    // A mirror-like lobe's peak may exceed what squares hold in 32 bits: a clamp.
+    float a = min(lobeValue(l, towardEye, towardLight) / phatexel.pdf, 1e12);
+#ifdef EXPECTED_WEIGHT
+    float w = specularAlbedo(vec3(l.f0), l.f90, l.alpha, max(dot(l.normal, towardEye), 0.0)).x;
+    float value = a * dot(phatexel.radiance, vec3(0.2126, 0.7152, 0.0722));
+    sums += vec4(phatexel.radiance * a, w);
+    statistics += vec2(value * value, a / phatexel.distance);
+#else
+    sums += vec4(phatexel.radiance, 1.0) * a;
+    statistics += vec2(expectedSamples(l, towardEye, worldFromBlock, block, texelLayer), a / phatexel.distance);
+#endif
 }
 
 void main() {
@@ -58,32 +105,22 @@ void main() {
     vec3 blockNormal = texelFetch(blockFrames, tableTexel(2 * block), 0).xyz;
     vec3 blockTangent = texelFetch(blockFrames, tableTexel(2 * block + 1), 0).xyz;
     mat3 worldFromBlock = mat3(blockTangent, cross(blockNormal, blockTangent), blockNormal);
-    vec3 normal = octahedralToDirection(normals.xy);
     vec3 towardEye = normalize(eyeWorld - position * (1.0 - eyeAtInfinity));
 
+    Lobe base = Lobe(octahedralToDirection(normals.xy), brdf.x, brdf.y, brdf.z);
     for (int layer = 0; layer < layerCount; ++layer) {
-        Phatexel phatexel = unpackPhatexel(texelFetch(phatexels, ivec3(texel, layer), 0).xy);
+        ivec3 texelLayer = ivec3(texel, layer);
+        Phatexel phatexel = unpackPhatexel(texelFetch(phatexels, texelLayer, 0).xy);
         if (!phatexel.valid) continue;
-#ifdef TEXEL_PDF
-        float pdf = texelFetch(texelPdf, ivec3(texel, layer), 0).r;
-#else
-        // A direction at the very horizon may come back a hair below it.
-        vec3 direction = vec3(phatexel.directionBlock.xy, max(phatexel.directionBlock.z, 0.0));
-        float pdf = squareToGuidePdf(guidePdf, guideCount == 1 ? 0 : block, direction);
-#endif
-        if (!(pdf > 0.0)) continue;
+        phatexel.pdf = densityAt(block, phatexel.directionBlock, texelLayer);
+        if (!(phatexel.pdf > 0.0)) continue;
         vec3 towardLight = worldFromBlock * phatexel.directionBlock;
-        // A mirror-like lobe's peak may exceed what squares hold in 32 bits: a clamp of the weight, harmless
-        // because it bounds numerator and denominator alike.
-        float a = min(lobeWeight(normal, towardEye, towardLight, brdf.x, brdf.y, brdf.z, pdf), 1e15);
-        lobe += vec4(phatexel.radiance, 1.0) * a;
-        lobeStatistics += vec2(a * a, a / phatexel.distance);
+        addSample(base, towardEye, towardLight, worldFromBlock, block, texelLayer, phatexel, lobe, lobeStatistics);
 #ifdef CLEARCOAT
         if (brdf.w > 0.0) {
-            vec3 coatNormal = octahedralToDirection(normals.zw);
-            float c = min(lobeWeight(coatNormal, towardEye, towardLight, kClearcoatF0, 1.0, brdf.w, pdf), 1e15);
-            coat += vec4(phatexel.radiance, 1.0) * c;
-            coatStatistics += vec2(c * c, c / phatexel.distance);
+            Lobe coatLobe = Lobe(octahedralToDirection(normals.zw), kClearcoatF0, 1.0, brdf.w);
+            addSample(coatLobe, towardEye, towardLight, worldFromBlock, block, texelLayer, phatexel, coat,
+                      coatStatistics);
         }
 #endif
     }

@@ -13,7 +13,7 @@ const float kMaxRadius = 24.0;
 // What the display pass reads for one lobe: four radii and, a tap, its sums; each after a look at its tile.
 const int kMaxReadsPerLobe = 2 * 4 + 2 * kMaxTaps;
 
-// sum k a L, sum k a around `center` (texel coordinates of level 0) with the cone k = 1 - r / radius.
+// sum k a L, sum k w around `center` (texel coordinates of level 0) with the cone k = 1 - r / radius.
 vec4 coneSum(sampler2DArray pyramid, int lobeIndex, vec2 center, float radius, uint chart) {
     int level = clamp(int(ceil(log2(radius / kRadiusInTaps))), 0, kTopLevel);
     float scale = exp2(float(-level));

@@ -106,7 +106,7 @@ void bindShared(const ShaderProgram& program, const DisplayInput& input, const C
     program.bind("radii", 1, input.relit.radii.name());
     program.bind("tileTable", 2, input.atlas.tileTable.name());
     program.bind("irradiance", 3, input.atlas.irradiance.name());
-    program.bind("splitSumTable", 4, input.scene.splitSum.name(), input.scene.bilinear.name());
+    program.bind("splitSumTable", 4, input.scene.splitSum.name());
     program.bind("lightTable", 5, input.shadows.lightTable.name());
     program.bind("shadowMaps", 6, input.shadows.depth.name());
     program.set("lightCount", input.shadows.lightCount);

@@ -52,8 +52,10 @@ RelightPass createRelightPass(const std::string& folder, const GpuAtlas& atlas, 
     RelightPass pass;
     pass.clearcoat = clearcoat;
     pass.materialProgram = ShaderProgram(folder, "fullscreen.vert", "texel_material.frag");
-    for (const GpuPhatexels& source : atlas.sources) {
+    for (size_t s = 0; s < atlas.sources.size(); ++s) {
+        const GpuPhatexels& source = atlas.sources[s];
         std::vector<std::string> defines;
+        if (s == 1) defines.push_back("EXPECTED_WEIGHT");
         if (source.texelPdf) defines.push_back("TEXEL_PDF");
         if (clearcoat) defines.push_back("CLEARCOAT");
         pass.relightPrograms.emplace_back(folder, "fullscreen.vert", "relight.frag", defines);
@@ -78,7 +80,7 @@ void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const std::v
     drawFullscreen(pass, program, pass.brdfTarget, atlas.sizeTexels);
 }
 
-void relight(const RelightPass& pass, const GpuAtlas& atlas, const Eye& eye) {
+void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, const Eye& eye) {
     for (size_t s = 0; s < atlas.sources.size(); ++s) {
         const GpuPhatexels& source = atlas.sources[s];
         const ShaderProgram& program = pass.relightPrograms[s];
@@ -89,6 +91,7 @@ void relight(const RelightPass& pass, const GpuAtlas& atlas, const Eye& eye) {
         program.bind("texelPosition", 4, atlas.position.name());
         program.bind("texelNormals", 5, atlas.normals.name());
         program.bind("texelBrdf", 6, pass.texelBrdf.name());
+        program.bind("splitSumTable", 8, splitSum);
         if (source.texelPdf) program.bind("texelPdf", 7, source.texelPdf.name());
         program.set("eyeWorld", eye.place);
         program.set("eyeAtInfinity", eye.atInfinity ? 1.0f : 0.0f);
@@ -121,6 +124,7 @@ void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas) {
     radius.set("texelSizeMeters", atlas.texelSizeMeters);
     for (int lobe = 0; lobe < pass.lobeCount; ++lobe) {
         radius.set("lobeIndex", lobe);
+        radius.set("areaLights", lobe % int(atlas.sources.size()) == 1 ? 1 : 0);
         drawFullscreen(pass, radius, pass.radiusTargets[lobe], atlas.sizeTexels / kTileSize);
     }
 }

@@ -22,8 +22,8 @@ struct RelightPass {
     bool clearcoat = false;
     int lobeCount = 0;      // sources, twice with clear coats
     GlTexture texelBrdf;    // RGBA16F, see shaders/texel_material.frag
-    GlTexture lobes;        // RGBA32F [lobe][y][x], levels 0 to 3: sum a L, sum a
-    GlTexture statistics;   // RG32F, the same: sum a^2, sum a / distance
+    GlTexture lobes;        // RGBA32F [lobe][y][x], levels 0 to 3: sum a L, sum w
+    GlTexture statistics;   // RG32F, the same; see shaders/relight.frag
     GlTexture radii;        // R32F [lobe][tileY][tileX]
     GlFramebuffer brdfTarget;
     std::vector<GlFramebuffer> relightTargets;                // [source]
@@ -42,7 +42,7 @@ struct Eye {
     glm::vec3 place{0};
     bool atInfinity = false;
 };
-void relight(const RelightPass& pass, const GpuAtlas& atlas, const Eye& eye);
+void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, const Eye& eye);
 void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas);
 
 }  // namespace phat

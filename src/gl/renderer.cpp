@@ -101,6 +101,9 @@ Image Renderer::render(const FrameSettings& settings) {
     const glm::uvec2 size(std::max(settings.width, 1), std::max(settings.height, 1));
     if (s.targets.size != size) s.targets = createFrameTargets(size);
 
+    // A query needs a complete framebuffer; a context without a window has none of its own.
+    glBindFramebuffer(GL_FRAMEBUFFER, s.targets.sumTarget.name());
+
     const bool needShadows = !s.shadows.depth;
     if (needShadows) {
         s.shadowTimer.start();
@@ -114,7 +117,7 @@ Image Renderer::render(const FrameSettings& settings) {
     s.relightTimer.start();
     if (s.materialsChanged) applyMaterials(s.relight, s.atlas, s.materials);
     s.materialsChanged = false;
-    relight(s.relight, s.atlas, eyeOf(settings.camera));
+    relight(s.relight, s.atlas, s.scene.splitSum.name(), eyeOf(settings.camera));
     s.relightTimer.stop();
     s.pyramidTimer.start();
     buildPyramid(s.relight, s.atlas);

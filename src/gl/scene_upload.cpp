@@ -183,7 +183,6 @@ GpuScene uploadScene(const Scene& scene, const Atlas& atlas) {
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     uploadImages(scene, gpu);
     gpu.samplers = createSamplers();
-    gpu.bilinear = createSampler(GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE, GL_LINEAR, GL_LINEAR);
     gpu.splitSum = createTexture2D(GL_RG32F, glm::uvec2(kSplitSumSize));
     glTextureSubImage2D(gpu.splitSum.name(), 0, 0, 0, kSplitSumSize, kSplitSumSize, GL_RG, GL_FLOAT,
                         splitSumTable().data());

@@ -27,7 +27,6 @@ struct GpuScene {
     GlTexture white;
     std::vector<GlSampler> samplers;  // see samplerIndex
     GlTexture splitSum;
-    GlSampler bilinear;
     GlTexture environment;  // empty without one
     GlSampler environmentSampler;
     Bounds bounds;
