@@ -197,7 +197,7 @@ void runRender(const RenderOptions& options) {
 
 void addRenderCommand(CLI::App& app) {
     CLI::App* command = app.add_subcommand("render", "Draw a picture of a baked file");
-    const auto option = [&](const char* name, const char* type, const char* help) {
+    const auto option = [&](const char* name, const char* type, const std::string& help) {
         return command->add_option(name, help)->type_name(type);
     };
     CLI::Option* input = option("IN", "FILE", "A baked file; a scene is baked first")->required();
@@ -238,7 +238,7 @@ void addRenderCommand(CLI::App& app) {
         if (*size) parseSize(size, options);
         options.samplesPerPixel = spp->as<int>();
         options.component = kComponents.at(component->as<std::string>());
-        if (*edits) options.edits = edits->as<std::vector<std::string>>();
+        if (*edits) options.edits = edits->results();
         options.exposureStops = exposure->as<float>();
         options.toneMap = kToneMaps.at(toneMapping->as<std::string>());
         options.quiet = quiet->count() > 0;

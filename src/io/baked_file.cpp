@@ -21,16 +21,14 @@ using nlohmann::json;
 // Arrays that wait for compression, and where in the extension their description goes.
 struct PendingPayload {
     std::string where;  // JSON pointer
-    size_t elementSize = 1;
     std::vector<uint8_t> bytes;
 };
 using Payloads = std::vector<PendingPayload>;
 
 template <class T>
-void add(Payloads& payloads, std::string where, const std::vector<T>& values,
-         size_t elementSize = sizeof(T)) {
+void add(Payloads& payloads, std::string where, const std::vector<T>& values) {
     const auto bytes = bytesOf(values);
-    payloads.push_back({std::move(where), elementSize, {bytes.begin(), bytes.end()}});
+    payloads.push_back({std::move(where), {bytes.begin(), bytes.end()}});
 }
 
 void addAtlas(Payloads& payloads, const Atlas& atlas, const TexelPoints& points, json& extension) {
@@ -41,7 +39,7 @@ void addAtlas(Payloads& payloads, const Atlas& atlas, const TexelPoints& points,
     for (const Chart& chart : atlas.charts)
         records.push_back({chart.originTile.x, chart.originTile.y, chart.sizeTiles.x, chart.sizeTiles.y,
                            chart.surface, chart.back, chart.otherSide});
-    add(payloads, "/atlas/charts", records, sizeof(uint32_t));
+    add(payloads, "/atlas/charts", records);
     add(payloads, "/atlas/tiles", atlas.tileChart);
     add(payloads, "/atlas/triangles", atlas.triangleChart);
 
@@ -77,7 +75,7 @@ void addLayers(Payloads& payloads, const std::string& where, const std::vector<P
     const auto pointer = json::json_pointer(where);
     extension[pointer]["guideCount"] = guides.size();
     extension[pointer]["layers"] = json::array();
-    if (!guides.empty()) add(payloads, where + "/guides", guides, sizeof(uint16_t));
+    if (!guides.empty()) add(payloads, where + "/guides", guides);
     for (size_t i = 0; i < layers.size(); ++i) {
         std::vector<uint32_t> radiance, direction;
         for (const PackedPhatexel& texel : layers[i].texels) {
@@ -108,7 +106,7 @@ void addEnvironment(Payloads& payloads, const Environment& environment, json& ex
 void appendPayloads(const Payloads& payloads, json& extension, GlbBuilder& glb, Progress* progress) {
     std::vector<std::vector<uint8_t>> streams(payloads.size());
     tbb::parallel_for(size_t(0), payloads.size(), [&](size_t i) {
-        streams[i] = encodePayload(payloads[i].bytes, payloads[i].elementSize, progress);
+        streams[i] = encodePayload(payloads[i].bytes, progress);
         if (progress) progress->advance(payloads[i].bytes.size());
     });
     for (size_t i = 0; i < payloads.size(); ++i)

@@ -31,8 +31,7 @@ struct Reader {
 
 // The payload object[key] as `count` values.
 template <class T>
-std::vector<T> readPayload(Reader& reader, const json& object, const char* key, uint64_t count,
-                           size_t elementSize = sizeof(T)) {
+std::vector<T> readPayload(Reader& reader, const json& object, const char* key, uint64_t count) {
     const json& payload = object.at(key);
     const uint64_t byteLength = wholeNumber(payload, "byteLength");
     if (count > ~0ull / sizeof(T) || byteLength != count * sizeof(T))
@@ -42,7 +41,7 @@ std::vector<T> readPayload(Reader& reader, const json& object, const char* key, 
         fail(fmt::format("the payload \"{}\" is larger than the file allows", key));
     reader.bytesLeft -= byteLength;
     const auto stream = bufferViewBytes(reader.source, wholeNumber(payload, "bufferView"));
-    const std::vector<uint8_t> bytes = decodePayload(stream, elementSize, byteLength);
+    const std::vector<uint8_t> bytes = decodePayload(stream, byteLength);
     std::vector<T> values(count);
     if (count > 0) std::memcpy(values.data(), bytes.data(), byteLength);
     return values;
@@ -73,8 +72,7 @@ void readCharts(Reader& reader, const json& object, size_t surfaceCount, Atlas& 
     const uint64_t tileCount = uint64_t(tiles.x) * tiles.y;
     const uint64_t chartCount = wholeNumber(object, "chartCount");
     if (chartCount > tileCount) fail("there are more charts than tiles");
-    for (const ChartRecord& r :
-         readPayload<ChartRecord>(reader, object, "charts", chartCount, sizeof(uint32_t))) {
+    for (const ChartRecord& r : readPayload<ChartRecord>(reader, object, "charts", chartCount)) {
         Chart chart;
         chart.originTile = {r.originTileX, r.originTileY};
         chart.sizeTiles = {r.sizeTilesX, r.sizeTilesY};
@@ -190,7 +188,7 @@ void readLayers(Reader& reader, const json& object, const Atlas& atlas, std::vec
                 std::vector<Guide>& guides) {
     const uint64_t guideCount = wholeNumber(object, "guideCount");
     if (guideCount > 1 && guideCount != atlas.blockCount) fail("the guides are not one for each block");
-    if (guideCount > 0) guides = readPayload<Guide>(reader, object, "guides", guideCount, sizeof(uint16_t));
+    if (guideCount > 0) guides = readPayload<Guide>(reader, object, "guides", guideCount);
     for (const Guide& guide : guides)
         for (const uint16_t weight : guide.weight)
             if (weight == 0) fail("a guide has a cell without weight");

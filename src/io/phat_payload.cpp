@@ -3,7 +3,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cassert>
 #include <stdexcept>
 
 namespace phat {
@@ -11,22 +10,6 @@ namespace {
 
 // Large enough that zlib's set-up is nothing, small enough that a stop request is seen within milliseconds.
 constexpr size_t kPieceBytes = 256 << 10;
-
-std::vector<uint8_t> splitPlanes(std::span<const uint8_t> bytes, size_t elementSize) {
-    const size_t count = bytes.size() / elementSize;
-    std::vector<uint8_t> planes(bytes.size());
-    for (size_t byte = 0; byte < elementSize; ++byte)
-        for (size_t i = 0; i < count; ++i) planes[byte * count + i] = bytes[i * elementSize + byte];
-    return planes;
-}
-
-std::vector<uint8_t> joinPlanes(std::span<const uint8_t> planes, size_t elementSize) {
-    const size_t count = planes.size() / elementSize;
-    std::vector<uint8_t> bytes(planes.size());
-    for (size_t byte = 0; byte < elementSize; ++byte)
-        for (size_t i = 0; i < count; ++i) bytes[i * elementSize + byte] = planes[byte * count + i];
-    return bytes;
-}
 
 struct Deflater {
     z_stream z{};
@@ -46,10 +29,7 @@ struct Inflater {
 
 }  // namespace
 
-std::vector<uint8_t> encodePayload(std::span<const uint8_t> bytes, size_t elementSize,
-                                   const Progress* progress) {
-    assert(elementSize > 0 && bytes.size() % elementSize == 0);
-    std::vector<uint8_t> planes = splitPlanes(bytes, elementSize);
+std::vector<uint8_t> encodePayload(std::span<const uint8_t> bytes, const Progress* progress) {
     std::vector<uint8_t> stream;
     std::vector<uint8_t> piece(kPieceBytes);
     Deflater deflater;
@@ -58,9 +38,9 @@ std::vector<uint8_t> encodePayload(std::span<const uint8_t> bytes, size_t elemen
     int status = Z_OK;
     do {
         if (progress) progress->throwIfStopped();
-        const size_t size = std::min(kPieceBytes, planes.size() - begin);
-        const bool last = begin + size == planes.size();
-        z.next_in = planes.data() + begin;
+        const size_t size = std::min(kPieceBytes, bytes.size() - begin);
+        const bool last = begin + size == bytes.size();
+        z.next_in = const_cast<uint8_t*>(bytes.data()) + begin;
         z.avail_in = uInt(size);
         do {
             z.next_out = piece.data();
@@ -73,11 +53,10 @@ std::vector<uint8_t> encodePayload(std::span<const uint8_t> bytes, size_t elemen
     return stream;
 }
 
-std::vector<uint8_t> decodePayload(std::span<const uint8_t> stream, size_t elementSize, size_t byteLength) {
-    assert(elementSize > 0 && byteLength % elementSize == 0);
+std::vector<uint8_t> decodePayload(std::span<const uint8_t> stream, size_t byteLength) {
     if (byteLength / kMaxPayloadExpansion > stream.size())
         throw std::runtime_error("a payload is too short for what it should hold");
-    std::vector<uint8_t> planes(byteLength);
+    std::vector<uint8_t> bytes(byteLength);
     Inflater inflater;
     z_stream& z = inflater.z;
     size_t consumed = 0, produced = 0;
@@ -87,7 +66,7 @@ std::vector<uint8_t> decodePayload(std::span<const uint8_t> stream, size_t eleme
         const size_t outSize = std::min(kPieceBytes, byteLength - produced);
         z.next_in = const_cast<uint8_t*>(stream.data()) + consumed;
         z.avail_in = uInt(inSize);
-        z.next_out = outSize ? planes.data() + produced : &overflow;
+        z.next_out = outSize ? bytes.data() + produced : &overflow;
         z.avail_out = outSize ? uInt(outSize) : 1;
         const uInt room = z.avail_out;
         const int status = inflate(&z, Z_NO_FLUSH);
@@ -100,7 +79,7 @@ std::vector<uint8_t> decodePayload(std::span<const uint8_t> stream, size_t eleme
     }
     if (produced != byteLength) throw std::runtime_error("a payload holds less than its size says");
     if (consumed != stream.size()) throw std::runtime_error("a payload has bytes after its end");
-    return joinPlanes(planes, elementSize);
+    return bytes;
 }
 
 }  // namespace phat

@@ -14,16 +14,14 @@ namespace phat {
 /// No deflate stream expands further: 258 bytes from 2 bits.
 inline constexpr size_t kMaxPayloadExpansion = 1032;
 
-/// Bytes of little-endian elements, rearranged so that byte 0 of every element comes first, then byte 1 of
-/// every element, and so on, and compressed with zlib (RFC 1950). Bytes of one kind beside each other
-/// compress better: docs/format.md has the measurement. pre: bytes.size() is a multiple of elementSize.
-/// Throws Interrupted when `progress` was asked to stop.
-std::vector<uint8_t> encodePayload(std::span<const uint8_t> bytes, size_t elementSize,
-                                   const Progress* progress = nullptr);
+/// A zlib stream (RFC 1950), which a browser's DecompressionStream("deflate") undoes. No rearrangement
+/// before: bit fields of PHATexels do not end at bytes, and splitting bytes into planes made them larger
+/// (format.md). Throws Interrupted when `progress` was asked to stop.
+std::vector<uint8_t> encodePayload(std::span<const uint8_t> bytes, const Progress* progress = nullptr);
 
 /// Undoes encodePayload. Throws std::runtime_error, before memory is allocated, when a stream of this length
 /// cannot hold `byteLength` bytes; and when it does not hold exactly these.
-std::vector<uint8_t> decodePayload(std::span<const uint8_t> stream, size_t elementSize, size_t byteLength);
+std::vector<uint8_t> decodePayload(std::span<const uint8_t> stream, size_t byteLength);
 
 /// The bytes of an array of plain values. The file is little endian, as glTF is.
 template <class T>
