@@ -44,9 +44,7 @@ float densityAt(int block, vec3 directionBlock, ivec3 texelLayer) {
 #ifdef TEXEL_PDF
     return texelFetch(texelPdf, texelLayer, 0).r;
 #else
-    // A direction at the very horizon may come back a hair below it.
-    vec3 direction = vec3(directionBlock.xy, max(directionBlock.z, 0.0));
-    return squareToGuidePdf(guidePdf, guideCount == 1 ? 0 : block, direction);
+    return squareToGuidePdf(guidePdf, guideCount == 1 ? 0 : block, directionBlock);
 #endif
 }
 

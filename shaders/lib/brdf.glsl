@@ -21,7 +21,7 @@ struct LobeValues {
     vec3 specular;
 };
 
-// 64x64 over (nDotV, sqrt(alpha)), two channels: core's splitSumTable().
+// 64x64 over (nDotV, sqrt(alpha)), two channels, entry i at i / 63: core's splitSumTable().
 uniform sampler2D splitSumTable;
 
 float maxComponent(vec3 v) {
@@ -53,9 +53,9 @@ vec3 schlick(vec3 f0, float f90, float vDotH) {
 
 vec2 splitSum(float nDotV, float alpha) {
     // Bilinear by hand: GPUs filter with 8-bit weights, which is seen as 0.3 % steps.
-    vec2 size = vec2(textureSize(splitSumTable, 0));
-    vec2 at = clamp(vec2(nDotV, sqrt(alpha)) * size - 0.5, vec2(0.0), size - 1.0);
-    vec2 corner = min(floor(at), size - 2.0);
+    vec2 last = vec2(textureSize(splitSumTable, 0) - 1);
+    vec2 at = clamp(vec2(nDotV, sqrt(alpha)), 0.0, 1.0) * last;
+    vec2 corner = min(floor(at), last - 1.0);
     ivec2 c = ivec2(corner);
     vec2 t = at - corner;
     vec2 low = mix(texelFetch(splitSumTable, c, 0).rg, texelFetch(splitSumTable, c + ivec2(1, 0), 0).rg, t.x);

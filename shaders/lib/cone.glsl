@@ -13,19 +13,30 @@ const float kMaxRadius = 24.0;
 // What the display pass reads for one lobe: four radii and, a tap, its sums; each after a look at its tile.
 const int kMaxReadsPerLobe = 2 * 4 + 2 * kMaxTaps;
 
+// The finest level at which the cone stays within its taps.
+int coneLevel(float radius) {
+    return clamp(int(ceil(log2(radius / kRadiusInTaps))), 0, kTopLevel);
+}
+
+// First and last tap (xy, zw) of the cone's square at `level`.
+ivec4 coneTaps(vec2 center, float radius, int level) {
+    float scale = exp2(float(-level));
+    float radiusTaps = min(radius * scale, kRadiusInTaps);
+    return ivec4(ceil(center * scale - radiusTaps - 0.5), floor(center * scale + radiusTaps - 0.5));
+}
+
 // sum k a L, sum k w around `center` (texel coordinates of level 0) with the cone k = 1 - r / radius.
 vec4 coneSum(sampler2DArray pyramid, int lobeIndex, vec2 center, float radius, uint chart) {
-    int level = clamp(int(ceil(log2(radius / kRadiusInTaps))), 0, kTopLevel);
+    int level = coneLevel(radius);
     float scale = exp2(float(-level));
     float radiusTaps = min(radius * scale, kRadiusInTaps);
     vec2 centerTaps = center * scale;
-    ivec2 first = ivec2(ceil(centerTaps - radiusTaps - 0.5));
-    ivec2 last = ivec2(floor(centerTaps + radiusTaps - 0.5));
+    ivec4 taps = coneTaps(center, radius, level);
     int tileShift = kTopLevel - level;
 
     vec4 sum = vec4(0.0);
-    for (int y = first.y; y <= last.y; ++y) {
-        for (int x = first.x; x <= last.x; ++x) {
+    for (int y = taps.y; y <= taps.w; ++y) {
+        for (int x = taps.x; x <= taps.z; ++x) {
             vec2 offset = vec2(float(x), float(y)) + 0.5 - centerTaps;
             float k = 1.0 - length(offset) / radiusTaps;
             if (k <= 0.0 || chartOfTile(ivec2(x >> tileShift, y >> tileShift)) != chart) continue;

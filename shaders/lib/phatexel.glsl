@@ -45,6 +45,8 @@ Phatexel unpackPhatexel(uvec2 bits) {
     if (distanceCode == 0u) return phatexel;
     phatexel.radiance = unpackRgb9e5(bits.x);
     phatexel.directionBlock = unpackOctahedral24(bits.y & 0xffffffu);
+    // A direction at the very horizon may come back a hair below it.
+    phatexel.directionBlock.z = max(phatexel.directionBlock.z, 0.0);
     phatexel.distance = unpackDistance(distanceCode);
     phatexel.valid = true;
     return phatexel;

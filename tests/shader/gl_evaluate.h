@@ -1,0 +1,21 @@
+#pragma once
+// Runs GLSL expressions on the GPU over rows of numbers, to compare them with their C++ twins.
+
+#include <array>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "gl/shader_loader.h"
+
+namespace phat::test {
+
+inline const std::string kShaderFolder = PHAT_SOURCE_DIR "/shaders";
+
+/// Evaluates `body` for each row. It sees `vec4 a, b, c, d` (a row's inputs), and writes `vec4 result`;
+/// `include` is the library file under test. `splitSum` binds core's table to splitSumTable.
+std::vector<glm::vec4> evaluateGlsl(const std::string& include, const std::string& body,
+                                    const std::vector<std::array<glm::vec4, 4>>& rows, GlslFlavor flavor,
+                                    GLuint splitSum = 0, GLuint guidePdf = 0);
+
+}  // namespace phat::test
