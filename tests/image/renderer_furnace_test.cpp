@@ -68,5 +68,66 @@ TEST_F(RendererFurnace, MetalReflectsItsAlbedo) {
     }
 }
 
+TEST_F(RendererFurnace, LambertReflectsIrradianceOverPi) {
+    const glm::vec3 radiance(1.5f, 0.75f, 3.0f);
+    const Camera camera = lookAtCamera({0, 0.6f, 0.7f}, {0, 0, 0}, 40);
+    const RendererWorld world = furnaceFloor(lambert(0.5f), radiance);
+    Renderer renderer(world.input(), kShaderFolder);
+    const Image diffuse = renderer.render(frame(camera, Component::diffuseIndirect));
+    // Half floats hold 11 bits.
+    expectPicture(diffuse, camera, [&](float) { return 0.5f * radiance; }, 1e-3f);
+}
+
+TEST_F(RendererFurnace, InvalidTexelsDropOut) {
+    const glm::vec3 radiance(1.5f, 0.75f, 3.0f);
+    const Camera camera = lookAtCamera({0, 0.6f, 0.7f}, {0, 0, 0}, 40);
+    RendererWorld world = furnaceFloor(metal(0.3f), radiance);
+    Rng random(9);
+    for (PackedPhatexel& texel : world.phatexture.indirect[0].texels)
+        if (random.uniform() < 0.7f) texel = {};
+    Renderer renderer(world.input(), kShaderFolder);
+    const Image image = renderer.render(frame(camera, Component::glossyIndirect));
+    const glm::vec3 f0(world.scene.materials[0].baseColor);
+    expectPicture(image, camera, [&](float nDotV) { return radiance * specularAlbedo(f0, 1, 0.09f, nDotV); }, 2e-3f);
+}
+
+// The neighbour in the atlas is a thousand times brighter; nothing of it may be seen.
+TEST_F(RendererFurnace, ChartsDoNotBleed) {
+    Scene scene;
+    addFloor(scene, metal(0.4f), 2);
+    addFloor(scene, metal(0.4f), 2, -10);
+    RendererWorld world = worldOfQuads(scene, 4);
+    const glm::vec3 dim(1), bright(1024);
+    fillPhatexels(world, 0, [&](glm::vec3, glm::vec3) { return dim; });
+    fillPhatexels(world, 1, [&](glm::vec3, glm::vec3) { return bright; });
+    for (uint32_t y = 0; y < world.atlas.sizeTexels.y; ++y)
+        for (uint32_t x = 0; x < world.atlas.sizeTexels.x; ++x)
+            world.irradiance[size_t(y) * world.atlas.sizeTexels.x + x] =
+                kPi * (world.atlas.chartAt({x, y}) == 0 ? dim : bright);
+    Renderer renderer(world.input(), kShaderFolder);
+    // Close to the edge that borders the other chart: x grows with the surface's across direction.
+    for (glm::vec3 target : {glm::vec3(0.9f, 0, 0), glm::vec3(0, 0, 0.9f), glm::vec3(-0.9f, 0, 0)}) {
+        Camera camera = lookAtCamera(target + glm::vec3(0, 0.25f, 0.02f), target, 20);
+        const Image image = renderer.render(frame(camera, Component::glossyIndirect));
+        const glm::vec3 f0(world.scene.materials[0].baseColor);
+        expectPicture(image, camera, [&](float nDotV) { return specularAlbedo(f0, 1, 0.16f, nDotV); }, 2e-3f);
+    }
+}
+
+TEST_F(RendererFurnace, MaterialsCanChangeBetweenFrames) {
+    const Camera camera = lookAtCamera({0, 0.6f, 0.7f}, {0, 0, 0}, 40);
+    const RendererWorld world = furnaceFloor(metal(0.3f), glm::vec3(2));
+    Renderer renderer(world.input(), kShaderFolder);
+    renderer.render(frame(camera, Component::glossyIndirect));
+    std::vector<Material> materials = world.scene.materials;
+    materials[0].roughness = 0.7f;
+    materials[0].baseColor = {0.2f, 0.8f, 0.5f, 1};
+    renderer.setMaterials(materials);
+    const Image image = renderer.render(frame(camera, Component::glossyIndirect));
+    expectPicture(image, camera, [&](float nDotV) {
+        return 2.0f * specularAlbedo({0.2f, 0.8f, 0.5f}, 1, 0.49f, nDotV);
+    }, 2e-3f);
+}
+
 }  // namespace
 }  // namespace phat::test
