@@ -18,6 +18,9 @@ constexpr int kMaxDepth = 64;
 constexpr uint64_t kMaxIndex = 0x7fffffff;
 constexpr uint64_t kMaxBytes = 1ull << 53;
 
+// What a bake adds; its contents are checked where they are read.
+constexpr const char* kBakedExtension = "PHAT_photon_accumulation_texture";
+
 constexpr std::array kSupported = {
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
@@ -27,7 +30,7 @@ constexpr std::array kSupported = {
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
-    "PHAT_photon_accumulation_texture",  // what a bake adds; read elsewhere
+    kBakedExtension,
 };
 
 // Names come from the file and go to a terminal.
@@ -122,10 +125,10 @@ void pruneAndCheck(Json& value, std::set<std::string>& unknown) {
         if (const auto extensions = value.find("extensions");
             extensions != value.end() && extensions->is_object()) {
             for (auto it = extensions->begin(); it != extensions->end();) {
-                if (isSupported(it.key())) {
+                if (isSupported(it.key()) && it.key() != kBakedExtension) {
                     ++it;
                 } else {
-                    unknown.insert(it.key());
+                    if (it.key() != kBakedExtension) unknown.insert(it.key());
                     it = extensions->erase(it);
                 }
             }
