@@ -4,6 +4,7 @@
 
 #include "core/directions.h"
 #include "core/gather.h"
+#include "core/irradiance.h"
 #include "core/lights.h"
 
 namespace phat {
@@ -88,7 +89,10 @@ void bakeAreaLight(const GatherInput& input, const BakeSettings& settings, Progr
         out.area.push_back(gatherArea(input, chosen, progress, journal, rays));
     }
     Stage stage(progress, "soft shadows", input.atlas.texelCount());
-    out.areaIrradiance = gatherAreaIrradiance(input, settings, progress, journal, rays);
+    const IrradianceMap irradiance = filterAreaIrradiance(
+        gatherAreaIrradiance(input, settings, progress, journal, rays), input.atlas, input.points);
+    out.areaIrradiance.reserve(irradiance.size());
+    for (glm::vec3 value : irradiance) out.areaIrradiance.push_back(packRgb9e5(value));
 }
 
 }  // namespace

@@ -23,9 +23,9 @@ struct BakeSettings {
     Directions directions = Directions::guided;
     RadianceSource radiance = RadianceSource::path;
     int layers = 1;            // PHATexels per texel
-    int pathsPerPhatexel = 4;  // RadianceSource::path
+    int pathsPerPhatexel = 8;  // RadianceSource::path
     int maxBounces = 12;
-    int irradianceSamples = 16;  // shadow rays a texel for area lights' diffuse part, by each of two strategies
+    int irradianceSamples = 16;  // shadow rays a texel for area lights' diffuse part; four times in penumbrae
     uint64_t seed = 1;
 };
 

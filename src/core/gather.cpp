@@ -2,7 +2,6 @@
 
 #include <cstring>
 
-#include "core/chart_fill.h"
 #include "core/parallel.h"
 
 namespace phat {
@@ -138,31 +137,21 @@ PhatexelLayer gatherArea(const GatherInput& input, const ChosenDirections& chose
     return result;
 }
 
-std::vector<uint32_t> gatherAreaIrradiance(const GatherInput& input, const BakeSettings& settings,
-                                           Progress& progress, BakeJournal* journal,
-                                           std::atomic<uint64_t>& rayCount) {
-    std::vector<uint32_t> irradiance(input.atlas.texelCount(), 0);
-    fillParts(irradiance, uint64_t(Stage::areaIrradiance), progress, journal, [&](size_t begin, size_t end) {
+std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, const BakeSettings& settings,
+                                                     Progress& progress, BakeJournal* journal,
+                                                     std::atomic<uint64_t>& rayCount) {
+    std::vector<IrradianceEstimate> estimates(input.atlas.texelCount());
+    fillParts(estimates, uint64_t(Stage::areaIrradiance), progress, journal, [&](size_t begin, size_t end) {
         uint64_t rays = 0;
         for (size_t texel = begin; texel < end; ++texel) {
             if (!input.points.valid(texel)) continue;
-            irradiance[texel] = packRgb9e5(
+            estimates[texel] =
                 areaIrradiance(input.rays, input.lights, input.points.position[texel], input.points.normal[texel],
-                               settings.irradianceSamples, Rng(hashOf(settings.seed + 0x17, 0, texel)), rays));
+                               settings.irradianceSamples, Rng(hashOf(settings.seed + 0x17, 0, texel)), rays);
         }
         rayCount += rays;
     });
-    // Lookups interpolate: a texel under a crate must not darken the floor beside it.
-    std::vector<glm::vec3> values(irradiance.size());
-    std::vector<uint8_t> known(irradiance.size());
-    for (size_t texel = 0; texel < irradiance.size(); ++texel) {
-        values[texel] = unpackRgb9e5(irradiance[texel]);
-        known[texel] = input.points.valid(texel);
-    }
-    fillWithinCharts(values, known, input.atlas);
-    for (size_t texel = 0; texel < irradiance.size(); ++texel)
-        if (!input.points.valid(texel)) irradiance[texel] = packRgb9e5(values[texel]);
-    return irradiance;
+    return estimates;
 }
 
 }  // namespace phat

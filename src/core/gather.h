@@ -30,9 +30,9 @@ PhatexelLayer gatherIndirect(const GatherInput& input, const ChosenDirections& c
 PhatexelLayer gatherArea(const GatherInput& input, const ChosenDirections& chosen, Progress& progress,
                          BakeJournal* journal, std::atomic<uint64_t>& rayCount);
 
-/// RGB9E5 irradiance of emissive surfaces and the environment, [y][x].
-std::vector<uint32_t> gatherAreaIrradiance(const GatherInput& input, const BakeSettings& settings,
-                                           Progress& progress, BakeJournal* journal,
-                                           std::atomic<uint64_t>& rayCount);
+/// Estimates of the irradiance of emissive surfaces and the environment, [y][x].
+std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, const BakeSettings& settings,
+                                                     Progress& progress, BakeJournal* journal,
+                                                     std::atomic<uint64_t>& rayCount);
 
 }  // namespace phat

@@ -6,8 +6,8 @@
 namespace phat {
 namespace {
 
-// The widest neighbourhood, texels: half a block, where the stratified directions are complete.
-constexpr int kMaxRadius = 16;
+// The widest neighbourhood, texels: a block, some 3000 samples.
+constexpr int kMaxRadius = 32;
 // The narrowest: some fifty samples, below which noise is worse than blur.
 constexpr float kMinRadius = 4.0f;
 // First look, to learn how far away the surroundings are.
@@ -16,9 +16,11 @@ constexpr int kProbeRadius = 6;
 constexpr float kRadiusOverDistance = 0.5f;
 // The Jacobian lacks the cosine at the far end, which is not stored; bounding it bounds that error.
 constexpr float kMaxJacobian = 4.0f;
-// Irradiance is computed on every second texel of a chart and interpolated: it has no finer detail than the
-// narrowest neighbourhood.
-constexpr uint32_t kStep = 2;
+// Irradiance is computed on a grid of every fourth texel, and of every second where the neighbourhood is
+// narrower than kFineRadius; between them it has no detail and is interpolated.
+constexpr uint32_t kFineStep = 2;
+constexpr uint32_t kCoarse = 2;  // coarse steps in fine ones
+constexpr float kFineRadius = 16.0f;
 
 /// A PHATexel as this filter reads it.
 struct Sample {
@@ -66,6 +68,7 @@ Reconnected reconnect(const Sample& sample, glm::vec3 position) {
 struct Estimate {
     glm::vec3 light{0};
     float weight = 0;
+    float radius = 0;  // texels
 };
 
 class Filter {
@@ -85,7 +88,7 @@ class Filter {
         const glm::vec3 normal = points_.normal[index];
         const float radius = radiusAt(texel, position, normal);
 
-        Estimate sum;
+        Estimate sum{.radius = radius};
         forNeighbors(texel, radius, [&](const Sample& sample, float cone) {
             const Reconnected seen = reconnect(sample, position);
             const float cosine = glm::dot(seen.direction, normal);
@@ -140,14 +143,62 @@ class Filter {
     std::vector<std::vector<Sample>> layers_;
 };
 
-/// Values on the coarse grid; (x, y) of the grid is texel (kStep x, kStep y).
+/// Values on the fine grid; (x, y) of the grid is texel kFineStep * (x, y).
 struct Grid {
     glm::uvec2 size{0};
     std::vector<glm::vec3> value;
     std::vector<uint8_t> known;
+    std::vector<float> radius;
 
     size_t index(glm::ivec2 p) const { return size_t(p.y) * size.x + p.x; }
 };
+
+void evaluate(Grid& grid, const Filter& filter, glm::uvec2 p) {
+    const Estimate estimate = filter.at(kFineStep * p);
+    grid.radius[grid.index(p)] = estimate.radius;
+    if (estimate.weight <= 0.0f) return;
+    grid.value[grid.index(p)] = kPi * estimate.light / estimate.weight;
+    grid.known[grid.index(p)] = 1;
+}
+
+/// Mean of the coarse points around p if they all are of its chart, known and wide; false otherwise.
+bool interpolateCoarse(Grid& grid, const Atlas& atlas, glm::uvec2 p) {
+    const uint32_t chart = atlas.chartAt(kFineStep * p);
+    const glm::uvec2 low = p / kCoarse * kCoarse;
+    const glm::uvec2 step = kCoarse * (p % kCoarse);  // 0 along an axis on which p is itself coarse
+    glm::vec3 sum(0);
+    for (uint32_t i = 0; i < 4; ++i) {
+        const glm::uvec2 q = low + step * glm::uvec2(i & 1, i >> 1);
+        if (q.x >= grid.size.x || q.y >= grid.size.y) return false;
+        const size_t index = grid.index(q);
+        if (atlas.chartAt(kFineStep * q) != chart || !grid.known[index] || grid.radius[index] < kFineRadius)
+            return false;
+        sum += 0.25f * grid.value[index];
+    }
+    grid.value[grid.index(p)] = sum;
+    grid.known[grid.index(p)] = 1;
+    return true;
+}
+
+Grid evaluateGrid(const Filter& filter, const Atlas& atlas, Progress& progress) {
+    Grid grid;
+    grid.size = atlas.sizeTexels / kFineStep;
+    const size_t count = size_t(grid.size.x) * grid.size.y;
+    grid.value.assign(count, glm::vec3(0));
+    grid.known.assign(count, 0);
+    grid.radius.assign(count, 0.0f);
+    for (const bool coarse : {true, false}) {
+        parallelRanges(count, 512, progress, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; ++i) {
+                const glm::uvec2 p(i % grid.size.x, i / grid.size.x);
+                const bool onCoarse = p % kCoarse == glm::uvec2(0);
+                if (onCoarse != coarse || atlas.chartAt(kFineStep * p) == kNoChart) continue;
+                if (coarse || !interpolateCoarse(grid, atlas, p)) evaluate(grid, filter, p);
+            }
+        });
+    }
+    return grid;
+}
 
 IrradianceMap interpolate(const Grid& grid, const Atlas& atlas) {
     IrradianceMap map(atlas.texelCount(), glm::vec3(0));
@@ -157,14 +208,14 @@ IrradianceMap interpolate(const Grid& grid, const Atlas& atlas) {
             for (uint32_t x = 0; x < atlas.sizeTexels.x; ++x) {
                 const uint32_t chart = atlas.chartAt({x, y});
                 if (chart == kNoChart) continue;
-                const glm::ivec2 corner(x / kStep, y / kStep);
-                const glm::vec2 t(float(x % kStep) / kStep, float(y % kStep) / kStep);
+                const glm::ivec2 corner(x / kFineStep, y / kFineStep);
+                const glm::vec2 t(float(x % kFineStep) / kFineStep, float(y % kFineStep) / kFineStep);
                 glm::vec3 sum(0);
                 float weights = 0;
                 for (int i = 0; i < 4; ++i) {
                     const glm::ivec2 offset(i & 1, i >> 1);
                     const glm::ivec2 p = glm::min(corner + offset, glm::ivec2(grid.size) - 1);
-                    if (atlas.chartAt(glm::uvec2(p) * kStep) != chart || !grid.known[grid.index(p)]) continue;
+                    if (atlas.chartAt(glm::uvec2(p) * kFineStep) != chart || !grid.known[grid.index(p)]) continue;
                     const glm::vec2 w = glm::mix(1.0f - t, t, glm::vec2(offset));
                     sum += w.x * w.y * grid.value[grid.index(p)];
                     weights += w.x * w.y;
@@ -181,22 +232,8 @@ IrradianceMap interpolate(const Grid& grid, const Atlas& atlas) {
 IrradianceMap filterIndirectIrradiance(const Phatexture& phatexture, const Atlas& atlas,
                                        const TexelPoints& points, Progress& progress) {
     const Filter filter(phatexture, atlas, points);
-    Grid grid;
-    grid.size = atlas.sizeTexels / kStep;
-    grid.value.assign(size_t(grid.size.x) * grid.size.y, glm::vec3(0));
-    grid.known.assign(grid.value.size(), 0);
-    parallelRanges(grid.value.size(), 512, progress, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            const glm::uvec2 texel = kStep * glm::uvec2(i % grid.size.x, i / grid.size.x);
-            if (atlas.chartAt(texel) == kNoChart) continue;
-            // The texel itself may be covered; its neighbours in the cell stand in for its place.
-            const Estimate estimate = filter.at(texel);
-            if (estimate.weight <= 0.0f) continue;
-            grid.value[i] = kPi * estimate.light / estimate.weight;
-            grid.known[i] = 1;
-        }
-    });
-    fillWithinCharts(grid.value, grid.known, atlas, kStep);
+    Grid grid = evaluateGrid(filter, atlas, progress);
+    fillWithinCharts(grid.value, grid.known, atlas, kFineStep);
     return interpolate(grid, atlas);
 }
 

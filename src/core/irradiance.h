@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/atlas.h"
+#include "core/path.h"
 #include "core/phatexture.h"
 #include "core/progress.h"
 
@@ -18,5 +19,11 @@ using IrradianceMap = std::vector<glm::vec3>;
 /// of what is seen (docs/pipeline.md).
 IrradianceMap filterIndirectIrradiance(const Phatexture& phatexture, const Atlas& atlas,
                                        const TexelPoints& points, Progress& progress);
+
+/// Removes the noise of area-light estimates and keeps their shadow edges: each texel averages those of its
+/// 7x7 neighbours in the chart that differ from it by no more than both estimates' standard errors explain.
+/// Invalid texels are filled from valid ones.
+IrradianceMap filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
+                                   const TexelPoints& points);
 
 }  // namespace phat

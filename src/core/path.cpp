@@ -65,10 +65,9 @@ float areaPdf(const LightSampler& lights, glm::vec3 from, const Hit& hit, glm::v
     return hit ? lights.sampleAreaPdf(from, hit, direction) : lights.sampleEnvironmentPdf(direction);
 }
 
-/// Sums of one estimator round, in units of irradiance and of the constant pi.
+/// One estimator round.
 struct IrradianceRound {
-    glm::vec3 light{0};
-    float unit = 0;
+    glm::vec3 light{0};  // W/m2
     int seen = 0;     // light samples that would have counted
     int visible = 0;  // and were not in shadow
 };
@@ -91,7 +90,6 @@ IrradianceRound irradianceRound(const RayScene& rays, const LightSampler& lights
         // Both strategies' samples share one sum: value / (n_1 p_1 + n_2 p_2).
         const float weight =
             cosine / (float(lightSamples) * light.pdf + float(cosineSamples) * cosine / kPi);
-        round.unit += weight;
         if (maxComponent(light.radiance) <= 0.0f) continue;
         ++round.seen;
         ++rayCount;
@@ -107,9 +105,9 @@ IrradianceRound irradianceRound(const RayScene& rays, const LightSampler& lights
         ++rayCount;
         const Hit hit = rays.closestHit(origin, direction);
         const float pdf = areaPdf(lights, position, hit, direction);
+        if (pdf <= 0.0f) continue;
         const float weight = local.z / (float(lightSamples) * pdf + float(cosineSamples) * local.z / kPi);
-        round.unit += weight;
-        if (pdf > 0.0f) round.light += weight * emissionToward(rays, lights, hit, direction);
+        round.light += weight * emissionToward(rays, lights, hit, direction);
     }
     return round;
 }
@@ -172,22 +170,33 @@ IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights,
     return incident;
 }
 
-glm::vec3 areaIrradiance(const RayScene& rays, const LightSampler& lights, glm::vec3 position, glm::vec3 normal,
-                         int samples, Rng rng, uint64_t& rayCount) {
-    // Penumbrae get three times as many samples again.
-    constexpr int kFurtherRounds = 3;
+IrradianceEstimate areaIrradiance(const RayScene& rays, const LightSampler& lights, glm::vec3 position,
+                                  glm::vec3 normal, int samples, Rng rng, uint64_t& rayCount) {
+    constexpr int kFirstRounds = 2, kFurtherRounds = 6;
     const Frame frame = frameFromNormal(normal);
-    const int cosineSamples = std::max(samples / 4, 1);
-    IrradianceRound sum = irradianceRound(rays, lights, position, frame, samples, cosineSamples, rng, rayCount);
-    if (sum.visible > 0 && sum.visible < sum.seen) {
-        for (int round = 0; round < kFurtherRounds; ++round) {
-            const IrradianceRound more =
-                irradianceRound(rays, lights, position, frame, samples, cosineSamples, rng, rayCount);
-            sum.light += more.light;
-            sum.unit += more.unit;
+    const int lightSamples = std::max(samples / kFirstRounds, 1);
+    const int cosineSamples = std::max(lightSamples / 2, 1);
+
+    glm::vec3 sum(0);
+    double luminances = 0, squares = 0;
+    int rounds = 0, seen = 0, visible = 0;
+    const auto runRounds = [&](int count) {
+        for (int i = 0; i < count; ++i, ++rounds) {
+            const IrradianceRound round =
+                irradianceRound(rays, lights, position, frame, lightSamples, cosineSamples, rng, rayCount);
+            sum += round.light;
+            luminances += luminance(round.light);
+            squares += square(luminance(round.light));
+            seen += round.seen;
+            visible += round.visible;
         }
-    }
-    return sum.unit > 0.0f ? kPi * sum.light / sum.unit : glm::vec3(0);
+    };
+    runRounds(kFirstRounds);
+    const bool penumbra = visible > 0 && visible < seen;
+    if (penumbra) runRounds(kFurtherRounds);
+
+    const double spread = std::max(squares - luminances * luminances / rounds, 0.0);
+    return {sum / float(rounds), float(spread / (double(rounds) * (rounds - 1)))};
 }
 
 }  // namespace phat

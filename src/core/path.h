@@ -32,11 +32,17 @@ IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights,
 glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
                          glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount);
 
-/// Irradiance of emissive surfaces and the environment at a place, W/m2: light samples and cosine-weighted
-/// rays, combined by the balance heuristic and normalised by the same samples' estimate of pi, which makes a
-/// constant surrounding exact. Where the first round finds a penumbra, further rounds are spent.
-/// `samples` light samples a round and a quarter as many cosine rays.
-glm::vec3 areaIrradiance(const RayScene& rays, const LightSampler& lights, glm::vec3 position,
-                         glm::vec3 normal, int samples, Rng rng, uint64_t& rayCount);
+/// A Monte Carlo estimate and the variance of its luminance.
+struct IrradianceEstimate {
+    glm::vec3 value{0};  // W/m2
+    float variance = 0;
+};
+
+/// Irradiance of emissive surfaces and the environment at a place: light samples and cosine-weighted rays,
+/// combined by the balance heuristic (Veach 1997), in independent rounds whose spread gives the variance.
+/// Where the first rounds find a penumbra, further ones are spent. `samples`: light samples of the first
+/// rounds together; half as many cosine rays.
+IrradianceEstimate areaIrradiance(const RayScene& rays, const LightSampler& lights, glm::vec3 position,
+                                  glm::vec3 normal, int samples, Rng rng, uint64_t& rayCount);
 
 }  // namespace phat

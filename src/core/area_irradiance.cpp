@@ -1,0 +1,72 @@
+#include "core/chart_fill.h"
+#include "core/irradiance.h"
+#include "core/parallel.h"
+
+namespace phat {
+namespace {
+
+constexpr int kReach = 3;
+// Differences of this many standard errors still count as noise.
+constexpr float kNoiseSigmas = 2.0f;
+// Estimates are never taken to be better than this: half a percent cannot be seen.
+constexpr float kLeastRelativeError = 0.005f;
+// Normals farther apart than this are different surfaces to the eye, even in one chart.
+constexpr float kLeastNormalCosine = 0.9f;
+
+template <typename Visit>
+void forNeighbors(const Atlas& atlas, const TexelPoints& points, glm::ivec2 texel, int reach, const Visit& visit) {
+    const uint32_t chart = atlas.chartAt(texel);
+    const glm::ivec2 low = glm::max(texel - reach, glm::ivec2(0));
+    const glm::ivec2 high = glm::min(texel + reach, glm::ivec2(atlas.sizeTexels) - 1);
+    for (int y = low.y; y <= high.y; ++y) {
+        for (int x = low.x; x <= high.x; ++x) {
+            const size_t index = size_t(y) * atlas.sizeTexels.x + x;
+            if (atlas.chartAt({x, y}) == chart && points.valid(index)) visit(glm::ivec2(x, y) - texel, index);
+        }
+    }
+}
+
+}  // namespace
+
+IrradianceMap filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
+                                   const TexelPoints& points) {
+    const size_t width = atlas.sizeTexels.x;
+    // A variance from a few rounds is itself noisy: the mean of the 3x3 around is what counts.
+    std::vector<float> variance(estimates.size(), 0.0f);
+    IrradianceMap filtered(estimates.size(), glm::vec3(0));
+    std::vector<uint8_t> known(estimates.size(), 0);
+    SilentProgress silent;
+    const auto forValid = [&](const auto& body) {
+        parallelRanges(estimates.size(), 8192, silent, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; ++i)
+                if (points.valid(i)) body(i, glm::ivec2(i % width, i / width));
+        });
+    };
+    forValid([&](size_t i, glm::ivec2 texel) {
+        float sum = 0, count = 0;
+        forNeighbors(atlas, points, texel, 1, [&](glm::ivec2, size_t j) {
+            sum += estimates[j].variance;
+            count += 1;
+        });
+        variance[i] = sum / count + square(kLeastRelativeError * luminance(estimates[i].value));
+    });
+    forValid([&](size_t i, glm::ivec2 texel) {
+        glm::vec3 sum(0);
+        float weights = 0;
+        forNeighbors(atlas, points, texel, kReach, [&](glm::ivec2 offset, size_t j) {
+            if (glm::dot(points.normal[i], points.normal[j]) < kLeastNormalCosine) return;
+            const float difference = luminance(estimates[i].value) - luminance(estimates[j].value);
+            const float noise = square(kNoiseSigmas) * (variance[i] + variance[j]);
+            const float tent = (kReach + 1 - std::abs(offset.x)) * (kReach + 1 - std::abs(offset.y));
+            const float weight = tent * (noise > 0.0f ? std::exp(-square(difference) / noise) : float(i == j));
+            sum += weight * estimates[j].value;
+            weights += weight;
+        });
+        filtered[i] = sum / weights;
+        known[i] = 1;
+    });
+    fillWithinCharts(filtered, known, atlas);
+    return filtered;
+}
+
+}  // namespace phat
