@@ -70,8 +70,25 @@ float expectedSamples(Lobe l, vec3 towardEye, mat3 worldFromBlock, int block, iv
     return densityAt(block, mirror, texelLayer) * solidAngle;
 }
 
+// Fewer samples a texel than this, and even the widest cone (2/3 pi R^2 texels) holds less than eight of them.
+const float kLeastSamplesPerTexel = 8.0 / (2.0 / 3.0 * kPi * 24.0 * 24.0);
+const float kMostWidening = 2.0;
+
+// A bias, named: a lobe too sharp for the texels to hold samples of it is widened, at most to twice its alpha,
+// because a blurred reflection disturbs less than the discs of single samples.
+void widenLobe(inout Lobe l, inout float expected) {
+    float lack = kLeastSamplesPerTexel / max(expected, 1e-20);
+    float widening = clamp(sqrt(lack), 1.0, kMostWidening);
+    l.alpha = min(l.alpha * widening, max(l.alpha, 1.0));
+    expected *= widening * widening;
+}
+
 void addSample(Lobe l, vec3 towardEye, vec3 towardLight, mat3 worldFromBlock, int block, ivec3 texelLayer,
                Phatexel phatexel, inout vec4 sums, inout vec2 statistics) {
+#ifndef EXPECTED_WEIGHT
+    float expected = expectedSamples(l, towardEye, worldFromBlock, block, texelLayer);
+    widenLobe(l, expected);
+#endif
     // A mirror-like lobe's peak may exceed what squares hold in 32 bits: a clamp.
     float a = min(lobeValue(l, towardEye, towardLight) / phatexel.pdf, 1e12);
 #ifdef EXPECTED_WEIGHT
@@ -81,7 +98,7 @@ void addSample(Lobe l, vec3 towardEye, vec3 towardLight, mat3 worldFromBlock, in
     statistics += vec2(value * value, a / phatexel.distance);
 #else
     sums += vec4(phatexel.radiance, 1.0) * a;
-    statistics += vec2(expectedSamples(l, towardEye, worldFromBlock, block, texelLayer), a / phatexel.distance);
+    statistics += vec2(expected, a / phatexel.distance);
 #endif
 }
 
