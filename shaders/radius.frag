@@ -16,9 +16,9 @@ uniform float texelSizeMeters;
 layout(location = 0) out float radius;
 
 // From pictures: fewer samples are noisy, more blur what roughness .2 to .6 should show.
-const float kWantedSamples = 12.0;
+const float kWantedSamples = 32.0;
 // Below this many samples noise is worse than a leak, so the bound by distance gives way.
-const float kLeastSamples = 3.0;
+const float kLeastSamples = 8.0;
 // Without reconnection a radius beyond a quarter of the distance leaks (docs/pipeline.md).
 const float kRadiusPerDistance = 0.25;
 

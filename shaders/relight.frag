@@ -70,8 +70,8 @@ float expectedSamples(Lobe l, vec3 towardEye, mat3 worldFromBlock, int block, iv
     return densityAt(block, mirror, texelLayer) * solidAngle;
 }
 
-// Fewer samples a texel than this, and even the widest cone (2/3 pi R^2 texels) holds less than eight of them.
-const float kLeastSamplesPerTexel = 8.0 / (2.0 / 3.0 * kPi * 24.0 * 24.0);
+// Fewer samples a texel than this, and even the widest cone (2/3 pi R^2 texels) holds less than 24 of them.
+const float kLeastSamplesPerTexel = 24.0 / (2.0 / 3.0 * kPi * 24.0 * 24.0);
 const float kMostWidening = 2.0;
 
 // A bias, named: a lobe too sharp for the texels to hold samples of it is widened, at most to twice its alpha,

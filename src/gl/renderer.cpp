@@ -114,9 +114,9 @@ Image Renderer::render(const FrameSettings& settings) {
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
-    s.relightTimer.start();
     if (s.materialsChanged) applyMaterials(s.relight, s.atlas, s.materials);
     s.materialsChanged = false;
+    s.relightTimer.start();
     relight(s.relight, s.atlas, s.scene.splitSum.name(), eyeOf(settings.camera));
     s.relightTimer.stop();
     s.pyramidTimer.start();
