@@ -24,10 +24,10 @@ CameraMatrices matricesOf(const Camera& camera, glm::uvec2 size, const Bounds& b
     const float reach = glm::distance(eye, bounds.center()) + 0.5f * bounds.diagonal();
     const float nearMeters = std::max(camera.znear, 1e-5f);
     const float farMeters = std::max(2 * nearMeters, 1.01f * reach);
-    glm::mat4 clipFromCamera =
-        camera.perspective
-            ? glm::perspective(camera.yfovRadians, aspect, nearMeters, farMeters)
-            : glm::ortho(-camera.ymag * aspect, camera.ymag * aspect, -camera.ymag, camera.ymag, nearMeters, farMeters);
+    glm::mat4 clipFromCamera = camera.perspective
+                                   ? glm::perspective(camera.yfovRadians, aspect, nearMeters, farMeters)
+                                   : glm::ortho(-camera.ymag * aspect, camera.ymag * aspect, -camera.ymag,
+                                                camera.ymag, nearMeters, farMeters);
     const glm::vec2 shift = 2.0f * jitter / glm::vec2(size);
     clipFromCamera = glm::translate(glm::mat4(1), glm::vec3(shift, 0)) * clipFromCamera;
     const glm::mat4 cameraFromWorld = glm::inverse(camera.worldFromCamera);
@@ -44,11 +44,16 @@ glm::vec2 jitterOf(int index, int count) {
 
 glm::vec3 shownParts(Component component) {
     switch (component) {
-        case Component::all: return {1, 1, 1};
-        case Component::direct: return {1, 0, 0};
-        case Component::indirect: return {0, 1, 1};
-        case Component::glossyIndirect: return {0, 1, 0};
-        case Component::diffuseIndirect: return {0, 0, 1};
+        case Component::all:
+            return {1, 1, 1};
+        case Component::direct:
+            return {1, 0, 0};
+        case Component::indirect:
+            return {0, 1, 1};
+        case Component::glossyIndirect:
+            return {0, 1, 0};
+        case Component::diffuseIndirect:
+            return {0, 0, 1};
     }
     return glm::vec3(1);
 }
@@ -125,7 +130,8 @@ void drawSurface(const ShaderProgram& program, const DisplayInput& input, const 
     glDrawArrays(GL_TRIANGLES, draw.firstVertex, draw.vertexCount);
 }
 
-// Behind what was drawn already: back to front, by the surfaces' middles; a surface's own back before its front.
+// Behind what was drawn already: back to front, by the surfaces' middles; a surface's own back before its
+// front.
 void drawBlended(DisplayPass& pass, const DisplayInput& input, const Camera& camera) {
     pass.blendOrder.clear();
     for (uint32_t i = 0; i < input.scene.draws.size(); ++i)

@@ -34,14 +34,30 @@ class GlName {
 };
 
 namespace gl_delete {
-inline void texture(GLuint name) { glDeleteTextures(1, &name); }
-inline void sampler(GLuint name) { glDeleteSamplers(1, &name); }
-inline void buffer(GLuint name) { glDeleteBuffers(1, &name); }
-inline void vertexArray(GLuint name) { glDeleteVertexArrays(1, &name); }
-inline void framebuffer(GLuint name) { glDeleteFramebuffers(1, &name); }
-inline void query(GLuint name) { glDeleteQueries(1, &name); }
-inline void shader(GLuint name) { glDeleteShader(name); }
-inline void program(GLuint name) { glDeleteProgram(name); }
+inline void texture(GLuint name) {
+    glDeleteTextures(1, &name);
+}
+inline void sampler(GLuint name) {
+    glDeleteSamplers(1, &name);
+}
+inline void buffer(GLuint name) {
+    glDeleteBuffers(1, &name);
+}
+inline void vertexArray(GLuint name) {
+    glDeleteVertexArrays(1, &name);
+}
+inline void framebuffer(GLuint name) {
+    glDeleteFramebuffers(1, &name);
+}
+inline void query(GLuint name) {
+    glDeleteQueries(1, &name);
+}
+inline void shader(GLuint name) {
+    glDeleteShader(name);
+}
+inline void program(GLuint name) {
+    glDeleteProgram(name);
+}
 }  // namespace gl_delete
 
 using GlTexture = GlName<gl_delete::texture>;

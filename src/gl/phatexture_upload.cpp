@@ -27,7 +27,8 @@ GlTexture uploadGuides(const std::vector<Guide>& guides) {
                     float(guides[g].weight[y * kGuideSize + x]) * scale;
     }
     GlTexture texture = createTexture2D(GL_R32F, size);
-    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(size.x), GLsizei(size.y), GL_RED, GL_FLOAT, pdf.data());
+    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(size.x), GLsizei(size.y), GL_RED, GL_FLOAT,
+                        pdf.data());
     return texture;
 }
 
@@ -94,7 +95,8 @@ struct TexelArrays {
 
 // The material's textures alone, without its factors, which may change. Means over the channels suffice: they
 // only weigh PHATexels.
-void sampleTextures(const Scene& scene, uint32_t triangle, glm::vec2 barycentric, glm::u8vec4& a, glm::u8vec4& b) {
+void sampleTextures(const Scene& scene, uint32_t triangle, glm::vec2 barycentric, glm::u8vec4& a,
+                    glm::u8vec4& b) {
     const Material& m = scene.materialOf(triangle);
     const glm::uvec3 t = scene.triangles[triangle];
     glm::vec2 inside = glm::max(barycentric, glm::vec2(0));
@@ -145,8 +147,8 @@ GlTexture uploadIrradiance(const Phatexture& phatexture, const IrradianceMap& in
     std::vector<glm::vec3> layer(size_t(size.x) * size.y, glm::vec3(0));
     const auto upload = [&](int index) {
         for (glm::vec3& e : layer) e = glm::min(e, glm::vec3(kLargestHalf));
-        glTextureSubImage3D(texture.name(), 0, 0, 0, index, GLsizei(size.x), GLsizei(size.y), 1, GL_RGB, GL_FLOAT,
-                            layer.data());
+        glTextureSubImage3D(texture.name(), 0, 0, 0, index, GLsizei(size.x), GLsizei(size.y), 1, GL_RGB,
+                            GL_FLOAT, layer.data());
     };
     std::copy(indirect.begin(), indirect.end(), layer.begin());
     upload(0);
@@ -183,8 +185,8 @@ GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& 
 
     const auto texture = [&](GLenum internal, GLenum format, GLenum type, const void* data) {
         GlTexture made = createTexture2D(internal, atlas.sizeTexels);
-        glTextureSubImage2D(made.name(), 0, 0, 0, GLsizei(atlas.sizeTexels.x), GLsizei(atlas.sizeTexels.y), format,
-                            type, data);
+        glTextureSubImage2D(made.name(), 0, 0, 0, GLsizei(atlas.sizeTexels.x), GLsizei(atlas.sizeTexels.y),
+                            format, type, data);
         return made;
     };
     const TexelArrays arrays = sampleTexels(scene, atlas, points);

@@ -111,7 +111,8 @@ void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas) {
         exposeLevels(statistics, level - 1);
         for (int lobe = 0; lobe < pass.lobeCount; ++lobe) {
             pyramid.set("lobeIndex", lobe);
-            drawFullscreen(pass, pyramid, pass.pyramidTargets[lobe][level - 1], atlas.sizeTexels >> uint32_t(level));
+            drawFullscreen(pass, pyramid, pass.pyramidTargets[lobe][level - 1],
+                           atlas.sizeTexels >> uint32_t(level));
         }
     }
     exposeLevels(lobes, -1);

@@ -20,15 +20,15 @@ struct RelightPass {
     GlVertexArray noVertices;
 
     bool clearcoat = false;
-    int lobeCount = 0;      // sources, twice with clear coats
-    GlTexture texelBrdf;    // RGBA16F, see shaders/texel_material.frag
-    GlTexture lobes;        // RGBA32F [lobe][y][x], levels 0 to 3: sum a L, sum w
-    GlTexture statistics;   // RG32F, the same; see shaders/relight.frag
-    GlTexture radii;        // R32F [lobe][tileY][tileX]
+    int lobeCount = 0;     // sources, twice with clear coats
+    GlTexture texelBrdf;   // RGBA16F, see shaders/texel_material.frag
+    GlTexture lobes;       // RGBA32F [lobe][y][x], levels 0 to 3: sum a L, sum w
+    GlTexture statistics;  // RG32F, the same; see shaders/relight.frag
+    GlTexture radii;       // R32F [lobe][tileY][tileX]
     GlFramebuffer brdfTarget;
-    std::vector<GlFramebuffer> relightTargets;                // [source]
-    std::vector<std::vector<GlFramebuffer>> pyramidTargets;   // [lobe][level - 1]
-    std::vector<GlFramebuffer> radiusTargets;                 // [lobe]
+    std::vector<GlFramebuffer> relightTargets;               // [source]
+    std::vector<std::vector<GlFramebuffer>> pyramidTargets;  // [lobe][level - 1]
+    std::vector<GlFramebuffer> radiusTargets;                // [lobe]
 };
 
 /// `clearcoat`: whether any material has a coat now. Throws GlError.

@@ -129,8 +129,8 @@ Image Renderer::render(const FrameSettings& settings) {
 
     Image image = readPicture(s.targets);
     checkGl("drawing a frame");
-    s.times = {s.relightTimer.seconds(), s.pyramidTimer.seconds(), needShadows ? s.shadowTimer.seconds() : 0.0,
-               s.displayTimer.seconds()};
+    s.times = {s.relightTimer.seconds(), s.pyramidTimer.seconds(),
+               needShadows ? s.shadowTimer.seconds() : 0.0, s.displayTimer.seconds()};
     return image;
 }
 
@@ -140,7 +140,8 @@ FrameTimes Renderer::lastFrameTimes() const {
 
 void Renderer::setMaterials(const std::vector<Material>& materials) {
     State& s = *state_;
-    if (materials.size() != s.materials.size()) throw GlError("materials may be changed, not added or removed");
+    if (materials.size() != s.materials.size())
+        throw GlError("materials may be changed, not added or removed");
     const bool coatAppears = anyClearcoat(materials) && !s.relight.clearcoat;
     s.materials = materials;
     s.materialsChanged = true;

@@ -158,8 +158,8 @@ std::vector<DrawRange> drawRanges(const Scene& scene) {
         for (uint32_t t = 0; t < surface.triangleCount; ++t)
             for (int corner = 0; corner < 3; ++corner)
                 bounds.add(scene.positions[scene.triangles[surface.firstTriangle + t][corner]]);
-        draws.push_back({GLint(surface.firstTriangle * 3), GLsizei(surface.triangleCount * 3), surface.material,
-                         bounds.center()});
+        draws.push_back({GLint(surface.firstTriangle * 3), GLsizei(surface.triangleCount * 3),
+                         surface.material, bounds.center()});
     }
     return draws;
 }

@@ -35,7 +35,8 @@ struct GpuScene {
 /// Throws GlError.
 GpuScene uploadScene(const Scene& scene, const Atlas& atlas);
 
-/// Binds a material's uniforms; textures from unit `firstUnit` on when `allSlots`, else the base colour alone.
+/// Binds a material's uniforms; textures from unit `firstUnit` on when `allSlots`, else the base colour
+/// alone.
 void bindMaterial(const GpuScene& gpu, const ShaderProgram& program, const Material& material, int firstUnit,
                   bool allSlots);
 

@@ -97,7 +97,8 @@ ShaderProgram::ShaderProgram(const std::string& folder, const std::string& verte
                              const std::string& fragmentFile, const std::vector<std::string>& defines,
                              GlslFlavor flavor)
     : program_(glCreateProgram()) {
-    const GlShader vertex = compileShader(GL_VERTEX_SHADER, assembleShader(folder, vertexFile, flavor, defines));
+    const GlShader vertex =
+        compileShader(GL_VERTEX_SHADER, assembleShader(folder, vertexFile, flavor, defines));
     const GlShader fragment =
         compileShader(GL_FRAGMENT_SHADER, assembleShader(folder, fragmentFile, flavor, defines));
     glAttachShader(program_.name(), vertex.name());
@@ -109,7 +110,8 @@ ShaderProgram::ShaderProgram(const std::string& folder, const std::string& verte
         const std::string log = logOf(
             program_.name(), [](GLuint o, GLenum e, GLint* v) { glGetProgramiv(o, e, v); },
             [](GLuint o, GLsizei n, GLsizei* l, GLchar* t) { glGetProgramInfoLog(o, n, l, t); });
-        throw GlError(fmt::format("{} and {} do not link: {}", vertexFile, fragmentFile, firstError(log, {})));
+        throw GlError(
+            fmt::format("{} and {} do not link: {}", vertexFile, fragmentFile, firstError(log, {})));
     }
     GLint count = 0;
     glGetProgramiv(program_.name(), GL_ACTIVE_UNIFORMS, &count);

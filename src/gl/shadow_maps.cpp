@@ -18,7 +18,7 @@ int mapSize(size_t layers) {
 }
 
 glm::mat4 perspectiveView(glm::vec3 eye, glm::vec3 direction, float tangent, int size, float nearMeters,
-                           float farMeters) {
+                          float farMeters) {
     const float widened = tangent * float(size) / (float(size) - 2 * kBorderTexels);
     const glm::vec3 up = std::abs(direction.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
     const glm::mat4 view = glm::lookAt(eye, eye + direction, up);
@@ -34,8 +34,9 @@ glm::mat4 parallelView(glm::vec3 direction, const Bounds& bounds, int size) {
 }
 
 int layersOf(const PunctualLight& light) {
-    const bool cube = light.type == PunctualLight::Type::point ||
-                      (light.type == PunctualLight::Type::spot && light.cosOuterCone < kWidestSingleSpotCosine);
+    const bool cube =
+        light.type == PunctualLight::Type::point ||
+        (light.type == PunctualLight::Type::spot && light.cosOuterCone < kWidestSingleSpotCosine);
     return cube ? 6 : 1;
 }
 
@@ -44,13 +45,14 @@ void addViews(const PunctualLight& light, const Bounds& bounds, int size, std::v
         views.push_back(parallelView(light.direction, bounds, size));
         return;
     }
-    const float farMeters = std::max(glm::distance(light.position, bounds.center()) + 0.5f * bounds.diagonal(), 1e-3f);
+    const float farMeters =
+        std::max(glm::distance(light.position, bounds.center()) + 0.5f * bounds.diagonal(), 1e-3f);
     // Geometry nearer than this to a lamp casts no shadow; float depth keeps the precision beyond.
     const float nearMeters = farMeters * 2e-4f;
     if (layersOf(light) == 1) {
         const float tangent = std::sqrt(1 - square(light.cosOuterCone)) / light.cosOuterCone;
-        views.push_back(perspectiveView(light.position, light.direction, std::max(tangent, 1e-3f), size, nearMeters,
-                                        farMeters));
+        views.push_back(perspectiveView(light.position, light.direction, std::max(tangent, 1e-3f), size,
+                                        nearMeters, farMeters));
         return;
     }
     for (int axis = 0; axis < 3; ++axis) {

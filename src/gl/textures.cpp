@@ -14,8 +14,8 @@ void requireSize(glm::uvec2 size, int layers) {
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &maxSide);
     glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &maxLayers);
     if (std::max(size.x, size.y) > uint32_t(maxSide) || layers > maxLayers) {
-        throw GlError(fmt::format("a texture of {} x {} x {} exceeds this machine's limit of {} x {} x {}", size.x,
-                                  size.y, layers, maxSide, maxSide, maxLayers));
+        throw GlError(fmt::format("a texture of {} x {} x {} exceeds this machine's limit of {} x {} x {}",
+                                  size.x, size.y, layers, maxSide, maxSide, maxLayers));
     }
 }
 
@@ -55,8 +55,10 @@ GlFramebuffer createFramebuffer(std::initializer_list<Attachment> colors, GLuint
     std::vector<GLenum> buffers;
     for (const Attachment& color : colors) {
         const GLenum slot = GL_COLOR_ATTACHMENT0 + GLenum(buffers.size());
-        if (color.layer < 0) glNamedFramebufferTexture(name, slot, color.texture, color.level);
-        else glNamedFramebufferTextureLayer(name, slot, color.texture, color.level, color.layer);
+        if (color.layer < 0)
+            glNamedFramebufferTexture(name, slot, color.texture, color.level);
+        else
+            glNamedFramebufferTextureLayer(name, slot, color.texture, color.level, color.layer);
         buffers.push_back(slot);
     }
     if (depth != 0) glNamedFramebufferTexture(name, GL_DEPTH_ATTACHMENT, depth, 0);
@@ -72,7 +74,8 @@ GlTexture createTable(std::span<const glm::vec4> values) {
     for (uint32_t row = 0; row * kTableWidth < values.size(); ++row) {
         const size_t first = size_t(row) * kTableWidth;
         const size_t count = std::min<size_t>(kTableWidth, values.size() - first);
-        glTextureSubImage2D(table.name(), 0, 0, GLint(row), GLsizei(count), 1, GL_RGBA, GL_FLOAT, &values[first]);
+        glTextureSubImage2D(table.name(), 0, 0, GLint(row), GLsizei(count), 1, GL_RGBA, GL_FLOAT,
+                            &values[first]);
     }
     return table;
 }

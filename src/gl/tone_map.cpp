@@ -10,17 +10,19 @@ namespace {
 // source: Hill 2016, "BakingLab" (ACES.hlsl): a fit of the reference rendering and output transforms. The
 // matrices go from linear Rec. 709 to the curve's primaries and back; glm's columns.
 glm::vec3 toneMapAces(glm::vec3 color) {
-    const glm::mat3 in(0.59719f, 0.07600f, 0.02840f, 0.35458f, 0.90834f, 0.13383f, 0.04823f, 0.01566f, 0.83777f);
+    const glm::mat3 in(0.59719f, 0.07600f, 0.02840f, 0.35458f, 0.90834f, 0.13383f, 0.04823f, 0.01566f,
+                       0.83777f);
     const glm::mat3 out(1.60475f, -0.10208f, -0.00327f, -0.53108f, 1.10813f, -0.07276f, -0.07367f, -0.00605f,
                         1.07602f);
     const glm::vec3 v = in * color;
-    const glm::vec3 fit = (v * (v + 0.0245786f) - 0.000090537f) / (v * (0.983729f * v + 0.4329510f) + 0.238081f);
+    const glm::vec3 fit =
+        (v * (v + 0.0245786f) - 0.000090537f) / (v * (0.983729f * v + 0.4329510f) + 0.238081f);
     return glm::clamp(out * fit, 0.0f, 1.0f);
 }
 
 // source: Sobotka 2022, "AgX": colours are drawn toward grey, log2-encoded between -12.47 and +4.03 stops
-// around middle grey, put through a sigmoid and drawn back. The sigmoid is the sixth-order fit of Wrensch 2023,
-// "Minimal AgX Implementation". The result is encoded for a display with gamma 2.2.
+// around middle grey, put through a sigmoid and drawn back. The sigmoid is the sixth-order fit of Wrensch
+// 2023, "Minimal AgX Implementation". The result is encoded for a display with gamma 2.2.
 glm::vec3 toneMapAgx(glm::vec3 color) {
     const glm::mat3 inset(0.842479062253094f, 0.0423282422610123f, 0.0423756549057051f,  //
                           0.0784335999999992f, 0.878468636469772f, 0.0784336f,           //
@@ -44,9 +46,15 @@ Image toneMap(const Image& image, ToneMap operation, float exposureStops) {
     for (glm::vec3& pixel : mapped.pixels) {
         const glm::vec3 color = glm::max(pixel * exposure, glm::vec3(0));
         switch (operation) {
-            case ToneMap::linear: pixel = glm::min(color, glm::vec3(1)); break;
-            case ToneMap::agx: pixel = toneMapAgx(color); break;
-            case ToneMap::aces: pixel = toneMapAces(color); break;
+            case ToneMap::linear:
+                pixel = glm::min(color, glm::vec3(1));
+                break;
+            case ToneMap::agx:
+                pixel = toneMapAgx(color);
+                break;
+            case ToneMap::aces:
+                pixel = toneMapAces(color);
+                break;
         }
     }
     return mapped;

@@ -1,4 +1,5 @@
-// Constant radiance everywhere: the ratio estimator must return the lobe's albedo times it, whatever the guides.
+// Constant radiance everywhere: the ratio estimator must return the lobe's albedo times it, whatever the
+// guides.
 
 #include <gtest/gtest.h>
 
@@ -62,9 +63,10 @@ TEST_F(RendererFurnace, MetalReflectsItsAlbedo) {
         const Image image = renderer.render(frame(camera, Component::glossyIndirect));
         const glm::vec3 f0(world.scene.materials[0].baseColor);
         // Float rounding of the sums, and of the two table lookups.
-        expectPicture(image, camera, [&](float nDotV) {
-            return radiance * specularAlbedo(f0, 1, roughness * roughness, nDotV);
-        }, 2e-3f);
+        expectPicture(
+            image, camera,
+            [&](float nDotV) { return radiance * specularAlbedo(f0, 1, roughness * roughness, nDotV); },
+            2e-3f);
     }
 }
 
@@ -75,7 +77,8 @@ TEST_F(RendererFurnace, LambertReflectsIrradianceOverPi) {
     Renderer renderer(world.input(), kShaderFolder);
     const Image diffuse = renderer.render(frame(camera, Component::diffuseIndirect));
     // Half floats hold 11 bits.
-    expectPicture(diffuse, camera, [&](float) { return 0.5f * radiance; }, 1e-3f);
+    expectPicture(
+        diffuse, camera, [&](float) { return 0.5f * radiance; }, 1e-3f);
 }
 
 TEST_F(RendererFurnace, InvalidTexelsDropOut) {
@@ -88,7 +91,8 @@ TEST_F(RendererFurnace, InvalidTexelsDropOut) {
     Renderer renderer(world.input(), kShaderFolder);
     const Image image = renderer.render(frame(camera, Component::glossyIndirect));
     const glm::vec3 f0(world.scene.materials[0].baseColor);
-    expectPicture(image, camera, [&](float nDotV) { return radiance * specularAlbedo(f0, 1, 0.09f, nDotV); }, 2e-3f);
+    expectPicture(
+        image, camera, [&](float nDotV) { return radiance * specularAlbedo(f0, 1, 0.09f, nDotV); }, 2e-3f);
 }
 
 // The neighbour in the atlas is a thousand times brighter; nothing of it may be seen.
@@ -110,7 +114,8 @@ TEST_F(RendererFurnace, ChartsDoNotBleed) {
         Camera camera = lookAtCamera(target + glm::vec3(0, 0.25f, 0.02f), target, 20);
         const Image image = renderer.render(frame(camera, Component::glossyIndirect));
         const glm::vec3 f0(world.scene.materials[0].baseColor);
-        expectPicture(image, camera, [&](float nDotV) { return specularAlbedo(f0, 1, 0.16f, nDotV); }, 2e-3f);
+        expectPicture(
+            image, camera, [&](float nDotV) { return specularAlbedo(f0, 1, 0.16f, nDotV); }, 2e-3f);
     }
 }
 
@@ -124,9 +129,12 @@ TEST_F(RendererFurnace, MaterialsCanChangeBetweenFrames) {
     materials[0].baseColor = {0.2f, 0.8f, 0.5f, 1};
     renderer.setMaterials(materials);
     const Image image = renderer.render(frame(camera, Component::glossyIndirect));
-    expectPicture(image, camera, [&](float nDotV) {
-        return 2.0f * specularAlbedo({0.2f, 0.8f, 0.5f}, 1, 0.49f, nDotV);
-    }, 2e-3f);
+    expectPicture(
+        image, camera,
+        [&](float nDotV) {
+            return 2.0f * specularAlbedo({0.2f, 0.8f, 0.5f}, 1, 0.49f, nDotV);
+        },
+        2e-3f);
 }
 
 }  // namespace

@@ -26,7 +26,8 @@ FrameSettings frame(const Camera& camera) {
     return settings;
 }
 
-// What a pixel's centre sees of the lamps; `lit` tells whether every lamp reaches it, `surface` what it is on.
+// What a pixel's centre sees of the lamps; `lit` tells whether every lamp reaches it, `surface` what it is
+// on.
 glm::vec3 directLight(const RayScene& rays, const LightSampler& lights, glm::vec3 eye, glm::vec3 direction,
                       bool& lit, uint32_t& surface) {
     lit = true;
@@ -38,9 +39,12 @@ glm::vec3 directLight(const RayScene& rays, const LightSampler& lights, glm::vec
     glm::vec3 sum = at.emission;
     for (size_t i = 0; i < rays.scene().lights.size(); ++i) {
         const LightSample light = lights.samplePunctual(i, at.position);
-        const glm::vec3 value = evaluateBrdf(at.brdf, at.shading.toLocal(-direction), at.shading.toLocal(light.towardLight));
-        if (rays.anyHit(offsetOrigin(at.position, at.normalGeometric), light.towardLight, light.distance)) lit = false;
-        else sum += value * light.radiance;
+        const glm::vec3 value =
+            evaluateBrdf(at.brdf, at.shading.toLocal(-direction), at.shading.toLocal(light.towardLight));
+        if (rays.anyHit(offsetOrigin(at.position, at.normalGeometric), light.towardLight, light.distance))
+            lit = false;
+        else
+            sum += value * light.radiance;
     }
     return sum;
 }
@@ -59,9 +63,9 @@ void comparePictures(const RendererWorld& world, const Camera& camera, int minSh
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
             bool reached = true;
-            want.at(x, y) = directLight(rays, lights, eye,
-                                        pixelDirection(camera, x, y, image.width, image.height), reached,
-                                        surface[size_t(y) * image.width + x]);
+            want.at(x, y) =
+                directLight(rays, lights, eye, pixelDirection(camera, x, y, image.width, image.height),
+                            reached, surface[size_t(y) * image.width + x]);
             lit[size_t(y) * image.width + x] = reached;
         }
     }
@@ -120,8 +124,8 @@ TEST_F(RendererLight, PointLightWithRange) {
 TEST_F(RendererLight, SpotLightNarrowAndWide) {
     for (float outer : {35.0f, 80.0f}) {
         Scene scene = floorAndShelf(0.5f);
-        scene.lights.push_back(spotLight({8, 4, 5}, {0.8f, 1.5f, 0.2f}, glm::normalize(glm::vec3(-0.5f, -1, 0)),
-                                         0.6f * outer, outer));
+        scene.lights.push_back(spotLight({8, 4, 5}, {0.8f, 1.5f, 0.2f},
+                                         glm::normalize(glm::vec3(-0.5f, -1, 0)), 0.6f * outer, outer));
         comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 60);
     }
 }

@@ -11,7 +11,8 @@ namespace {
 
 class RendererMaterial : public ::testing::Test {
   protected:
-    Image draw(const Scene& scene, const Camera& camera, Component component = Component::all, int samples = 1) {
+    Image draw(const Scene& scene, const Camera& camera, Component component = Component::all,
+               int samples = 1) {
         const RendererWorld world = worldOfQuads(scene, 2);
         Renderer renderer(world.input(), kShaderFolder);
         FrameSettings settings;
@@ -140,7 +141,8 @@ TEST_F(RendererMaterial, EdgesAreBoxFiltered) {
                 const double edge = (-1 + 0.25 * (py + 1) + 1) * 32;
                 covered += std::clamp(x + 1 - edge, 0.0, 1.0) / 1000;
             }
-            ASSERT_NEAR(image.at(x, y).x, covered, 0.05) << x << ' ' << y;  // 64 points: discrepancy under .05
+            ASSERT_NEAR(image.at(x, y).x, covered, 0.05)
+                << x << ' ' << y;  // 64 points: discrepancy under .05
         }
     }
 }
@@ -166,7 +168,8 @@ TEST_F(RendererMaterial, EnvironmentIsBehindEverythingTheRightWayRound) {
             }
         }
     }
-    expectColor(draw(scene, lookAtCamera({0, 0, 0}, {1, 0.3f, 0.2f}, 40), Component::indirect).at(30, 30), {0, 0, 0});
+    expectColor(draw(scene, lookAtCamera({0, 0, 0}, {1, 0.3f, 0.2f}, 40), Component::indirect).at(30, 30),
+                {0, 0, 0});
 }
 
 TEST_F(RendererMaterial, ComponentsAddUp) {
@@ -179,7 +182,8 @@ TEST_F(RendererMaterial, ComponentsAddUp) {
     addFloor(scene, material, 2);
     scene.lights.push_back(pointLight(glm::vec3(2), {0.3f, 1, 0}));
     RendererWorld world = worldOfQuads(scene, 4);
-    fillPhatexels(world, 0, [](glm::vec3 p, glm::vec3 d) { return glm::vec3(1 + d.x, 2 + p.x, 0.5f + d.y); }, 1.0f);
+    fillPhatexels(
+        world, 0, [](glm::vec3 p, glm::vec3 d) { return glm::vec3(1 + d.x, 2 + p.x, 0.5f + d.y); }, 1.0f);
     for (glm::vec3& e : world.irradiance) e = {3, 2, 1};
     Renderer renderer(world.input(), kShaderFolder);
     FrameSettings settings;
@@ -195,7 +199,8 @@ TEST_F(RendererMaterial, ComponentsAddUp) {
     const Image diffuse = render(Component::diffuseIndirect);
     for (size_t i = 0; i < all.pixels.size(); ++i) {
         for (int c = 0; c < 3; ++c) {
-            ASSERT_NEAR(all.pixels[i][c], direct.pixels[i][c] + indirect.pixels[i][c], 1e-5f * all.pixels[i][c]);
+            ASSERT_NEAR(all.pixels[i][c], direct.pixels[i][c] + indirect.pixels[i][c],
+                        1e-5f * all.pixels[i][c]);
             ASSERT_NEAR(indirect.pixels[i][c], glossy.pixels[i][c] + diffuse.pixels[i][c],
                         1e-5f * all.pixels[i][c]);
         }

@@ -60,7 +60,8 @@ RendererWorld worldOfQuads(Scene scene, uint32_t tiles) {
     for (uint32_t s = 0; s < count; ++s) addChart(world, s, tiles);
     atlas.tileChart.resize(size_t(count) * tiles * tiles);
     for (uint32_t y = 0; y < tiles; ++y)
-        for (uint32_t x = 0; x < count * tiles; ++x) atlas.tileChart[size_t(y) * count * tiles + x] = x / tiles;
+        for (uint32_t x = 0; x < count * tiles; ++x)
+            atlas.tileChart[size_t(y) * count * tiles + x] = x / tiles;
     numberBlocks(atlas);
     const glm::vec3 edge = world.scene.positions[1] - world.scene.positions[0];
     atlas.texelSizeMeters = glm::length(edge) / (float(tiles * kTileSize) - 2 * kGutter);
@@ -90,8 +91,10 @@ void fillPhatexels(RendererWorld& world, uint32_t surface, const LightAt& light,
             const size_t texel = size_t(y) * world.atlas.sizeTexels.x + x;
             const uint32_t block = world.atlas.blockAt({x, y});
             Phatexel phatexel;
-            phatexel.directionBlock = squareToGuide(world.phatexture.indirectGuides[block], random.uniform2());
-            phatexel.radiance = light(world.points.position[texel], frames[block].toWorld(phatexel.directionBlock));
+            phatexel.directionBlock =
+                squareToGuide(world.phatexture.indirectGuides[block], random.uniform2());
+            phatexel.radiance =
+                light(world.points.position[texel], frames[block].toWorld(phatexel.directionBlock));
             phatexel.distance = distance;
             phatexel.valid = true;
             world.phatexture.indirect[0].texels[texel] = packPhatexel(phatexel);
@@ -107,7 +110,8 @@ Guide bumpyGuide(uint64_t seed) {
 }
 
 Camera lookAtCamera(glm::vec3 eye, glm::vec3 target, float yfovDegrees) {
-    const glm::vec3 up = std::abs(glm::normalize(target - eye).y) < 0.99f ? glm::vec3(0, 1, 0) : glm::vec3(0, 0, -1);
+    const glm::vec3 up =
+        std::abs(glm::normalize(target - eye).y) < 0.99f ? glm::vec3(0, 1, 0) : glm::vec3(0, 0, -1);
     Camera camera;
     camera.worldFromCamera = glm::inverse(glm::lookAt(eye, target, up));
     camera.yfovRadians = glm::radians(yfovDegrees);

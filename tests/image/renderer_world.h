@@ -28,9 +28,9 @@ struct RendererWorld {
     RendererInput input() const { return {scene, atlas, points, phatexture, irradiance}; }
 };
 
-/// Gives every surface of `scene` (each one addQuad) a square chart of `tiles` x `tiles` tiles, side by side in
-/// one row without a gap; the outer four texels of a chart are its gutter. PHATexels are all invalid and the
-/// irradiance is zero.
+/// Gives every surface of `scene` (each one addQuad) a square chart of `tiles` x `tiles` tiles, side by side
+/// in one row without a gap; the outer four texels of a chart are its gutter. PHATexels are all invalid and
+/// the irradiance is zero.
 RendererWorld worldOfQuads(Scene scene, uint32_t tiles);
 
 /// Fills the PHATexels of one surface's chart: directions drawn from `guide`, values by `light`.

@@ -13,7 +13,8 @@ namespace phat::test {
 namespace {
 
 std::vector<std::vector<std::string>> variants() {
-    return {{}, {"AREA"}, {"CLEARCOAT"}, {"AREA", "CLEARCOAT"}, {"TEXEL_PDF"}, {"EXPECTED_WEIGHT", "CLEARCOAT"}};
+    return {
+        {}, {"AREA"}, {"CLEARCOAT"}, {"AREA", "CLEARCOAT"}, {"TEXEL_PDF"}, {"EXPECTED_WEIGHT", "CLEARCOAT"}};
 }
 
 TEST(Shaders, CompileInBothFlavors) {
@@ -40,7 +41,8 @@ TEST(Shaders, CompileInBothFlavors) {
 TEST(Shaders, UseAtMostSixteenSamplers) {
     const HeadlessContext context;
     for (const char* fragment : {"display.frag", "relight.frag", "radius.frag", "depth.frag"}) {
-        const bool fullscreen = std::string(fragment) == "relight.frag" || std::string(fragment) == "radius.frag";
+        const bool fullscreen =
+            std::string(fragment) == "relight.frag" || std::string(fragment) == "radius.frag";
         const ShaderProgram program(kShaderFolder, fullscreen ? "fullscreen.vert" : "surface.vert", fragment,
                                     {"AREA", "CLEARCOAT"});
         GLint uniforms = 0;

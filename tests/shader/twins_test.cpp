@@ -21,19 +21,22 @@ constexpr int kRows = 4000;
 
 class Twins : public ::testing::TestWithParam<GlslFlavor> {
   protected:
-    std::vector<glm::vec4> run(const std::string& include, const std::string& body, const std::vector<Row>& rows,
-                               GLuint splitSum = 0, GLuint guidePdf = 0) {
+    std::vector<glm::vec4> run(const std::string& include, const std::string& body,
+                               const std::vector<Row>& rows, GLuint splitSum = 0, GLuint guidePdf = 0) {
         return evaluateGlsl(include, body, rows, GetParam(), splitSum, guidePdf);
     }
     HeadlessContext context_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Flavors, Twins, ::testing::Values(GlslFlavor::desktop, GlslFlavor::web),
-                         [](const auto& flavor) { return flavor.param == GlslFlavor::desktop ? "desktop" : "web"; });
+                         [](const auto& flavor) {
+                             return flavor.param == GlslFlavor::desktop ? "desktop" : "web";
+                         });
 
 void expectNear(glm::vec3 gpu, glm::vec3 cpu, float relative, float absolute, int row) {
     for (int c = 0; c < 3; ++c)
-        ASSERT_NEAR(gpu[c], cpu[c], relative * std::abs(cpu[c]) + absolute) << "row " << row << " channel " << c;
+        ASSERT_NEAR(gpu[c], cpu[c], relative * std::abs(cpu[c]) + absolute)
+            << "row " << row << " channel " << c;
 }
 
 std::vector<Row> randomRows(uint64_t seed) {
@@ -82,8 +85,10 @@ TEST_P(Twins, PhatexelUnpacking) {
     }
     const std::string unpack =
         "uvec4 u = uvec4(a); Phatexel p = unpackPhatexel(uvec2(u.x | (u.y << 16), u.z | (u.w << 16)));";
-    const auto radiance = run("lib/phatexel.glsl", unpack + "result = vec4(p.radiance, p.valid ? 1.0 : 0.0);", rows);
-    const auto direction = run("lib/phatexel.glsl", unpack + "result = vec4(p.directionBlock, p.distance);", rows);
+    const auto radiance =
+        run("lib/phatexel.glsl", unpack + "result = vec4(p.radiance, p.valid ? 1.0 : 0.0);", rows);
+    const auto direction =
+        run("lib/phatexel.glsl", unpack + "result = vec4(p.directionBlock, p.distance);", rows);
     for (int i = 0; i < kRows; ++i) {
         const Phatexel want = unpackPhatexel(packed[i]);
         ASSERT_EQ(radiance[i].w > 0.5f, want.valid);
@@ -103,17 +108,21 @@ TEST_P(Twins, GuideDensity) {
         for (uint16_t& weight : guides[g].weight) weight = uint16_t(1 + random.bits() % 65535);
         for (int cell = 0; cell < kGuideSize * kGuideSize; ++cell) {
             const glm::vec2 center(cell % kGuideSize + 0.5f, cell / kGuideSize + 0.5f);
-            pdf[size_t(cell / kGuideSize) * kGuides * kGuideSize + size_t(g) * kGuideSize + cell % kGuideSize] =
+            pdf[size_t(cell / kGuideSize) * kGuides * kGuideSize + size_t(g) * kGuideSize +
+                cell % kGuideSize] =
                 squareToGuidePdf(guides[g], squareToHemisphere(center / float(kGuideSize)));
         }
     }
     const GlTexture texture = createTexture2D(GL_R32F, {kGuides * kGuideSize, kGuideSize});
-    glTextureSubImage2D(texture.name(), 0, 0, 0, kGuides * kGuideSize, kGuideSize, GL_RED, GL_FLOAT, pdf.data());
+    glTextureSubImage2D(texture.name(), 0, 0, 0, kGuides * kGuideSize, kGuideSize, GL_RED, GL_FLOAT,
+                        pdf.data());
 
     auto rows = randomRows(4);
-    for (int i = 0; i < kRows; ++i) rows[i][1] = glm::vec4(squareToHemisphere(rows[i][0]), float(i % kGuides));
-    const auto results = run("lib/phatexel.glsl",
-                             "result = vec4(squareToGuidePdf(guidePdf, int(b.w), b.xyz));", rows, 0, texture.name());
+    for (int i = 0; i < kRows; ++i)
+        rows[i][1] = glm::vec4(squareToHemisphere(rows[i][0]), float(i % kGuides));
+    const auto results =
+        run("lib/phatexel.glsl", "result = vec4(squareToGuidePdf(guidePdf, int(b.w), b.xyz));", rows, 0,
+            texture.name());
     int differ = 0;
     for (int i = 0; i < kRows; ++i) {
         const float want = squareToGuidePdf(guides[i % kGuides], glm::vec3(rows[i][1]));
@@ -151,12 +160,14 @@ const std::string kBrdfCase = R"(
 TEST_P(Twins, BrdfLobes) {
     const GlTexture table = splitSumTexture();
     const auto rows = randomRows(5);
-    const auto diffuse = run("lib/brdf.glsl", kBrdfCase + "result = vec4(evaluateLobes(brdf, eye, light).diffuse, 0);",
-                             rows, table.name());
-    const auto specular = run(
-        "lib/brdf.glsl", kBrdfCase + "result = vec4(evaluateLobes(brdf, eye, light).specular, 0);", rows, table.name());
-    const auto sum =
-        run("lib/brdf.glsl", kBrdfCase + "result = vec4(evaluateBrdf(brdf, eye, light), 0);", rows, table.name());
+    const auto diffuse =
+        run("lib/brdf.glsl", kBrdfCase + "result = vec4(evaluateLobes(brdf, eye, light).diffuse, 0);", rows,
+            table.name());
+    const auto specular =
+        run("lib/brdf.glsl", kBrdfCase + "result = vec4(evaluateLobes(brdf, eye, light).specular, 0);", rows,
+            table.name());
+    const auto sum = run("lib/brdf.glsl", kBrdfCase + "result = vec4(evaluateBrdf(brdf, eye, light), 0);",
+                         rows, table.name());
     for (int i = 0; i < kRows; ++i) {
         const BrdfCase made = caseOf(rows[i]);
         const LobeValues want = evaluateLobes(made.brdf, made.towardEye, made.towardLight);
@@ -174,11 +185,14 @@ TEST_P(Twins, BrdfTerms) {
     const auto rows = randomRows(6);
     const auto terms = run("lib/brdf.glsl", kBrdfCase + R"(
         result = vec4(smithV(a.x, a.y, brdf.alpha), smithG1(a.y, brdf.alpha), diffuseWeight(brdf, a.y),
-                      clearcoatTransmission(brdf, eye));)", rows, table.name());
+                      clearcoatTransmission(brdf, eye));)",
+                           rows, table.name());
     const auto albedo = run("lib/brdf.glsl", kBrdfCase + R"(
-        result = vec4(specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, a.y), meanFresnel(b.x, b.w));)", rows, table.name());
+        result = vec4(specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, a.y), meanFresnel(b.x, b.w));)",
+                            rows, table.name());
     const auto fresnel =
-        run("lib/brdf.glsl", "result = vec4(schlick(b.xyz, b.w, a.x), ggxD(a.y, 0.05 + a.w));", rows, table.name());
+        run("lib/brdf.glsl", "result = vec4(schlick(b.xyz, b.w, a.x), ggxD(a.y, 0.05 + a.w));", rows,
+            table.name());
     for (int i = 0; i < kRows; ++i) {
         const BrdfCase made = caseOf(rows[i]);
         const glm::vec4 a = rows[i][0], b = rows[i][1];
@@ -187,8 +201,8 @@ TEST_P(Twins, BrdfTerms) {
         ASSERT_NEAR(terms[i].y, smithG1(a.y, made.brdf.alpha), 1e-5f) << i;
         ASSERT_NEAR(terms[i].z, diffuseWeight(made.brdf, a.y), 1e-4f) << i;
         ASSERT_NEAR(terms[i].w, clearcoatTransmission(made.brdf, made.towardEye), 1e-5f) << i;
-        expectNear(glm::vec3(albedo[i]), specularAlbedo(made.brdf.f0, made.brdf.f90, made.brdf.alpha, a.y), 1e-5f,
-                   1e-5f, i);
+        expectNear(glm::vec3(albedo[i]), specularAlbedo(made.brdf.f0, made.brdf.f90, made.brdf.alpha, a.y),
+                   1e-5f, 1e-5f, i);
         ASSERT_NEAR(albedo[i].w, meanFresnel(b.x, b.w), 1e-6f) << i;
         expectNear(glm::vec3(fresnel[i]), schlick(glm::vec3(b), b.w, a.x), 1e-5f, 1e-6f, i);
         const float dOfH = ggxD(a.y, 0.05f + a.w);
@@ -202,9 +216,9 @@ TEST_P(Twins, ToneMap) {
         for (int c = 0; c < 3; ++c) row[0][c] = std::exp2(16 * row[0][c] - 10);
     constexpr float kStops = 0.75f;
     for (ToneMap operation : {ToneMap::linear, ToneMap::agx, ToneMap::aces}) {
-        const auto results = run("lib/tone_map.glsl",
-                                 "result = vec4(toneMap(a.xyz, " + std::to_string(int(operation)) + ", 0.75), 0.0);",
-                                 rows);
+        const auto results =
+            run("lib/tone_map.glsl",
+                "result = vec4(toneMap(a.xyz, " + std::to_string(int(operation)) + ", 0.75), 0.0);", rows);
         Image image(kRows, 1);
         for (int i = 0; i < kRows; ++i) image.at(i, 0) = glm::vec3(rows[i][0]);
         const Image want = toneMap(image, operation, kStops);
