@@ -114,8 +114,9 @@ struct TexelPoints {
 /// store it. States are unused, surface or gutter.
 TexelPoints buildTexelPoints(const Scene& scene, const Atlas& atlas);
 
-/// Marks as covered the texels whose surroundings are the dark side of something (`sideLit` false) or touch
-/// them at once. `sideLit(triangle, backFace)` tells whether that side of a triangle has texels.
+/// Marks as covered the texels of which at least half the hemisphere is the dark side of something (a side of a
+/// triangle without texels), those that something is pressed against, and the gutters that reach through
+/// geometry. `rays` must be of the atlas's scene.
 void markCoveredTexels(TexelPoints& points, const Atlas& atlas, const RayScene& rays, Progress& progress);
 
 /// Frame of each block: mean normal and tangent of its texels. Directions of a block's PHATexels are stored
