@@ -138,6 +138,11 @@ Packing packCharts(std::span<const PackBox> boxes, const AtlasSettings& settings
     // packing could fill, then packed. The share hardly depends on the texel size: two or three packings do.
     constexpr double kTolerance = 0.02;
     double filled = 0.85;
+    // Many small charts: their gutters alone may exceed the budget, and coarser texels then save nothing. A
+    // quarter over the tiles that must be there anyway, the triangles keep what these tiles have room for.
+    const double leastTexels =
+        double(sumOf(tilesOf(boxes, coarsest, settings.gutterTexels))) * kTileSize * kTileSize;
+    const double target = std::max(budget, 1.25 * leastTexels);
     Packing best;
     bool bestFits = false;
     for (int round = 0; round < 6; ++round) {
@@ -145,7 +150,8 @@ Packing packCharts(std::span<const PackBox> boxes, const AtlasSettings& settings
         for (int step = 0; step < 40; ++step) {
             const double middle = std::sqrt(fine * coarse);
             const uint64_t sum = sumOf(tilesOf(boxes, middle, settings.gutterTexels));
-            const bool fits = double(sum) * kTileSize * kTileSize <= filled * budget;
+            const bool fits =
+                double(sum) * kTileSize * kTileSize <= std::max(filled * target, 1.02 * leastTexels);
             (fits ? coarse : fine) = middle;
         }
         const auto tiles = tilesOf(boxes, coarse, settings.gutterTexels);
@@ -157,15 +163,14 @@ Packing packCharts(std::span<const PackBox> boxes, const AtlasSettings& settings
             continue;
         }
         filled = double(sumOf(tiles)) * kTileSize * kTileSize / packed;
-        const bool fits = packed <= budget;
+        const bool fits = packed <= target;
         const bool better = fits == bestFits ? coarse < best.texelSizeMeters : fits;
         if (best.originTile.empty() || better) {
             best = std::move(packing);
             bestFits = fits;
         }
-        if (fits && packed >= (1 - kTolerance) * budget) break;
-        if (!fits && coarse >= 0.99 * coarsest) break;  // gutters alone exceed the budget
-        if (!fits) filled *= 0.995;                     // approach the budget from below
+        if (fits && packed >= (1 - kTolerance) * target) break;
+        if (!fits) filled *= 0.995;  // approach the target from below
     }
     if (best.originTile.empty()) throwTooLarge(settings);
     return best;

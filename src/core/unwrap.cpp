@@ -28,32 +28,52 @@ FlatChart finishChart(const ChartMesh& mesh, const MeshTopology& topology, std::
     return chart;
 }
 
-// Flattens one grown piece; where that overlaps or stretches, its halves.
-std::vector<FlatChart> flattenOrSplit(const Scene& scene, const MeshTopology& topology,
-                                      std::vector<uint32_t> triangles, const Progress& progress) {
-    // What the whole atlas is asked for (95 % of the area), of every chart.
-    constexpr double kMinGoodArea = 0.95;
+// Turns grown pieces into charts, in halves where a piece overlaps, stretches or wastes its box.
+struct Flattener {
+    const Scene& scene;
+    const MeshTopology& topology;
+    double gutterMeters;
+    const Progress& progress;
 
-    std::vector<FlatChart> done;
-    std::vector<std::vector<uint32_t>> open{std::move(triangles)};
-    while (!open.empty()) {
-        progress.throwIfStopped();
-        const ChartMesh mesh = buildChartMesh(scene, topology, std::move(open.back()));
-        open.pop_back();
-        std::vector<glm::dvec2> uv = flattenChart(mesh);
-        if (isInjective(mesh, uv)) {
-            FlatChart chart = finishChart(mesh, topology, std::move(uv));
-            if (chart.areaWithinStretch15 >= kMinGoodArea || mesh.triangles.size() == 1) {
-                done.push_back(std::move(chart));
-                continue;
-            }
-        }
-        if (mesh.triangles.size() == 1) continue;  // not reached: one triangle is flattened exactly
-        for (std::vector<uint32_t>& half : bisectChart(topology, mesh.triangles))
-            open.push_back(std::move(half));
+    double boxArea(const std::vector<FlatChart>& charts) const {
+        double area = 0;
+        for (const FlatChart& chart : charts)
+            area += (chart.sizeMeters.x + 2 * gutterMeters) * (chart.sizeMeters.y + 2 * gutterMeters);
+        return area;
     }
-    return done;
-}
+
+    std::vector<FlatChart> splitAndFlatten(const std::vector<uint32_t>& triangles, int trials) const {
+        std::vector<FlatChart> charts;
+        for (std::vector<uint32_t>& half : bisectChart(topology, triangles))
+            for (FlatChart& chart : flatten(std::move(half), trials)) charts.push_back(std::move(chart));
+        return charts;
+    }
+
+    // `trials`: how often a sound chart may still be halved for the sake of a smaller box.
+    std::vector<FlatChart> flatten(std::vector<uint32_t> triangles, int trials) const {
+        // What the whole atlas is asked for (95 % of the area), of every chart.
+        constexpr double kMinGoodArea = 0.95;
+        // A disc fills .785 of its box, a triangle .5; rings and arcs less.
+        constexpr double kMinFill = 0.5;
+        // Every cut costs a seam: boxes must shrink by a fifth.
+        constexpr double kMinGain = 0.8;
+
+        progress.throwIfStopped();
+        std::vector<FlatChart> whole;
+        {
+            const ChartMesh mesh = buildChartMesh(scene, topology, triangles);
+            std::vector<glm::dvec2> uv = flattenChart(mesh);
+            if (isInjective(mesh, uv)) whole.push_back(finishChart(mesh, topology, std::move(uv)));
+        }
+        if (triangles.size() == 1) return whole;  // exact
+        if (whole.empty() || whole[0].areaWithinStretch15 < kMinGoodArea)
+            return splitAndFlatten(triangles, trials);
+        const double fill = whole[0].area / (whole[0].sizeMeters.x * whole[0].sizeMeters.y);
+        if (trials == 0 || fill >= kMinFill) return whole;
+        std::vector<FlatChart> halves = splitAndFlatten(triangles, trials - 1);
+        return boxArea(halves) < kMinGain * boxArea(whole) ? halves : whole;
+    }
+};
 
 std::vector<uint32_t> usableTriangles(const MeshTopology& topology) {
     std::vector<uint32_t> triangles;
@@ -65,7 +85,10 @@ std::vector<uint32_t> usableTriangles(const MeshTopology& topology) {
 }  // namespace
 
 std::vector<FlatChart> unwrapScene(const Scene& scene, const MeshTopology& topology,
-                                   float maxNormalConeDegrees, Progress& progress) {
+                                   float maxNormalConeDegrees, double gutterMeters, Progress& progress) {
+    // A ring needs two cuts before its boxes shrink; three make quarters of long arcs.
+    constexpr int kBoxTrials = 3;
+
     const double cosCone = std::cos(glm::radians(double(std::clamp(maxNormalConeDegrees, 0.1f, 80.0f))));
     const std::vector<std::vector<uint32_t>> shells = connectedPieces(topology, usableTriangles(topology));
 
@@ -77,10 +100,11 @@ std::vector<FlatChart> unwrapScene(const Scene& scene, const MeshTopology& topol
     for (auto& list : grown)
         for (auto& piece : list) pieces.push_back(std::move(piece));
 
+    const Flattener flattener{scene, topology, gutterMeters, progress};
     std::vector<std::vector<FlatChart>> flattened(pieces.size());
     tbb::parallel_for(size_t(0), pieces.size(), [&](size_t i) {
         const size_t count = pieces[i].size();
-        flattened[i] = flattenOrSplit(scene, topology, std::move(pieces[i]), progress);
+        flattened[i] = flattener.flatten(std::move(pieces[i]), kBoxTrials);
         progress.advance(count);
     });
     std::vector<FlatChart> charts;

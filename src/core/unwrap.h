@@ -22,9 +22,10 @@ struct FlatChart {
 };
 
 /// Cuts every surface into connected, near-isometric charts without overlaps. All triangles but the
-/// degenerate are in exactly one chart. Ordered by first triangle.
+/// degenerate are in exactly one chart. Ordered by first triangle. `gutterMeters`: about what every chart
+/// will be surrounded with; decides whether rings and arcs are worth cutting.
 std::vector<FlatChart> unwrapScene(const Scene& scene, const MeshTopology& topology,
-                                   float maxNormalConeDegrees, Progress& progress);
+                                   float maxNormalConeDegrees, double gutterMeters, Progress& progress);
 
 /// Takes the islands of UV set 0 or 1 as charts, each scaled to its surface's area, otherwise in its own
 /// shape; mirrored islands are mirrored back. Throws std::runtime_error with the reason if the set is

@@ -103,6 +103,37 @@ TEST(AtlasUnwrap, SphereNeedsFewCharts) {
     EXPECT_GT(shareWithinStretch(scene, atlas, 1.15), 0.95);
 }
 
+// A ring as one piece fills (pi (1 - .8^2)) / 4 of its square; quarters fill more even with their gutters.
+TEST(AtlasUnwrap, RingsAreCutIntoArcs) {
+    Scene scene;
+    shapes::addGrid(scene, 64, 2, [](float u, float v) {
+        const float a = u == 1 ? 0 : 2 * kPi * u, r = 1 - 0.2f * v;
+        return glm::vec3(r * std::cos(a), r * std::sin(a), 0);
+    });
+    SilentProgress progress;
+    AtlasStats stats;
+    const Atlas atlas = buildAtlas(scene, {}, AtlasSettings{}, progress, &stats);
+    EXPECT_GT(atlas.charts.size(), 1u);
+    EXPECT_GT(stats.coverage, kPi * (1 - 0.64f) / 4);
+}
+
+// Each chart needs 2 x 2 tiles for its gutters, whatever the texel size: the budget has to give way, but not
+// the triangles' texels.
+TEST(AtlasUnwrap, ManySmallChartsExceedTheBudgetByTheirGuttersOnly) {
+    constexpr uint32_t kCount = 2000;
+    const Scene scene = shapes::soup(kCount);
+    AtlasSettings settings;
+    settings.texelBudget = 1 << 16;
+    SilentProgress progress;
+    const Atlas atlas = buildAtlas(scene, {}, settings, progress);
+    expectSoundAtlas(scene, atlas, settings);
+    EXPECT_LT(double(atlas.texelCount()), 1.25 * kCount * 4 * kTileSize * kTileSize);
+    std::vector<double> areas;
+    for (uint32_t t = 0; t < kCount; ++t) areas.push_back(texelAreaOf(atlas, t));
+    std::nth_element(areas.begin(), areas.begin() + kCount / 2, areas.end());
+    EXPECT_GT(areas[kCount / 2], 1.0);
+}
+
 TEST(AtlasUnwrap, FlippedTrianglesGetChartsOfTheirOwn) {
     Scene scene = shapes::plane(2, 2, 8);
     for (const uint32_t t : {10u, 37u, 90u}) std::swap(scene.triangles[t][1], scene.triangles[t][2]);
