@@ -17,8 +17,10 @@ constexpr int kRays = kStrata * kStrata;
 // Half of the sky dark from behind: the texel is inside or under something. Texels beside a wall's foot see
 // at most a little less than half of it.
 constexpr int kMaxDeadRays = kRays / 2;
-// Nine rays in ten stopped within a quarter of a texel: something is pressed on the surface.
-constexpr int kMaxBlockedRays = kRays * 9 / 10;
+// Nine tenths of the sky, by cosine, end less than a quarter of a texel above the surface: something is
+// pressed on it. Height and not distance, and grazing rays count little, so that a lid's print has no
+// speckles.
+constexpr float kMaxBlocked = 0.9f;
 constexpr float kPressedTexels = 0.25f;
 // Gutters are checked half a texel above their surface, so that the sag of a finely tessellated concave
 // surface under its own tangent plane (d^2 / 2r) does not count as passing through geometry.
@@ -35,16 +37,19 @@ bool surroundedByDark(const TexelPoints& points, const Atlas& atlas, const RaySc
     const glm::vec3 origin = offsetOrigin(points.position[i], points.normal[i]);
     Rng rng(hashOf(i));
     const glm::vec2 shift = rng.uniform2();
-    int dead = 0, blocked = 0;
+    int dead = 0;
+    float blocked = 0, sky = 0;
     for (int ray = 0; ray < kRays; ++ray) {
         const glm::vec2 stratum(float(ray % kStrata), float(ray / kStrata));
         const glm::vec2 square = glm::fract((stratum + shift) / float(kStrata));
-        const Hit hit = rays.closestHit(origin, glm::normalize(frame.toWorld(squareToHemisphere(square))));
+        const glm::vec3 local = squareToHemisphere(square);
+        const Hit hit = rays.closestHit(origin, glm::normalize(frame.toWorld(local)));
+        sky += local.z;
         if (!hit) continue;
         dead += !sideLit(atlas, hit.triangle, hit.backFace);
-        blocked += hit.distance < kPressedTexels * atlas.texelSizeMeters;
+        if (hit.distance * local.z < kPressedTexels * atlas.texelSizeMeters) blocked += local.z;
     }
-    return dead >= kMaxDeadRays || blocked > kMaxBlockedRays;
+    return dead >= kMaxDeadRays || blocked >= kMaxBlocked * sky;
 }
 
 // Whether the way from the surface's edge to an extrapolated point leads through something.
