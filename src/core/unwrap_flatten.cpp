@@ -165,7 +165,7 @@ double distortion(const ChartMesh& mesh, const std::vector<FlatTriangle>& flat,
 }
 
 void makeRigid(const ChartMesh& mesh, std::vector<glm::dvec2>& uv) {
-    // Ten rounds bring a 40-degree cap within 1 % of its final distortion.
+    // A limit on time for large charts; small ones settle before.
     constexpr int kRounds = 10;
     constexpr double kMinGain = 1e-4;
 
