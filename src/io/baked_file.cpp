@@ -122,7 +122,7 @@ std::vector<uint8_t> bakedBytes(const std::string& sourcePath, const Scene& scen
 
     json extension = {{"version", kBakedFormatVersion}, {"texCoord", gltf.texCoord}};
     extension["record"] = {{"generator", record.generator},
-                           {"source", record.source},
+                           {"input", record.source},
                            {"settings", record.settings},
                            {"seed", record.seed}};
     for (const Surface& surface : scene.surfaces)

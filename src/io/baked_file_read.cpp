@@ -233,7 +233,7 @@ Environment readEnvironment(Reader& reader, const json& object) {
 
 BakeRecord readRecord(const json& extension) {
     const json record = extension.value("record", json::object());
-    return {record.value("generator", ""), record.value("source", ""), record.value("settings", ""),
+    return {record.value("generator", ""), record.value("input", ""), record.value("settings", ""),
             wholeNumber(record, "seed", 1)};
 }
 

@@ -166,9 +166,9 @@ TEST_F(BakedRoundTrip, CarriesTheEnvironment) {
                    test::someRecord());
     const auto read = readBakedFile(target).loaded.scene.environment;
     ASSERT_TRUE(read);
-    EXPECT_NEAR(read->radiance.at(1, 0).g, 4e6f, 4e6f / 512);
+    EXPECT_NEAR(read->radiance.at(1, 0).y, 4e6f, 4e6f / 512);
     // Half a step of the 9-bit mantissa of the largest channel.
-    EXPECT_NEAR(read->radiance.at(0, 0).b, 1.0f, 1.0f / 512);
+    EXPECT_NEAR(read->radiance.at(0, 0).z, 1.0f, 1.0f / 512);
 }
 
 TEST_F(BakedRoundTrip, DropsDeformationAndSaysSo) {
