@@ -239,7 +239,9 @@ void addBakeCommand(CLI::App& app) {
     CLI::Option* gutter = option("--gutter", "N", "Texels around every chart at least")
                               ->check(CLI::Range(1, 64))
                               ->default_val(defaults.atlas.gutterTexels);
-    CLI::Option* seed = option("--seed", "S", "Of all random numbers")->default_val(defaults.seed);
+    CLI::Option* seed = option("--seed", "S", "Of all random numbers")
+                            ->check(CLI::NonNegativeNumber)
+                            ->default_val(defaults.seed);
     CLI::Option* threads = option("--threads", "T", "Default: all cores")->check(CLI::Range(1, 1024));
     CLI::Option* memory =
         option("--memory-limit", "GB", "Refuse to start a larger bake; default: the machine's")

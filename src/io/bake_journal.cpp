@@ -39,8 +39,9 @@ struct RecordHeader {
 constexpr uint32_t kMaxRecordBytes = 256u << 20;
 
 uint32_t checksumOf(const RecordHeader& record, std::span<const uint8_t> bytes) {
-    uLong crc = crc32_z(0, reinterpret_cast<const Bytef*>(&record), offsetof(RecordHeader, checksum));
-    return uint32_t(crc32_z(crc, bytes.data(), bytes.size()));
+    const uLong crc = crc32_z(0, reinterpret_cast<const Bytef*>(&record), offsetof(RecordHeader, checksum));
+    // zlib takes a null pointer for a request of the initial value.
+    return uint32_t(bytes.empty() ? crc : crc32_z(crc, bytes.data(), bytes.size()));
 }
 
 bool readFully(int file, void* to, size_t size, uint64_t offset) {

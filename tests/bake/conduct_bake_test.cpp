@@ -21,11 +21,21 @@ using Clock = std::chrono::steady_clock;
 
 const std::string kScene = PHAT_SOURCE_DIR "/scenes/tabletop.glb";
 
-std::vector<std::string> smallBake(const std::string& out, std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments = {"bake",      kScene, "-o",        out, "--resolution", "4k",
-                                          "--photons", "2k",   "--bounces", "3", "--paths",      "1"};
+std::vector<std::string> bakeArguments(const std::string& out, const std::string& resolution,
+                                       const std::string& paths, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"bake", kScene, "-o", out, "--photons", "2k", "--bounces", "3"};
+    arguments.insert(arguments.end(), {"--resolution", resolution, "--paths", paths});
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
+}
+
+std::vector<std::string> smallBake(const std::string& out, const std::vector<std::string>& more = {}) {
+    return bakeArguments(out, "4k", "1", more);
+}
+
+// Some seconds, to be met in the middle.
+std::vector<std::string> slowBake(const std::string& out, const std::vector<std::string>& more) {
+    return bakeArguments(out, "60k", "8", more);
 }
 
 long lineCount(const std::string& text) {
@@ -136,12 +146,10 @@ TEST(ConductBake, GivesTheSameBytesOnAnyNumberOfThreads) {
 TEST(ConductBake, StopsWithinASecondAndGoesOnWhereItWas) {
     const TemporaryFolder folder;
     const std::string out = folder.file("out.glb"), journal = out + ".journal", err = folder.file("err");
-    // Slow enough, by its paths, to be met in the middle.
-    ASSERT_EQ(runPhat(smallBake(folder.file("whole.glb"), {"--paths", "400", "--quiet"})).exitCode, 0);
+    ASSERT_EQ(runPhat(slowBake(folder.file("whole.glb"), {"--quiet"})).exitCode, 0);
 
     for (const int signal : {SIGINT, SIGTERM}) {
-        auto arguments = smallBake(out, {"--paths", "400", "--quiet", "--resume"});
-        const Child child(arguments, err);
+        const Child child(slowBake(out, {"--quiet", "--resume"}), err);
         const size_t before = readBytes(journal).size();
         ASSERT_TRUE(waitUntil([&] { return readBytes(journal).size() > before + 9000; }));
         const auto start = Clock::now();
@@ -154,7 +162,7 @@ TEST(ConductBake, StopsWithinASecondAndGoesOnWhereItWas) {
     }
     EXPECT_EQ(folder.fileCount(), 3u);  // whole.glb, err, the journal
 
-    const auto resumed = runPhat(smallBake(out, {"--paths", "400", "--json", "--resume"}));
+    const auto resumed = runPhat(slowBake(out, {"--json", "--resume"}));
     ASSERT_EQ(resumed.exitCode, 0) << resumed.err;
     EXPECT_GT(nlohmann::json::parse(resumed.out)["resumedParts"], 0);
     EXPECT_EQ(readBytes(out), readBytes(folder.file("whole.glb")));
