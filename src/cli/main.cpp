@@ -24,6 +24,9 @@ int run(int argc, char** argv) {
     app.set_version_flag("--version", "phat " PHAT_VERSION);
     app.require_subcommand(1);
     app.footer("phat COMMAND --help explains a command.");
+    app.failure_message([](const CLI::App*, const CLI::Error& error) {
+        return fmt::format("phat: {}\n", error.what());  // one line, as all errors
+    });
     phat::addBakeCommand(app);
     phat::addRenderCommand(app);
     phat::addCompareCommand(app);

@@ -112,6 +112,7 @@ TEST(ConductBake, RefusesWrongUsage) {
     for (const auto& arguments : wrong) {  // --texel-size beside --resolution
         const auto result = runPhat(smallBake(folder.file("out.glb"), arguments));
         EXPECT_EQ(result.exitCode, 2) << arguments[0] << result.err;
+        EXPECT_EQ(lineCount(result.err), 1) << result.err;
     }
     EXPECT_EQ(runPhat({"bake", kScene, "-o", kScene}).exitCode, 2);
     EXPECT_EQ(folder.fileCount(), 0u);
