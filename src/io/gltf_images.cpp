@@ -91,6 +91,16 @@ int countJpegScans(std::span<const uint8_t> bytes) {
     return scans;
 }
 
+// What stb holds at its worst moment, per texel. PNG: inflated rows, an interlace pass and the picture, or
+// one of them beside the four channels made of it. JPEG: 16-bit coefficients (progressive) and samples of
+// padded blocks, and the picture. Encoded PNG data are gathered in a buffer that grows by doubling.
+uint64_t decodeBytes(std::span<const uint8_t> bytes, uint64_t texels, uint64_t channels) {
+    constexpr uint64_t kSlack = 1 << 20;
+    const uint64_t depth = stbi_is_16_bit_from_memory(bytes.data(), int(bytes.size())) ? 2 : 1;
+    const uint64_t png = std::max({3 * channels * depth, (channels + 4) * depth, uint64_t(8)});
+    return texels * (isJpeg(bytes) ? 4 * channels + 4 : png) + 4 * bytes.size() + kSlack;
+}
+
 // Throws Problem with the reason for the note; BudgetProblem stops the load.
 struct BudgetProblem : Problem {
     using Problem::Problem;
@@ -113,8 +123,7 @@ TextureImage decode(std::span<const uint8_t> bytes, MemoryBudget& budget) {
     if (isJpeg(bytes) && countJpegScans(bytes) > kMaxJpegScans) throw Problem("too many JPEG scans");
 
     const uint64_t texels = uint64_t(image.width) * uint64_t(image.height);
-    // The decoder holds inflated and unpacked rows of up to 16 bits a channel, we the result.
-    const uint64_t workBytes = texels * 4 * (stbi_is_16_bit_from_memory(data, size) ? 5 : 3) + (1 << 20);
+    const uint64_t workBytes = decodeBytes(bytes, texels, uint64_t(channels));
     try {
         budget.charge(workBytes, "its pictures");
     } catch (const Problem& problem) {
