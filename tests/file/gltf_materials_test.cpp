@@ -204,6 +204,34 @@ TEST(GltfMaterials, SamplersWrapAndFilter) {
     EXPECT_FALSE(material.metallicRoughnessTexture.nearest);
 }
 
+// A mirrored node mirrors the relief too: the frame's second and third axes follow the geometry.
+TEST(GltfMaterials, TangentFramesFollowMirroredNodes) {
+    for (const bool given : {true, false}) {
+        Textured textured;
+        GltfBuilder& builder = textured.builder;
+        builder.push("materials", {{"normalTexture", {{"index", 0}}}});
+        Json attributes = {{"POSITION", builder.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0})},
+                           {"NORMAL", builder.floats("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1})},
+                           {"TEXCOORD_0", builder.floats("VEC2", {0, 1, 1, 1, 0, 0})}};
+        if (given) attributes["TANGENT"] = builder.floats("VEC4", {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1});
+        const int mesh = builder.mesh({{"attributes", attributes}, {"material", 0}});
+        builder.root({{"mesh", mesh}});
+        builder.root({{"mesh", mesh}, {"scale", {-2, 1, 1}}});
+        builder.root({{"mesh", mesh}, {"scale", {1, -3, 1}}});
+        const Scene scene = load(builder).scene;
+        ASSERT_EQ(scene.tangents.size(), 9u);
+        const auto bitangent = [&](size_t v) {
+            return scene.tangents[v].w * glm::cross(scene.normals[v], glm::vec3(scene.tangents[v]));
+        };
+        EXPECT_EQ(glm::vec3(scene.tangents[0]), glm::vec3(1, 0, 0)) << given;
+        EXPECT_EQ(bitangent(0), glm::vec3(0, 1, 0)) << given;
+        EXPECT_EQ(glm::vec3(scene.tangents[3]), glm::vec3(-1, 0, 0)) << given;
+        EXPECT_EQ(bitangent(3), glm::vec3(0, 1, 0)) << given;
+        EXPECT_EQ(glm::vec3(scene.tangents[6]), glm::vec3(1, 0, 0)) << given;
+        EXPECT_EQ(bitangent(6), glm::vec3(0, -1, 0)) << given;
+    }
+}
+
 TEST(GltfMaterials, PicturesAreDecodedToEightBitRgba) {
     const auto imageOf = [](const std::vector<uint8_t>& picture) {
         Textured textured(picture);
