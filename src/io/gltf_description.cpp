@@ -33,14 +33,6 @@ constexpr std::array kSupported = {
     kBakedExtension,
 };
 
-// Names come from the file and go to a terminal.
-std::string shortName(const std::string& name) {
-    std::string text = name.substr(0, 80);
-    std::replace_if(
-        text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, '?');
-    return text;
-}
-
 bool isSupported(const std::string& extension) {
     return std::find(kSupported.begin(), kSupported.end(), extension) != kSupported.end();
 }
@@ -234,8 +226,7 @@ Description parseDescription(std::string_view text, MemoryBudget& budget, Notes&
     checkVersion(root);
     for (const std::string& name : extensionList(root, "extensionsRequired")) {
         if (!isSupported(name))
-            throw Problem(
-                fmt::format("it requires the extension {}, which is not supported", shortName(name)));
+            throw Problem(fmt::format("it requires the extension {}, which is not supported", name));
     }
 
     const size_t animations = section(root, "animations").size();
@@ -251,8 +242,7 @@ Description parseDescription(std::string_view text, MemoryBudget& budget, Notes&
     }
     pruneAndCheck(root, unknown);
     for (const std::string& name : unknown) {
-        notes.lines.push_back(
-            fmt::format("the extension {} is not supported and is ignored", shortName(name)));
+        notes.lines.push_back(fmt::format("the extension {} is not supported and is ignored", name));
     }
 
     Description description;

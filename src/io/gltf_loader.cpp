@@ -24,7 +24,7 @@ LoadedScene loadGltf(const std::string& path) {
         loaded.notes = gltf::linesOf(notes);
         return loaded;
     } catch (const gltf::Problem& problem) {
-        throw FileError(path, problem.what());
+        throw FileError(path, gltf::printable(problem.what()));
     } catch (const std::bad_alloc&) {
         throw FileError(path, "not enough memory");
     }

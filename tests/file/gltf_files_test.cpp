@@ -174,6 +174,25 @@ TEST(GltfFiles, DeepJsonIsRefused) {
     }
 }
 
+TEST(GltfFiles, MessagesStayOnOneShortLine) {
+    const TemporaryFolder folder;
+    GltfBuilder builder = smallScene();
+    builder.json["images"][0]["name"] = "\x1b[31mred\nsecond line" + std::string(5000, 'x');
+    writeBytes(folder.file("a.glb"), builder.glb());
+    const std::string note = loadGltf(folder.file("a.glb")).notes.at(0);
+    EXPECT_EQ(note.find_first_of("\x1b\n"), std::string::npos);
+    EXPECT_LT(note.size(), 400u);
+    builder.json["extensionsRequired"] = {"evil\nname" + std::string(5000, 'x')};
+    writeBytes(folder.file("a.glb"), builder.glb());
+    try {
+        loadGltf(folder.file("a.glb"));
+        FAIL();
+    } catch (const FileError& error) {
+        EXPECT_EQ(error.reason.find('\n'), std::string::npos);
+        EXPECT_LT(error.reason.size(), 400u);
+    }
+}
+
 TEST(GltfFiles, UnknownChunksAreIgnored) {
     const TemporaryFolder folder;
     std::vector<char> bytes = smallScene().glb();
