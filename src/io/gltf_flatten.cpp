@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "io/gltf_lights_cameras.h"
 #include "io/gltf_materials.h"
@@ -145,28 +146,36 @@ std::vector<const WorldNode*> instancesByMesh(const tinygltf::Model& model,
     return instances;
 }
 
+uint64_t saturatingProduct(uint64_t a, uint64_t b) {
+    return b != 0 && a > UINT64_MAX / b ? UINT64_MAX : a * b;
+}
+
+// Visits each primitive once however many nodes show it: files multiply cheaply.
 PartSize sizeOfAll(const tinygltf::Model& model, const std::vector<const WorldNode*>& instances,
                    MemoryBudget& budget, Notes& notes) {
+    std::map<int, uint64_t> nodesOfMesh;
+    for (const WorldNode* world : instances) {
+        ++nodesOfMesh[model.nodes[world->node].mesh];
+        notes.skinnedMeshes += model.nodes[world->node].skin >= 0;
+    }
     PartSize total;
     uint64_t largest = 0;
-    for (const WorldNode* world : instances) {
-        const tinygltf::Node& node = model.nodes[world->node];
-        const auto& mesh = model.meshes[size_t(node.mesh)];
-        notes.skinnedMeshes += node.skin >= 0;
+    for (const auto& [meshIndex, count] : nodesOfMesh) {
+        const auto& primitives = model.meshes[size_t(meshIndex)].primitives;
         const auto hasTargets = [](const tinygltf::Primitive& p) { return !p.targets.empty(); };
-        notes.morphedMeshes += std::any_of(mesh.primitives.begin(), mesh.primitives.end(), hasTargets);
-        for (const auto& primitive : mesh.primitives) {
+        notes.morphedMeshes += std::any_of(primitives.begin(), primitives.end(), hasTargets);
+        for (const auto& primitive : primitives) {
             if (!hasTriangles(primitive, notes)) continue;
             const PartSize size = partSize(model, primitive);
-            // Charged one by one, so that no sum can wrap.
-            budget.charge(size.bytes() + sizeof(Surface), "its geometry");
-            total.vertices += size.vertices;
-            total.triangles += size.triangles;
+            budget.charge(saturatingProduct(size.bytes() + sizeof(Surface), count), "its geometry");
+            // The charge has shown that these are small.
+            total.vertices += size.vertices * count;
+            total.triangles += size.triangles * count;
             largest = std::max(largest, size.bytes());
         }
     }
     // A part is decoded, placed, and may be split for tangents before it is appended.
-    budget.charge(3 * largest, "its geometry");
+    budget.charge(saturatingProduct(largest, 3), "its geometry");
     // Split vertices can at most double them.
     if (2 * total.vertices >= UINT32_MAX || total.triangles >= UINT32_MAX)
         throw Problem("more than 2^32 triangles");

@@ -9,7 +9,7 @@ namespace phat::gltf {
 void MemoryBudget::charge(uint64_t bytes, const std::string& what) {
     if (bytes > left()) {
         throw Problem(fmt::format("{} would need {} MB of memory, out of proportion to the file's size", what,
-                                  (bytes + used_) >> 20));
+                                  (bytes >> 20) + (used_ >> 20)));
     }
     used_ += bytes;
 }

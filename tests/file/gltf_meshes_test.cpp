@@ -294,6 +294,18 @@ TEST(GltfMeshes, NodesMustFormAForest) {
     EXPECT_NE(reasonOf(cycle).find("cycle"), std::string::npos);
 }
 
+TEST(GltfMeshes, ManyNodesOfManyEmptyPrimitivesTakeNoTime) {
+    GltfBuilder builder;
+    // 4e8 pairs of nodes and primitives.
+    builder.json["meshes"] = Json::array(
+        {{{"primitives", std::vector<Json>(20000, {{"attributes", Json::object()}, {"mode", 0}})}}});
+    builder.json["nodes"] = std::vector<Json>(20000, {{"mesh", 0}});
+    for (int i = 0; i < 20000; ++i) builder.json["scenes"][0]["nodes"].push_back(i);
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_EQ(load(builder).notes.size(), 1u);
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 5);
+}
+
 TEST(GltfMeshes, DeepChainsNeedNoStack) {
     constexpr int kDepth = 100000;
     GltfBuilder builder;
