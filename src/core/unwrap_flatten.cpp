@@ -165,7 +165,7 @@ double distortion(const ChartMesh& mesh, const std::vector<FlatTriangle>& flat,
 }
 
 void makeRigid(const ChartMesh& mesh, std::vector<glm::dvec2>& uv) {
-    // A limit on time for large charts; small ones settle before.
+    // Limits the time that large charts take.
     constexpr int kRounds = 10;
     constexpr double kMinGain = 1e-4;
 
