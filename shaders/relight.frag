@@ -72,9 +72,9 @@ float expectedSamples(Lobe l, vec3 towardEye, mat3 worldFromBlock, int block, iv
 
 // Fewer samples a texel than this, and even the widest cone (2/3 pi R^2 texels) holds less than 24 of them.
 const float kLeastSamplesPerTexel = 24.0 / (2.0 / 3.0 * kPi * 24.0 * 24.0);
-const float kMostWidening = 2.0;
+const float kMostWidening = 6.0;
 
-// A bias, named: a lobe too sharp for the texels to hold samples of it is widened, at most to twice its alpha,
+// A bias, named: a lobe too sharp for the texels to hold samples of it is widened, at most to six times its alpha,
 // because a blurred reflection disturbs less than the discs of single samples.
 void widenLobe(inout Lobe l, inout float expected) {
     float lack = kLeastSamplesPerTexel / max(expected, 1e-20);

@@ -104,6 +104,12 @@ Image Renderer::render(const FrameSettings& settings) {
     // A query needs a complete framebuffer; a context without a window has none of its own.
     glBindFramebuffer(GL_FRAMEBUFFER, s.targets.sumTarget.name());
 
+    glDisable(GL_BLEND);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    if (s.materialsChanged) applyMaterials(s.relight, s.atlas, s.materials);
+    s.materialsChanged = false;
+
     const bool needShadows = !s.shadows.depth;
     if (needShadows) {
         s.shadowTimer.start();
@@ -114,8 +120,6 @@ Image Renderer::render(const FrameSettings& settings) {
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
-    if (s.materialsChanged) applyMaterials(s.relight, s.atlas, s.materials);
-    s.materialsChanged = false;
     s.relightTimer.start();
     relight(s.relight, s.atlas, s.scene.splitSum.name(), eyeOf(settings.camera));
     s.relightTimer.stop();

@@ -130,6 +130,7 @@ ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, const GpuS
     depthProgram.use();
     for (size_t i = 0; i < views.size(); ++i)
         drawView(views[i], maps.depth.name(), int(i), size, gpu, materials, depthProgram);
+    glDisable(GL_DEPTH_TEST);
     checkGl("drawing the shadow maps");
     return maps;
 }
