@@ -13,6 +13,13 @@ constexpr float kLeastRelativeError = 0.005f;
 // Normals farther apart than this are different surfaces to the eye, even in one chart.
 constexpr float kLeastNormalCosine = 0.9f;
 
+/// Mean of the 3x3 texels around, and its variance: an outlier is told from an edge by its surroundings, and a
+/// variance from a few rounds is too noisy to be used alone.
+struct Guide3x3 {
+    float luminance = 0;
+    float variance = 0;
+};
+
 template <typename Visit>
 void forNeighbors(const Atlas& atlas, const TexelPoints& points, glm::ivec2 texel, int reach, const Visit& visit) {
     const uint32_t chart = atlas.chartAt(texel);
@@ -31,9 +38,8 @@ void forNeighbors(const Atlas& atlas, const TexelPoints& points, glm::ivec2 texe
 IrradianceMap filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
                                    const TexelPoints& points) {
     const size_t width = atlas.sizeTexels.x;
-    // A variance from a few rounds is itself noisy: the mean of the 3x3 around is what counts.
-    std::vector<float> variance(estimates.size(), 0.0f);
     IrradianceMap filtered(estimates.size(), glm::vec3(0));
+    std::vector<Guide3x3> guide(estimates.size());
     std::vector<uint8_t> known(estimates.size(), 0);
     SilentProgress silent;
     const auto forValid = [&](const auto& body) {
@@ -43,20 +49,22 @@ IrradianceMap filterAreaIrradiance(const std::vector<IrradianceEstimate>& estima
         });
     };
     forValid([&](size_t i, glm::ivec2 texel) {
-        float sum = 0, count = 0;
+        float sum = 0, variance = 0, count = 0;
         forNeighbors(atlas, points, texel, 1, [&](glm::ivec2, size_t j) {
-            sum += estimates[j].variance;
+            sum += luminance(estimates[j].value);
+            variance += estimates[j].variance;
             count += 1;
         });
-        variance[i] = sum / count + square(kLeastRelativeError * luminance(estimates[i].value));
+        guide[i].luminance = sum / count;
+        guide[i].variance = variance / square(count) + square(kLeastRelativeError * guide[i].luminance);
     });
     forValid([&](size_t i, glm::ivec2 texel) {
         glm::vec3 sum(0);
         float weights = 0;
         forNeighbors(atlas, points, texel, kReach, [&](glm::ivec2 offset, size_t j) {
             if (glm::dot(points.normal[i], points.normal[j]) < kLeastNormalCosine) return;
-            const float difference = luminance(estimates[i].value) - luminance(estimates[j].value);
-            const float noise = square(kNoiseSigmas) * (variance[i] + variance[j]);
+            const float difference = guide[i].luminance - guide[j].luminance;
+            const float noise = square(kNoiseSigmas) * (guide[i].variance + guide[j].variance);
             const float tent = (kReach + 1 - std::abs(offset.x)) * (kReach + 1 - std::abs(offset.y));
             const float weight = tent * (noise > 0.0f ? std::exp(-square(difference) / noise) : float(i == j));
             sum += weight * estimates[j].value;

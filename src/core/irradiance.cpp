@@ -6,26 +6,26 @@
 namespace phat {
 namespace {
 
-// The widest neighbourhood, texels: a block, some 3000 samples.
-constexpr int kMaxRadius = 32;
-// The narrowest: some fifty samples, below which noise is worse than blur.
-constexpr float kMinRadius = 4.0f;
-// First look, to learn how far away the surroundings are.
-constexpr int kProbeRadius = 6;
-// Samples are reused over at most this share of the distance to what they saw (design study).
-constexpr float kRadiusOverDistance = 0.5f;
-// The Jacobian lacks the cosine at the far end, which is not stored; bounding it bounds that error.
-constexpr float kMaxJacobian = 4.0f;
-// Irradiance is computed on a grid of every fourth texel, and of every second where the neighbourhood is
-// narrower than kFineRadius; between them it has no detail and is interpolated.
+// Radius of the neighbourhood, texels: at most a block, some 3000 samples; at least so many that noise is not
+// worse than blur. In between it is the clearance: half the harmonic mean distance of what a texel sees.
+constexpr float kMaxRadius = 32.0f;
+constexpr float kMinRadius = 12.0f;
+// The clearance is measured over this radius, texels.
+constexpr float kProbeRadius = 6.0f;
+// A sample's origin is moved toward the texel by at most this share of the sample's distance. The Jacobian of
+// the move lacks the cosine at the far end, which is not stored: in corners, where samples are as far from the
+// texel as from what they hit, moving them all the way misweighs them by up to ten times.
+constexpr float kMaxMoveOverDistance = 0.25f;
+// Irradiance is computed on a grid of every fourth texel, and of every second where the radius is less than
+// kFineRadius; between them it has no detail and is interpolated.
 constexpr uint32_t kFineStep = 2;
 constexpr uint32_t kCoarse = 2;  // coarse steps in fine ones
 constexpr float kFineRadius = 16.0f;
 
 /// A PHATexel as this filter reads it.
 struct Sample {
-    glm::vec3 hit{0};       // world; a direction when far
-    float distance = 0;     // 0: invalid
+    glm::vec3 direction{0};  // world
+    float distance = 0;      // 0: below its texel's horizon
     glm::vec3 radiance{0};
     float inversePdf = 0;
 };
@@ -41,9 +41,7 @@ std::vector<Sample> decodeLayer(const PhatexelLayer& layer, const std::vector<Gu
             const Phatexel phatexel = phatexelAt(layer, guides, atlas, xy);
             if (!phatexel.valid || phatexel.pdf <= 0.0f) continue;
             const glm::vec3 direction = frames[atlas.blockAt(xy)].toWorld(phatexel.directionBlock);
-            const bool far = phatexel.distance >= kFarDistance;
-            samples[texel] = {far ? direction : points.position[texel] + phatexel.distance * direction,
-                              phatexel.distance, phatexel.radiance, 1.0f / phatexel.pdf};
+            samples[texel] = {direction, phatexel.distance, phatexel.radiance, 1.0f / phatexel.pdf};
         }
     });
     return samples;
@@ -56,19 +54,47 @@ struct Reconnected {
     float jacobian;
 };
 
-Reconnected reconnect(const Sample& sample, glm::vec3 position) {
-    if (sample.distance >= kFarDistance) return {sample.hit, kFarDistance, 1.0f};
-    const glm::vec3 to = sample.hit - position;
-    const float distance2 = std::max(glm::dot(to, to), 1e-12f);
-    const float distance = std::sqrt(distance2);
-    const float jacobian = std::clamp(square(sample.distance) / distance2, 1.0f / kMaxJacobian, kMaxJacobian);
-    return {to / distance, distance, jacobian};
+Reconnected reconnect(const Sample& sample, glm::vec3 from, glm::vec3 to) {
+    if (sample.distance >= kFarDistance) return {sample.direction, kFarDistance, 1.0f};
+    const glm::vec3 way = to - from;
+    const float length = glm::length(way);
+    const float most = kMaxMoveOverDistance * sample.distance;
+    const glm::vec3 moved = length > most ? way * (most / length) : way;
+    const glm::vec3 toHit = sample.distance * sample.direction - moved;
+    const float distance = glm::length(toHit);
+    return {toHit / distance, distance, square(sample.distance / distance)};
 }
 
-struct Estimate {
-    glm::vec3 light{0};
-    float weight = 0;
-    float radius = 0;  // texels
+/// Irradiance from samples a L and a, a = cos J / p, whose mean is known to be pi. The control variate that the
+/// samples themselves regress takes out what the two share: it is the ratio estimator where light is constant
+/// (exact in a furnace) and the plain mean where p follows the light (whose a is noisy, but not a L).
+/// source: control variates as in Owen 2013, "Monte Carlo theory, methods and examples", section 8.9.
+class Regression {
+  public:
+    void add(float weight, float a, glm::vec3 radiance) {
+        const glm::dvec3 light = double(a) * glm::dvec3(radiance);
+        weights_ += weight;
+        unit_ += double(weight) * a;
+        unitSquared_ += double(weight) * a * a;
+        light_ += double(weight) * light;
+        product_ += double(weight) * a * light;
+    }
+    bool empty() const { return unit_ <= 0.0; }
+    /// pre: not empty().
+    glm::vec3 irradiance() const {
+        const double unit = unit_ / weights_;
+        const glm::dvec3 light = light_ / weights_;
+        const double variance = unitSquared_ / weights_ - unit * unit;
+        const glm::dvec3 covariance = product_ / weights_ - unit * light;
+        if (variance <= 1e-6 * unit * unit) return glm::vec3(double(kPi) / unit * light);
+        // Between the mean (0) and the ratio: outside, few samples pretend to more than they know.
+        const glm::dvec3 slope = glm::clamp(covariance / variance, glm::dvec3(0), light / unit);
+        return glm::vec3(glm::max(light - slope * (unit - double(kPi)), glm::dvec3(0)));
+    }
+
+  private:
+    double weights_ = 0, unit_ = 0, unitSquared_ = 0;
+    glm::dvec3 light_{0}, product_{0};
 };
 
 class Filter {
@@ -80,31 +106,46 @@ class Filter {
             layers_.push_back(decodeLayer(layer, phatexture.indirectGuides, atlas, points, frames));
     }
 
-    /// Irradiance at a texel with valid samples around it; weight 0 otherwise.
-    Estimate at(glm::uvec2 texel) const {
-        const size_t index = size_t(texel.y) * atlas_.sizeTexels.x + texel.x;
-        if (points_.state[index] == TexelState::unused) return {};
-        const glm::vec3 position = points_.position[index];
-        const glm::vec3 normal = points_.normal[index];
-        const float radius = radiusAt(texel, position, normal);
+    glm::uvec2 gridSize() const { return atlas_.sizeTexels / kFineStep; }
+    bool valid(glm::uvec2 texel) const { return points_.valid(texelIndex(texel)); }
 
-        Estimate sum{.radius = radius};
-        forNeighbors(texel, radius, [&](const Sample& sample, float cone) {
-            const Reconnected seen = reconnect(sample, position);
-            const float cosine = glm::dot(seen.direction, normal);
+    /// Radius of a valid texel's neighbourhood, texels.
+    float radiusAt(glm::uvec2 texel) const {
+        float weight = 0, nearness = 0;
+        forNeighbors(texel, kProbeRadius, [&](const Sample& sample, size_t index, float) {
+            if (sample.distance <= 0.0f) return;
+            const Reconnected seen = reconnect(sample, points_.position[index], positionAt(texel));
+            const float cosine = glm::dot(seen.direction, normalAt(texel));
             if (cosine <= 0.0f) return;
-            const float weight = cone * cosine * seen.jacobian * sample.inversePdf;
-            sum.light += weight * sample.radiance;
-            sum.weight += weight;
+            weight += cosine * sample.inversePdf;
+            nearness += cosine * sample.inversePdf / seen.distance;
+        });
+        if (nearness <= 0.0f) return kMaxRadius;
+        return std::clamp(0.5f * weight / nearness / atlas_.texelSizeMeters, kMinRadius, kMaxRadius);
+    }
+
+    Regression irradianceAt(glm::uvec2 texel, float radius) const {
+        Regression sum;
+        forNeighbors(texel, radius, [&](const Sample& sample, size_t index, float cone) {
+            // A direction below the horizon was drawn like any other and brought nothing.
+            if (sample.distance <= 0.0f) return sum.add(cone, 0.0f, glm::vec3(0));
+            const Reconnected seen = reconnect(sample, points_.position[index], positionAt(texel));
+            const float cosine = std::max(glm::dot(seen.direction, normalAt(texel)), 0.0f);
+            sum.add(cone, cosine * seen.jacobian * sample.inversePdf, sample.radiance);
         });
         return sum;
     }
 
   private:
+    size_t texelIndex(glm::uvec2 texel) const { return size_t(texel.y) * atlas_.sizeTexels.x + texel.x; }
+    glm::vec3 positionAt(glm::uvec2 texel) const { return points_.position[texelIndex(texel)]; }
+    glm::vec3 normalAt(glm::uvec2 texel) const { return points_.normal[texelIndex(texel)]; }
+
+    // Visits the samples of the valid texels of the chart within a radius, with a weight that falls off linearly.
     template <typename Visit>
     void forNeighbors(glm::uvec2 texel, float radius, const Visit& visit) const {
-        const Chart& chart = atlas_.charts[atlas_.chartAt(texel)];
         const uint32_t chartIndex = atlas_.chartAt(texel);
+        const Chart& chart = atlas_.charts[chartIndex];
         const glm::ivec2 low(chart.originTexel()), high = low + glm::ivec2(chart.sizeTexels()) - 1;
         const int reach = int(radius);
         const glm::ivec2 from = glm::max(glm::ivec2(texel) - reach, low);
@@ -113,29 +154,12 @@ class Filter {
             for (int x = from.x; x <= to.x; ++x) {
                 const float distance = glm::length(glm::vec2(x, y) - glm::vec2(texel));
                 const float cone = 1.0f - distance / (radius + 1.0f);
-                if (cone <= 0.0f) continue;
-                if (atlas_.chartAt({x, y}) != chartIndex) continue;
-                for (const std::vector<Sample>& layer : layers_) {
-                    const Sample& sample = layer[size_t(y) * atlas_.sizeTexels.x + x];
-                    if (sample.distance > 0.0f) visit(sample, cone);
-                }
+                if (cone <= 0.0f || atlas_.chartAt({x, y}) != chartIndex) continue;
+                const size_t index = texelIndex({x, y});
+                if (!points_.valid(index)) continue;
+                for (const std::vector<Sample>& layer : layers_) visit(layer[index], index, cone);
             }
         }
-    }
-
-    // Half the harmonic mean distance of what the cosine lobe sees.
-    float radiusAt(glm::uvec2 texel, glm::vec3 position, glm::vec3 normal) const {
-        float weight = 0, nearness = 0;
-        forNeighbors(texel, kProbeRadius, [&](const Sample& sample, float) {
-            const Reconnected seen = reconnect(sample, position);
-            const float cosine = glm::dot(seen.direction, normal);
-            if (cosine <= 0.0f) return;
-            weight += cosine * sample.inversePdf;
-            nearness += cosine * sample.inversePdf / seen.distance;
-        });
-        if (nearness <= 0.0f) return kMaxRadius;
-        const float radius = kRadiusOverDistance * weight / nearness / atlas_.texelSizeMeters;
-        return std::clamp(radius, kMinRadius, float(kMaxRadius));
     }
 
     const Atlas& atlas_;
@@ -148,16 +172,16 @@ struct Grid {
     glm::uvec2 size{0};
     std::vector<glm::vec3> value;
     std::vector<uint8_t> known;
-    std::vector<float> radius;
+    std::vector<float> radius;  // of the neighbourhood, texels
 
     size_t index(glm::ivec2 p) const { return size_t(p.y) * size.x + p.x; }
 };
 
 void evaluate(Grid& grid, const Filter& filter, glm::uvec2 p) {
-    const Estimate estimate = filter.at(kFineStep * p);
-    grid.radius[grid.index(p)] = estimate.radius;
-    if (estimate.weight <= 0.0f) return;
-    grid.value[grid.index(p)] = kPi * estimate.light / estimate.weight;
+    grid.radius[grid.index(p)] = filter.radiusAt(kFineStep * p);
+    const Regression samples = filter.irradianceAt(kFineStep * p, grid.radius[grid.index(p)]);
+    if (samples.empty()) return;
+    grid.value[grid.index(p)] = samples.irradiance();
     grid.known[grid.index(p)] = 1;
 }
 
@@ -182,21 +206,25 @@ bool interpolateCoarse(Grid& grid, const Atlas& atlas, glm::uvec2 p) {
 
 Grid evaluateGrid(const Filter& filter, const Atlas& atlas, Progress& progress) {
     Grid grid;
-    grid.size = atlas.sizeTexels / kFineStep;
+    grid.size = filter.gridSize();
     const size_t count = size_t(grid.size.x) * grid.size.y;
     grid.value.assign(count, glm::vec3(0));
     grid.known.assign(count, 0);
     grid.radius.assign(count, 0.0f);
-    for (const bool coarse : {true, false}) {
+    const auto forValid = [&](const auto& body) {
         parallelRanges(count, 512, progress, [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; ++i) {
                 const glm::uvec2 p(i % grid.size.x, i / grid.size.x);
-                const bool onCoarse = p % kCoarse == glm::uvec2(0);
-                if (onCoarse != coarse || atlas.chartAt(kFineStep * p) == kNoChart) continue;
-                if (coarse || !interpolateCoarse(grid, atlas, p)) evaluate(grid, filter, p);
+                if (atlas.chartAt(kFineStep * p) != kNoChart && filter.valid(kFineStep * p)) body(p);
             }
         });
-    }
+    };
+    forValid([&](glm::uvec2 p) {
+        if (p % kCoarse == glm::uvec2(0)) evaluate(grid, filter, p);
+    });
+    forValid([&](glm::uvec2 p) {
+        if (p % kCoarse != glm::uvec2(0) && !interpolateCoarse(grid, atlas, p)) evaluate(grid, filter, p);
+    });
     return grid;
 }
 

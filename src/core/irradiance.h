@@ -14,9 +14,9 @@ namespace phat {
 /// chart, so that bilinear lookups inside a chart never meet a hole.
 using IrradianceMap = std::vector<glm::vec3>;
 
-/// Indirect diffuse light from the PHATexels: for each texel, E = pi * sum(a L) / sum(a) with a = cos k J / p
-/// over its chart's neighbourhood, the samples reconnected to the texel, the radius bounded by the distance
-/// of what is seen (docs/pipeline.md).
+/// Indirect diffuse light from the PHATexels: for each texel the mean of a L with a = cos J / p over its chart's
+/// neighbourhood, with a itself, whose mean is pi, as control variate; the samples are reconnected to the texel,
+/// the radius is bounded by the distance of what is seen (docs/pipeline.md).
 IrradianceMap filterIndirectIrradiance(const Phatexture& phatexture, const Atlas& atlas,
                                        const TexelPoints& points, Progress& progress);
 

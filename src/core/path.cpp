@@ -129,7 +129,8 @@ glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const
         if (!leavesSurface(point, direction)) break;
         throughput *= sample.weight;
         if (bounce >= kFirstRouletteBounce) {
-            const float survival = std::min(maxComponent(throughput), 1.0f);
+            // The square root: paths that survive carry little, so the rare ones do not stand out as noise.
+            const float survival = std::min(std::sqrt(maxComponent(throughput)), 1.0f);
             if (rng.uniform() >= survival) break;
             throughput /= survival;
         }
@@ -173,6 +174,7 @@ IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights,
 IrradianceEstimate areaIrradiance(const RayScene& rays, const LightSampler& lights, glm::vec3 position,
                                   glm::vec3 normal, int samples, Rng rng, uint64_t& rayCount) {
     constexpr int kFirstRounds = 2, kFurtherRounds = 6;
+    constexpr double kQuietRelativeSpread = 0.03;  // the filter after this removes what is below
     const Frame frame = frameFromNormal(normal);
     const int lightSamples = std::max(samples / kFirstRounds, 1);
     const int cosineSamples = std::max(lightSamples / 2, 1);
@@ -192,10 +194,12 @@ IrradianceEstimate areaIrradiance(const RayScene& rays, const LightSampler& ligh
         }
     };
     runRounds(kFirstRounds);
+    const auto spreadOf = [&] { return std::max(squares - luminances * luminances / rounds, 0.0); };
     const bool penumbra = visible > 0 && visible < seen;
-    if (penumbra) runRounds(kFurtherRounds);
+    const bool noisy = spreadOf() > std::pow(kQuietRelativeSpread * luminances / rounds, 2);
+    if (penumbra || noisy) runRounds(kFurtherRounds);
 
-    const double spread = std::max(squares - luminances * luminances / rounds, 0.0);
+    const double spread = spreadOf();
     return {sum / float(rounds), float(spread / (double(rounds) * (rounds - 1)))};
 }
 

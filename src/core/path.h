@@ -23,7 +23,7 @@ struct PathSettings {
 
 /// Traces one ray and, from what it meets, `pathsPerHit` paths: next-event estimation of every punctual light
 /// and of one place on the area lights, multiple importance sampling (balance heuristic, Veach 1997), Russian
-/// roulette by throughput from the third bounce. Unbiased but for `maxBounces`.
+/// roulette by the root of the throughput from the third bounce. Unbiased but for `maxBounces`.
 /// pre: |direction| = 1.
 IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights, glm::vec3 origin,
                                glm::vec3 direction, const PathSettings& settings, Rng rng);
@@ -40,7 +40,7 @@ struct IrradianceEstimate {
 
 /// Irradiance of emissive surfaces and the environment at a place: light samples and cosine-weighted rays,
 /// combined by the balance heuristic (Veach 1997), in independent rounds whose spread gives the variance.
-/// Where the first rounds find a penumbra, further ones are spent. `samples`: light samples of the first
+/// Where the first rounds find a penumbra or disagree, further ones are spent. `samples`: light samples of the first
 /// rounds together; half as many cosine rays.
 IrradianceEstimate areaIrradiance(const RayScene& rays, const LightSampler& lights, glm::vec3 position,
                                   glm::vec3 normal, int samples, Rng rng, uint64_t& rayCount);
