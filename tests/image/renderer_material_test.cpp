@@ -211,6 +211,30 @@ TEST_F(RendererMaterial, ComponentsAddUp) {
     EXPECT_GT(direct.at(20, 20).z, 0.3f);
 }
 
+// A square seen straight on stays square in a picture of another shape than the camera's.
+TEST_F(RendererMaterial, PictureShapeDoesNotStretch) {
+    Scene scene;
+    Material glow = lambert(0);
+    glow.emission = glm::vec3(1);
+    addScreen(scene, glow, 0);
+    const RendererWorld world = worldOfQuads(scene, 2);
+    Renderer renderer(world.input(), kShaderFolder);
+    FrameSettings settings;
+    settings.camera = lookAtCamera({0, 0, 4}, {0, 0, 0}, 60);
+    settings.camera.aspect = 1.5f;
+    settings.samplesPerPixel = 1;
+    settings.height = 64;
+    for (int width : {64, 96, 160}) {
+        settings.width = width;
+        const Image image = renderer.render(settings);
+        int across = 0, down = 0;
+        for (int x = 0; x < width; ++x) across += image.at(x, 32).x > 0.5f;
+        for (int y = 0; y < 64; ++y) down += image.at(width / 2, y).x > 0.5f;
+        EXPECT_NEAR(across, 64 * 2 / (8 * std::tan(glm::radians(30.0f))), 1.0f);
+        EXPECT_EQ(across, down);
+    }
+}
+
 TEST_F(RendererMaterial, MissingShadersAreOneSentence) {
     Scene scene;
     addScreen(scene, lambert(0.5f), 0);
