@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kReach = 3;
 // Differences of this many standard errors still count as noise.
-constexpr float kNoiseSigmas = 2.0f;
+constexpr float kNoiseSigmas = 3.0f;
 // Estimates are never taken to be better than this: half a percent cannot be seen.
 constexpr float kLeastRelativeError = 0.005f;
 // Normals farther apart than this are different surfaces to the eye, even in one chart.

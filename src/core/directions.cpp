@@ -26,6 +26,21 @@ int cellOfDirection(glm::vec3 direction) {
     return cell.y * kGuideSize + cell.x;
 }
 
+// The direction that the 8 bytes can hold, near enough to `direction` to keep clear of its histogram cell's
+// border: the density is read back from the cell, and a neighbour's may be a hundred times less.
+glm::vec3 storableDirection(glm::vec3 direction) {
+    constexpr float kMargin = 0.01f;  // of a cell; twice what rounding moves
+    const auto round = [](glm::vec3 d) { return unpackOctahedral24(packOctahedral24(d)); };
+    const glm::vec2 exact = hemisphereToSquare(direction) * float(kGuideSize);
+    const glm::vec2 cell = glm::min(glm::floor(exact), float(kGuideSize - 1));
+    glm::vec3 rounded = round(direction);
+    rounded.z = std::max(rounded.z, 0.0f);
+    const glm::vec2 square = hemisphereToSquare(rounded) * float(kGuideSize);
+    const glm::vec2 inside = glm::clamp(square, cell + kMargin, cell + 1.0f - kMargin);
+    if (inside == square) return rounded;
+    return round(squareToHemisphere(inside / float(kGuideSize)));
+}
+
 Cells blur3x3(const Cells& cells) {
     Cells blurred{};
     for (int y = 0; y < kGuideSize; ++y) {
@@ -194,7 +209,8 @@ ChosenDirections chooseDirections(const Atlas& atlas, const TexelPoints& points,
                 const uint32_t scramble = uint32_t(hashOf(settings.seed, uint64_t(settings.layer) + 1, block));
                 const glm::uvec2 inBlock = (xy - atlas.charts[atlas.chartAt(xy)].originTexel()) % kBlockSize;
                 const Guide& guide = guides.size() == 1 ? guides[0] : guides[block];
-                const glm::vec3 direction = squareToGuide(guide, stratifiedSquare(inBlock, scramble, jitter));
+                const glm::vec3 direction =
+                    storableDirection(squareToGuide(guide, stratifiedSquare(inBlock, scramble, jitter)));
                 chosen.directionBlock[texel] = direction;
                 chosen.pdf[texel] = squareToGuidePdf(guide, direction);
                 continue;
@@ -203,7 +219,7 @@ ChosenDirections chooseDirections(const Atlas& atlas, const TexelPoints& points,
                                                keep, stream, candidates);
             if (choice.photon < 0) continue;
             const glm::vec2 cell(choice.cell % kGuideSize, choice.cell / kGuideSize);
-            const glm::vec3 direction = squareToHemisphere((cell + jitter) / float(kGuideSize));
+            const glm::vec3 direction = storableDirection(squareToHemisphere((cell + jitter) / float(kGuideSize)));
             chosen.directionBlock[texel] = direction;
             chosen.pdf[texel] = choice.pdf;
             chosen.splatRadiance[texel] = choice.estimate * (choice.pdf / std::max(direction.z, kLeastGuideCosine));

@@ -30,7 +30,8 @@ std::vector<Guide> buildGuides(const Atlas& atlas, const TexelPoints& points, co
                                const PhotonMap& photons, const PhotonIndex& index, PhotonFilter keep,
                                Progress& progress);
 
-/// A direction for every valid texel, and what the choice already knows about it.
+/// A direction for every valid texel, and what the choice already knows about it. Directions are exactly those
+/// that packPhatexel can hold, so that the ray traced and the direction stored are one.
 struct ChosenDirections {
     std::vector<glm::vec3> directionBlock;  // [y][x]; zero where nothing was chosen
     std::vector<float> pdf;                 // [y][x], 1/sr
