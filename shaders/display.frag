@@ -71,6 +71,21 @@ vec3 lobeRadiance(int lobeIndex, vec2 center, uint chart, vec3 fallback) {
     return sum.a > 0.0 ? sum.rgb / sum.a : fallback;
 }
 
+// The sources' estimates are independent: together they may exceed the brightest light there is, by noise alone.
+void boundByBrightest(inout vec3 light[kSources], vec3 brightest) {
+    vec3 sum = vec3(0.0);
+    for (int source = 0; source < kSources; ++source) sum += light[source];
+    vec3 scale = min(vec3(1.0), brightest / max(sum, vec3(1e-20)));
+    for (int source = 0; source < kSources; ++source) light[source] *= scale;
+}
+
+void addGlossy(vec3 albedo, vec3 seen[kSources], inout vec3 direct, inout vec3 glossyIndirect) {
+    glossyIndirect += albedo * seen[0];
+#ifdef AREA
+    direct += albedo * seen[1];
+#endif
+}
+
 void main() {
     float alpha = alphaMode == 0 ? 1.0 : opacity();
     if (alphaMode == 1) {
@@ -130,23 +145,29 @@ void main() {
         float transmission = clearcoatTransmission(brdf, towardEyeLocal);
         vec3 diffuse = transmission * diffuseWeight(brdf, nDotV) * brdf.diffuseColor / kPi;
         vec3 specular = transmission * specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, nDotV);
-        for (int source = 0; source < kSources; ++source) {
-            vec3 incident = irradianceAt(source, center, chart);
-            vec3 glossy = vec3(0.0);
-            if (maxComponent(specular) > 0.0)
-                glossy = specular * lobeRadiance(source, center, chart, incident / kPi);
-#ifdef CLEARCOAT
-            if (brdf.clearcoat > 0.0)
-                glossy += (1.0 - transmission) *
-                          lobeRadiance(source + kSources, center, chart, incident / kPi);
-#endif
-            if (source == 0) {
-                glossyIndirect = glossy;
-                diffuseIndirect = diffuse * incident;
-            } else {
-                direct += glossy + diffuse * incident;
-            }
+        vec3 brightest = brightestAround(radii, center);
+        vec3 incident[kSources], seen[kSources];
+        for (int source = 0; source < kSources; ++source)
+            incident[source] = irradianceAt(source, center, chart);
+        boundByBrightest(incident, kPi * brightest);
+        if (maxComponent(specular) > 0.0) {
+            for (int source = 0; source < kSources; ++source)
+                seen[source] = lobeRadiance(source, center, chart, incident[source] / kPi);
+            boundByBrightest(seen, brightest);
+            addGlossy(specular, seen, direct, glossyIndirect);
         }
+#ifdef CLEARCOAT
+        if (brdf.clearcoat > 0.0) {
+            for (int source = 0; source < kSources; ++source)
+                seen[source] = lobeRadiance(source + kSources, center, chart, incident[source] / kPi);
+            boundByBrightest(seen, brightest);
+            addGlossy(vec3(1.0 - transmission), seen, direct, glossyIndirect);
+        }
+#endif
+        diffuseIndirect = diffuse * incident[0];
+#ifdef AREA
+        direct += diffuse * incident[1];
+#endif
     }
 
     vec3 sum = direct * show.x + glossyIndirect * show.y + diffuseIndirect * show.z;

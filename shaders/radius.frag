@@ -1,19 +1,21 @@
 // Pass 2b, one texel a tile: how wide the display pass's cone must be there.
 //
 // Grows a square of tiles until it holds enough samples; the cone's radius is the one whose share of the square's
-// area holds the wanted number. Indirect light: the number expected under the lobe (relight.frag). Area lights:
-// the effective number (sum a L)^2 / sum (a L)^2 of what was found, so that highlights stay as sharp as they are.
+// area holds the wanted number. Indirect light and surrounding lights: the number expected under the lobe
+// (relight.frag). Lamps: the effective number (sum a L)^2 / sum (a L)^2 of what was found, so that highlights stay as sharp as they are.
 // The radius is bounded by the distance of what is reflected, because a lobe smeared over the neighbourhood leaks
 // light where things touch.
 #include "lib/cone.glsl"
+#include "lib/lit_share.glsl"
 
 uniform sampler2DArray pyramid;
 uniform sampler2DArray statistics;
 uniform int lobeIndex;
-uniform int areaLights;  // 1: a lobe of the area lights
+uniform sampler2D tileLight;  // rgb: the brightest radiance around, a: share of the solid angle with area lights
+uniform int areaLights;       // 1: a lobe of the area lights
 uniform float texelSizeMeters;
 
-layout(location = 0) out float radius;
+layout(location = 0) out vec4 radiusBrightest;
 
 // Measured on tabletop and cornell-glossy with 600,000 texels: 32 and 8 give relMSE .103 and .026, these .069 and
 // .028; fewer leave discs of single samples.
@@ -23,12 +25,20 @@ const float kLeastSamples = 4.0;
 // Without reconnection a radius beyond a quarter of the distance leaks (docs/pipeline.md).
 const float kRadiusPerDistance = 0.25;
 
+// Whether relight.frag counted the tile's samples by expectation.
+bool countsExpected(ivec2 tile) {
+    float lit = texelFetch(tileLight, tile, 0).a;
+    return areaLights == 0 || smoothstep(kLeastLitShare, kMostLitShare, lit) >= kCountsExpected;
+}
+
 void main() {
     ivec2 tile = ivec2(gl_FragCoord.xy);
-    radius = 0.0;
+    radiusBrightest = vec4(0.0);
     uint chart = chartOfTile(tile);
     if (chart == kNoChart) return;
 
+    radiusBrightest.gba = texelFetch(tileLight, tile, 0).rgb;
+    bool expected = countsExpected(tile);
     float weight = 0.0, light = 0.0, count = 0.0, perMeter = 0.0, samples = 0.0, texels = 0.0;
     for (int ring = 0; ring <= int(kRadiusInTaps); ++ring) {
         for (int y = -ring; y <= ring; ++y) {
@@ -36,7 +46,7 @@ void main() {
             int stride = abs(y) == ring ? 1 : max(2 * ring, 1);
             for (int x = -ring; x <= ring; x += stride) {
                 ivec2 at = tile + ivec2(x, y);
-                if (chartOfTile(at) != chart) continue;
+                if (chartOfTile(at) != chart || countsExpected(at) != expected) continue;
                 vec2 s = texelFetch(statistics, ivec3(at, lobeIndex), kTopLevel).rg;
                 vec4 sums = texelFetch(pyramid, ivec3(at, lobeIndex), kTopLevel);
                 weight += sums.a;
@@ -46,12 +56,12 @@ void main() {
                 texels += float(kTileSize * kTileSize);
             }
         }
-        samples = areaLights == 0 ? count : count > 0.0 ? light * light / count : 0.0;
+        samples = expected ? count : count > 0.0 ? light * light / count : 0.0;
         if (samples >= kWantedSamples) break;
     }
     if (samples <= 0.0) {
         // Nothing under an indirect lobe: look far. No light of a lamp: there is nothing to smooth.
-        radius = areaLights == 0 ? kMaxRadius : kMinRadius;
+        radiusBrightest.r = expected ? kMaxRadius : kMinRadius;
         return;
     }
     // A cone's effective area is (sum k)^2 / sum k^2 = pi R^2 (1/3)^2 / (1/6) = 2/3 pi R^2.
@@ -59,5 +69,5 @@ void main() {
     float distanceTexels = weight / max(perMeter, 1e-20 * weight + 1e-30) / texelSizeMeters;
     float wanted = perSample * sqrt(kWantedSamples);
     float least = perSample * sqrt(kLeastSamples);
-    radius = clamp(max(min(wanted, kRadiusPerDistance * distanceTexels), least), kMinRadius, kMaxRadius);
+    radiusBrightest.r = clamp(max(min(wanted, kRadiusPerDistance * distanceTexels), least), kMinRadius, kMaxRadius);
 }

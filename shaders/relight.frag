@@ -3,17 +3,21 @@
 // With a = D V F cos / p of the texel's own sample (scalar F), the display pass divides sum a L by sum w and
 // multiplies by the lobe's albedo; invalid PHATexels drop out as zeros.
 //  - Indirect light: w = a, the ratio estimator: a convex combination of real radiances.
-//  - Area lights (EXPECTED_WEIGHT): w is a's expectation, the albedo. Their samples crowd toward the lights, where
-//    a is small; a neighbourhood that happens to miss the few large a would show bare lamps as bright dots.
+//  - Area lights (AREA): w is a's expectation, the albedo, where lamps are small. Their samples crowd toward the
+//    lights, where a is small; a neighbourhood that happens to miss the few large a would show bare lamps as
+//    bright dots. Where light comes from all around, a's noise is the numerator's own and w = a removes it. Both are
+//    consistent, so the transition between them changes noise alone.
 // The statistics tell radius.frag how many samples a lobe has here and how far away is what it reflects.
 // source: Hensley et al. 2003, section 6; the pdf and the normalisers are ours (docs/pipeline.md).
 #include "lib/atlas.glsl"
 #include "lib/brdf.glsl"
 #include "lib/phatexel.glsl"
+#include "lib/lit_share.glsl"
 #include "lib/table.glsl"
 
 uniform usampler2DArray phatexels;     // [layer][y][x] packed, 8 bytes
 uniform sampler2D guidePdf;            // see squareToGuidePdf
+uniform sampler2D tileLight;           // a: share of the solid angle with area lights
 #ifdef TEXEL_PDF
 uniform sampler2DArray texelPdf;       // [layer][y][x] 1/sr, instead of the guides
 #endif
@@ -74,32 +78,42 @@ float expectedSamples(Lobe l, vec3 towardEye, mat3 worldFromBlock, int block, iv
 const float kLeastSamplesPerTexel = 24.0 / (2.0 / 3.0 * kPi * 24.0 * 24.0);
 const float kMostWidening = 6.0;
 
+// 1 where the samples' own weight is the denominator, 0 where it is their expectation.
+float ratioShare(ivec2 texel) {
+#ifdef AREA
+    return smoothstep(kLeastLitShare, kMostLitShare, texelFetch(tileLight, texel >> 3, 0).a);
+#else
+    return 1.0;
+#endif
+}
+
 // A bias, named: a lobe too sharp for the texels to hold samples of it is widened, at most to six times its alpha,
 // because a blurred reflection disturbs less than the discs of single samples.
-void widenLobe(inout Lobe l, inout float expected) {
+void widenLobe(inout Lobe l, inout float expected, float share) {
     float lack = kLeastSamplesPerTexel / max(expected, 1e-20);
-    float widening = clamp(sqrt(lack), 1.0, kMostWidening);
+    float widening = pow(clamp(sqrt(lack), 1.0, kMostWidening), share);
     l.alpha = min(l.alpha * widening, max(l.alpha, 1.0));
     expected *= widening * widening;
 }
 
 void addSample(Lobe l, vec3 towardEye, vec3 towardLight, mat3 worldFromBlock, int block, ivec3 texelLayer,
-               Phatexel phatexel, inout vec4 sums, inout vec2 statistics) {
-#ifndef EXPECTED_WEIGHT
-    float expected = expectedSamples(l, towardEye, worldFromBlock, block, texelLayer);
-    widenLobe(l, expected);
-#endif
+               Phatexel phatexel, float share, inout vec4 sums, inout vec2 statistics) {
+    float expected = 0.0;
+    if (share > 0.0) {
+        expected = expectedSamples(l, towardEye, worldFromBlock, block, texelLayer);
+        widenLobe(l, expected, share);
+    }
     // A mirror-like lobe's peak may exceed what squares hold in 32 bits: a clamp.
     float a = min(lobeValue(l, towardEye, towardLight) / phatexel.pdf, 1e12);
-#ifdef EXPECTED_WEIGHT
-    float w = specularAlbedo(vec3(l.f0), l.f90, l.alpha, max(dot(l.normal, towardEye), 0.0)).x;
-    float value = a * dot(phatexel.radiance, vec3(0.2126, 0.7152, 0.0722));
+    float w = a, count = expected;
+    if (share < 1.0)
+        w = mix(specularAlbedo(vec3(l.f0), l.f90, l.alpha, max(dot(l.normal, towardEye), 0.0)).x, a, share);
+    if (share < kCountsExpected) {
+        float value = a * dot(phatexel.radiance, vec3(0.2126, 0.7152, 0.0722));
+        count = value * value;
+    }
     sums += vec4(phatexel.radiance * a, w);
-    statistics += vec2(value * value, a / phatexel.distance);
-#else
-    sums += vec4(phatexel.radiance, 1.0) * a;
-    statistics += vec2(expected, a / phatexel.distance);
-#endif
+    statistics += vec2(count, a / phatexel.distance);
 }
 
 void main() {
@@ -122,6 +136,7 @@ void main() {
     mat3 worldFromBlock = mat3(blockTangent, cross(blockNormal, blockTangent), blockNormal);
     vec3 towardEye = normalize(eyeWorld - position * (1.0 - eyeAtInfinity));
 
+    float share = ratioShare(texel);
     Lobe base = Lobe(octahedralToDirection(normals.xy), brdf.x, brdf.y, brdf.z);
     for (int layer = 0; layer < layerCount; ++layer) {
         ivec3 texelLayer = ivec3(texel, layer);
@@ -130,12 +145,13 @@ void main() {
         phatexel.pdf = densityAt(block, phatexel.directionBlock, texelLayer);
         if (!(phatexel.pdf > 0.0)) continue;
         vec3 towardLight = worldFromBlock * phatexel.directionBlock;
-        addSample(base, towardEye, towardLight, worldFromBlock, block, texelLayer, phatexel, lobe, lobeStatistics);
+        addSample(base, towardEye, towardLight, worldFromBlock, block, texelLayer, phatexel, share, lobe,
+                  lobeStatistics);
 #ifdef CLEARCOAT
         if (brdf.w > 0.0) {
             Lobe coatLobe = Lobe(octahedralToDirection(normals.zw), kClearcoatF0, 1.0, brdf.w);
-            addSample(coatLobe, towardEye, towardLight, worldFromBlock, block, texelLayer, phatexel, coat,
-                      coatStatistics);
+            addSample(coatLobe, towardEye, towardLight, worldFromBlock, block, texelLayer, phatexel, share,
+                      coat, coatStatistics);
         }
 #endif
     }

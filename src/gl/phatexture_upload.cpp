@@ -5,6 +5,7 @@
 #include "core/shading.h"
 #include "gl/gl_error.h"
 #include "gl/textures.h"
+#include "gl/tile_light.h"
 
 namespace phat {
 namespace {
@@ -64,6 +65,15 @@ GlTexture uploadTileTable(const Atlas& atlas) {
     GlTexture texture = createTexture2D(GL_RG32UI, tiles);
     glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(tiles.x), GLsizei(tiles.y), GL_RG_INTEGER,
                         GL_UNSIGNED_INT, table.data());
+    return texture;
+}
+
+GlTexture uploadTileLight(const Scene& scene, const Atlas& atlas, const Phatexture& phatexture) {
+    const glm::uvec2 tiles = atlas.sizeTiles();
+    const std::vector<glm::vec4> light = tileLight(scene, atlas, phatexture);
+    GlTexture texture = createTexture2D(GL_RGBA32F, tiles);
+    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(tiles.x), GLsizei(tiles.y), GL_RGBA, GL_FLOAT,
+                        light.data());
     return texture;
 }
 
@@ -181,6 +191,7 @@ GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& 
     gpu.texelSizeMeters = atlas.texelSizeMeters;
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     gpu.tileTable = uploadTileTable(atlas);
+    gpu.tileLight = uploadTileLight(scene, atlas, phatexture);
     gpu.blockFrames = uploadBlockFrames(atlas, points);
 
     const auto texture = [&](GLenum internal, GLenum format, GLenum type, const void* data) {

@@ -28,6 +28,7 @@ struct GpuAtlas {
     GlTexture materialIndex;            // R32UI
     GlTexture texturesA;                // RGBA8: mean base colour, roughness, metallic, specular
     GlTexture texturesB;                // RGBA8: mean specular colour, clearcoat, clearcoat roughness
+    GlTexture tileLight;                // RGBA32F [tileY][tileX], see tileLight()
     GlTexture irradiance;               // RGB16F: indirect, area
     std::vector<GpuPhatexels> sources;  // indirect, then area if there is any
 };

@@ -21,7 +21,7 @@ void createTargets(RelightPass& pass, const GpuAtlas& atlas) {
     pass.texelBrdf = createTexture2D(GL_RGBA16F, atlas.sizeTexels);
     pass.lobes = createTextureArray(GL_RGBA32F, atlas.sizeTexels, pass.lobeCount, kTopLevel + 1);
     pass.statistics = createTextureArray(GL_RG32F, atlas.sizeTexels, pass.lobeCount, kTopLevel + 1);
-    pass.radii = createTextureArray(GL_R32F, atlas.sizeTexels / kTileSize, pass.lobeCount);
+    pass.radii = createTextureArray(GL_RGBA32F, atlas.sizeTexels / kTileSize, pass.lobeCount);
 
     const GLuint lobes = pass.lobes.name(), statistics = pass.statistics.name();
     pass.brdfTarget = createFramebuffer({{pass.texelBrdf.name()}});
@@ -55,7 +55,7 @@ RelightPass createRelightPass(const std::string& folder, const GpuAtlas& atlas, 
     for (size_t s = 0; s < atlas.sources.size(); ++s) {
         const GpuPhatexels& source = atlas.sources[s];
         std::vector<std::string> defines;
-        if (s == 1) defines.push_back("EXPECTED_WEIGHT");
+        if (s == 1) defines.push_back("AREA");
         if (source.texelPdf) defines.push_back("TEXEL_PDF");
         if (clearcoat) defines.push_back("CLEARCOAT");
         pass.relightPrograms.emplace_back(folder, "fullscreen.vert", "relight.frag", defines);
@@ -92,6 +92,7 @@ void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, co
         program.bind("texelNormals", 5, atlas.normals.name());
         program.bind("texelBrdf", 6, pass.texelBrdf.name());
         program.bind("splitSumTable", 8, splitSum);
+        program.bind("tileLight", 9, atlas.tileLight.name());
         if (source.texelPdf) program.bind("texelPdf", 7, source.texelPdf.name());
         program.set("eyeWorld", eye.place);
         program.set("eyeAtInfinity", eye.atInfinity ? 1.0f : 0.0f);
@@ -122,6 +123,7 @@ void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas) {
     radius.bind("tileTable", 0, atlas.tileTable.name());
     radius.bind("pyramid", 1, lobes);
     radius.bind("statistics", 2, statistics);
+    radius.bind("tileLight", 3, atlas.tileLight.name());
     radius.set("texelSizeMeters", atlas.texelSizeMeters);
     for (int lobe = 0; lobe < pass.lobeCount; ++lobe) {
         radius.set("lobeIndex", lobe);
