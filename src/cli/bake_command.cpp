@@ -268,6 +268,8 @@ void addBakeCommand(CLI::App& app) {
         settings.density.neighbors = neighbors->as<uint32_t>();
         settings.directions = kDirections.at(directions->as<std::string>());
         settings.radiance = kRadiance.at(radiance->as<std::string>());
+        if (settings.radiance == RadianceSource::splat && !choosesPhotons(settings.directions))
+            throw CLI::ValidationError("--radiance", "splat needs --directions photons or nearest-photon");
         settings.maxBounces = bounces->as<int>();
         if (*bounces) settings.photons.maxBounces = settings.maxBounces;
         settings.pathsPerPhatexel = paths->as<int>();

@@ -1,6 +1,7 @@
 #include "core/bake.h"
 
 #include <chrono>
+#include <stdexcept>
 
 #include "core/directions.h"
 #include "core/gather.h"
@@ -98,6 +99,8 @@ void bakeAreaLight(const GatherInput& input, const BakeSettings& settings, Progr
 }  // namespace
 
 Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, BakeJournal* journal) {
+    if (settings.radiance == RadianceSource::splat && !choosesPhotons(settings.directions))
+        throw std::invalid_argument("splatted radiance needs directions from photons");
     const auto start = std::chrono::steady_clock::now();
     Bake result;
     const RayScene rays(scene);

@@ -16,6 +16,11 @@ enum class Directions : uint8_t { guided, photons, nearestPhoton, uniform, cosin
 /// Where the radiance of a PHATexel comes from.
 enum class RadianceSource : uint8_t { path, photons, splat };
 
+/// Whether a direction is a photon's, whose light RadianceSource::splat needs.
+inline bool choosesPhotons(Directions directions) {
+    return directions == Directions::photons || directions == Directions::nearestPhoton;
+}
+
 struct BakeSettings {
     AtlasSettings atlas;
     PhotonSettings photons;
@@ -55,6 +60,7 @@ class BakeJournal {
     virtual void store(uint64_t key, const std::vector<uint8_t>& bytes) = 0;
 };
 
+/// Throws Interrupted when `progress` asks, std::invalid_argument for splats without photon directions.
 Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, BakeJournal* journal = nullptr);
 
 /// Upper estimate of the memory that bake() needs, in bytes, before anything is allocated.

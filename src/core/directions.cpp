@@ -189,8 +189,7 @@ ChosenDirections chooseDirections(const Atlas& atlas, const TexelPoints& points,
                                   const std::vector<Frame>& frames, const std::vector<Guide>& guides,
                                   const PhotonMap& photons, const PhotonIndex& index, PhotonFilter keep,
                                   const DirectionSettings& settings, Progress& progress) {
-    const bool fromPhotons =
-        settings.strategy == Directions::photons || settings.strategy == Directions::nearestPhoton;
+    const bool fromPhotons = choosesPhotons(settings.strategy);
     ChosenDirections chosen;
     chosen.directionBlock.assign(atlas.texelCount(), glm::vec3(0));
     chosen.pdf.assign(atlas.texelCount(), 0.0f);
