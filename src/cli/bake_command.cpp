@@ -11,10 +11,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "cli/bake_report.h"
 #include "cli/bake_stages.h"
 #include "cli/commands.h"
 #include "cli/interrupt.h"
 #include "cli/progress_bar.h"
+#include "io/atomic_file.h"
 #include "io/bake_journal.h"
 #include "io/baked_file.h"
 #include "io/file_error.h"
@@ -125,57 +127,39 @@ uint64_t fingerprintOf(const BakeOptions& options) {
     return fingerprint.value();
 }
 
-json statsOf(const BakeOptions& options, const Bake& result, size_t resumedParts,
-             const std::vector<std::string>& notes) {
-    const BakeStats& stats = result.stats;
-    return {{"output", options.output},
-            {"bytes", std::filesystem::file_size(options.output)},
-            {"atlas",
-             {{"width", result.atlas.sizeTexels.x},
-              {"height", result.atlas.sizeTexels.y},
-              {"texelSize", result.atlas.texelSizeMeters},
-              {"charts", stats.atlas.chartCount},
-              {"coverage", stats.atlas.coverage},
-              {"areaWithinStretch15", stats.atlas.areaWithinStretch15},
-              {"degenerateTriangles", stats.atlas.degenerateTriangles}}},
-            {"photons", {{"emitted", stats.photons.emitted}, {"stored", stats.photons.stored}}},
-            {"phatexels", {{"layers", result.phatexture.indirect.size()}, {"valid", stats.validPhatexels}}},
-            {"rays", stats.rays},
-            {"resumedParts", resumedParts},
-            {"seconds", stats.seconds},
-            {"notes", notes}};
+void checkOutput(const BakeOptions& options) {
+    if (std::filesystem::path(options.output).extension() != ".glb")
+        throw CLI::ValidationError("--output", fmt::format("\"{}\" does not end in .glb", options.output));
+    std::error_code ignored;
+    for (const std::string& input : {options.input, options.environment})
+        if (std::filesystem::equivalent(input, options.output, ignored))
+            throw CLI::ValidationError("--output", fmt::format("would overwrite the input {}", input));
+    checkReplaceable(options.output);
 }
 
-void printSummary(const json& stats) {
-    const json& atlas = stats["atlas"];
-    fmt::print("{}: {:.1f} MB\n", stats["output"].get<std::string>(), stats["bytes"].get<double>() * 1e-6);
-    fmt::print("  atlas       {} x {} texels of {:.4g} mm, {} charts, {:.0f} % covered\n",
-               atlas["width"].get<uint32_t>(), atlas["height"].get<uint32_t>(),
-               atlas["texelSize"].get<double>() * 1e3, atlas["charts"].get<uint32_t>(),
-               atlas["coverage"].get<double>() * 100);
-    fmt::print("  photons     {} emitted, {} stored\n", stats["photons"]["emitted"].get<uint64_t>(),
-               stats["photons"]["stored"].get<uint64_t>());
-    fmt::print("  PHATexels   {} valid, {} rays\n", stats["phatexels"]["valid"].get<uint64_t>(),
-               stats["rays"].get<uint64_t>());
-    if (const auto parts = stats["resumedParts"].get<size_t>()) fmt::print("  resumed     {} parts\n", parts);
-    fmt::print("  time        {:.1f} s\n", stats["seconds"].get<double>());
-    for (const json& note : stats["notes"]) fmt::print("  note        {}\n", note.get<std::string>());
+// The same failure, always with a file's name; `kept` tells what remains of the work.
+[[noreturn]] void failWith(const std::exception& error, const std::string& input, const std::string& kept) {
+    if (dynamic_cast<const Interrupted*>(&error)) throw Interrupted("interrupted" + kept);
+    if (const auto* failed = dynamic_cast<const FileError*>(&error))
+        throw FileError(failed->path, failed->reason + kept);
+    const bool memory = dynamic_cast<const std::bad_alloc*>(&error);
+    throw FileError(input, (memory ? "out of memory" : error.what()) + kept);
 }
 
 void runBake(const BakeOptions& options) {
-    std::error_code ignored;
-    if (std::filesystem::equivalent(options.input, options.output, ignored))
-        throw CLI::ValidationError("--output", "would overwrite the input");
     std::optional<tbb::global_control> threads;
     if (options.threads)
         threads.emplace(tbb::global_control::max_allowed_parallelism, size_t(*options.threads));
     catchInterrupts();
 
     const LoadedScene loaded = loadInput(options);
+    checkOutput(options);
     refuseTooLarge(options, loaded.scene);
-    FileJournal journal(options.output + ".journal", fingerprintOf(options), options.resume);
-    ProgressBar progress(progressStyle(options.quiet), bakeStages(options.settings));
+    const std::string journalPath = options.output + ".journal";
+    FileJournal journal(journalPath, fingerprintOf(options), options.resume);
+    json report;
     try {
+        ProgressBar progress(progressStyle(options.quiet), bakeStages(options.settings));
         const Bake result = bake(loaded.scene, options.settings, progress, &journal);
         const BakeRecord record{kGenerator, std::filesystem::path(options.input).filename().string(),
                                 options.settingsLine, options.settings.seed};
@@ -183,19 +167,19 @@ void runBake(const BakeOptions& options) {
         for (std::string& note :
              writeBakedFile(options.output, options.input, loaded.scene, result, record, &progress))
             notes.push_back(std::move(note));
-        journal.remove();
-        const json stats = statsOf(options, result, journal.resumedRecords(), notes);
-        if (options.json)
-            fmt::print("{}\n", stats.dump(-1, ' ', false, json::error_handler_t::replace));
-        else if (!options.quiet)
-            printSummary(stats);
-    } catch (const Interrupted&) {
-        fmt::print(stderr, "phat: the same command with --resume goes on from {}.journal\n", options.output);
-        throw;
-    } catch (...) {
+        report = reportOf(options.output, result, journal.resumedRecords(), progress.stageTimes(), notes);
+    } catch (const std::exception& error) {
         if (journal.empty()) journal.remove();
-        throw;
+        failWith(error, options.input,
+                 journal.empty()
+                     ? ""
+                     : fmt::format("; the same command with --resume goes on from {}", journalPath));
     }
+    journal.remove();
+    if (options.json)
+        fmt::print("{}\n", report.dump(-1, ' ', false, json::error_handler_t::replace));
+    else if (!options.quiet)
+        printReport(report);
 }
 
 }  // namespace

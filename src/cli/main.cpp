@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <new>
 
@@ -43,10 +44,11 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    std::signal(SIGXFSZ, SIG_IGN);  // a file that grows over its limit is an error to report, as a full disk
     try {
         return run(argc, argv);
-    } catch (const phat::Interrupted&) {
-        fmt::print(stderr, "phat: interrupted\n");
+    } catch (const phat::Interrupted& error) {
+        fail(error.what());
         return kInterrupted;
     } catch (const std::bad_alloc&) {
         return fail("out of memory");

@@ -18,7 +18,10 @@ constexpr std::chrono::steady_clock::duration kRedrawInterval = 100ms;
 constexpr std::chrono::steady_clock::duration kLineInterval = 10s;
 // Before this share of a stage, its own speed says less than that of the stages before it.
 constexpr double kTrustedFraction = 0.02;
-constexpr int kBarWidth = 24;
+// Before this share of everything, nothing is known about the time that is left.
+constexpr double kTrustedShare = 0.005;
+// With these, the longest line (hours elapsed, hours left) has 79 columns.
+constexpr int kBarWidth = 20, kNameWidth = 19;
 
 double secondsOf(std::chrono::steady_clock::duration duration) {
     return std::chrono::duration<double>(duration).count();
@@ -50,6 +53,12 @@ ProgressStyle progressStyle(bool quiet) {
 
 ProgressBar::ProgressBar(ProgressStyle style, std::vector<PlannedStage> plan)
     : style_(style), plan_(std::move(plan)) {}
+
+ProgressBar::~ProgressBar() {
+    if (style_ != ProgressStyle::oneLine) return;
+    fmt::print(stderr, "\r\x1b[K");
+    std::fflush(stderr);
+}
 
 bool ProgressBar::stopRequested() const {
     return interruptRequested();
@@ -90,18 +99,27 @@ void ProgressBar::end() {
     if (!active_) return;
     draw(true);
     active_ = false;
+    const double seconds = secondsOf(Clock::now() - stageStart_);
+    const auto same = std::find_if(stageTimes_.begin(), stageTimes_.end(),
+                                   [&](const StageTime& time) { return time.name == stage_; });
+    if (same == stageTimes_.end())
+        stageTimes_.push_back({stage_, seconds});
+    else
+        same->seconds += seconds;
     if (shareNow_ > 0) {
-        plannedSeconds_ += secondsOf(Clock::now() - stageStart_);
+        plannedSeconds_ += seconds;
         plannedShares_ += shareNow_;
     }
 }
 
 // The current stage at its own speed; those to come at the speed, in seconds a share, of all so far.
-double ProgressBar::secondsLeft(double stageSeconds, double stageFraction) const {
+std::optional<double> ProgressBar::secondsLeft(double stageSeconds, double stageFraction) const {
     double sharesToCome = 0;
     for (size_t i = nextPlanned_; i < plan_.size(); ++i) sharesToCome += plan_[i].share;
     const double sharesDone = plannedShares_ + shareNow_ * stageFraction;
-    const double secondsAShare = sharesDone > 0 ? (plannedSeconds_ + stageSeconds) / sharesDone : 0;
+    const double allShares = plannedShares_ + shareNow_ + sharesToCome;
+    if (!(sharesDone > kTrustedShare * allShares)) return std::nullopt;
+    const double secondsAShare = (plannedSeconds_ + stageSeconds) / sharesDone;
     const double ofThisStage = stageFraction > kTrustedFraction
                                    ? stageSeconds / stageFraction * (1 - stageFraction)
                                    : secondsAShare * shareNow_;
@@ -111,21 +129,22 @@ double ProgressBar::secondsLeft(double stageSeconds, double stageFraction) const
 void ProgressBar::draw(bool last) {
     if (style_ == ProgressStyle::none) return;
     const double stageSeconds = secondsOf(Clock::now() - stageStart_);
-    const bool stopped = stopRequested();
-    const uint64_t done = last && !stopped ? total_ : std::min<uint64_t>(done_, total_);
+    const uint64_t done = last && !stopRequested() ? total_ : std::min<uint64_t>(done_, total_);
     const double fraction = total_ > 0 ? double(done) / double(total_) : 1.0;
-    std::string times = fmt::format("{} elapsed", clockTime(secondsOf(Clock::now() - start_)));
-    if (!last) times += fmt::format(", about {} left", clockTime(secondsLeft(stageSeconds, fraction)));
-    if (stageSeconds > 0) times += fmt::format(", {}/s", shortCount(double(done) / stageSeconds));
+    std::string times = clockTime(secondsOf(Clock::now() - start_));
+    const auto left = secondsLeft(stageSeconds, fraction);
+    if (left && !last) times += fmt::format(", about {} left", clockTime(*left));
 
     if (style_ == ProgressStyle::lines) {
+        if (stageSeconds > 0) times += fmt::format(", {}/s", shortCount(double(done) / stageSeconds));
         fmt::print(stderr, "{}: {:.0f} %, {}\n", stage_, 100 * fraction, times);
     } else {
         const auto filled = size_t(kBarWidth * fraction);
-        std::string line = fmt::format("{:<15} [{}{}] {:3.0f} %  {}", stage_, std::string(filled, '#'),
-                                       std::string(kBarWidth - filled, '-'), 100 * fraction, times);
+        std::string line =
+            fmt::format("{:<{}} [{}{}] {:3.0f} %  {}", stage_, kNameWidth, std::string(filled, '#'),
+                        std::string(kBarWidth - filled, '-'), 100 * fraction, times);
         line.resize(std::min(line.size(), terminalWidth() - 1));
-        fmt::print(stderr, "\r{}\x1b[K{}", line, last ? "\n" : "");  // erase what is left of a longer line
+        fmt::print(stderr, "\r{}\x1b[K", line);  // erase what is left of a longer line
     }
     std::fflush(stderr);
 }

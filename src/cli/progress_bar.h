@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,21 +27,34 @@ enum class ProgressStyle {
 /// oneLine where stderr is a terminal.
 ProgressStyle progressStyle(bool quiet);
 
+/// A stage that has ended.
+struct StageTime {
+    std::string name;
+    double seconds = 0;
+};
+
 /// Draws what it is told, and answers stopRequested() from the signals (interrupt.h). Stages that are not in
-/// the plan are shown, but do not count for the time that is left.
+/// the plan are shown, but do not count for the time that is left. The terminal's line is gone when the bar
+/// is.
 class ProgressBar : public Progress {
   public:
     ProgressBar(ProgressStyle style, std::vector<PlannedStage> plan);
+    ~ProgressBar() override;
+    ProgressBar(const ProgressBar&) = delete;
+    ProgressBar& operator=(const ProgressBar&) = delete;
 
     void begin(const char* stage, uint64_t total) override;
     void advance(uint64_t done) override;
     void end() override;
     bool stopRequested() const override;
 
+    /// What the ended stages took, those of one name together, in the order of their first ends.
+    const std::vector<StageTime>& stageTimes() const { return stageTimes_; }
+
   private:
     using Clock = std::chrono::steady_clock;
 
-    double secondsLeft(double stageSeconds, double stageFraction) const;
+    std::optional<double> secondsLeft(double stageSeconds, double stageFraction) const;
     void draw(bool last);
 
     const ProgressStyle style_;
@@ -56,6 +70,7 @@ class ProgressBar : public Progress {
     double shareNow_ = 0;        // of the current stage
     double plannedSeconds_ = 0;  // that planned stages took, and their shares
     double plannedShares_ = 0;
+    std::vector<StageTime> stageTimes_;
 
     std::atomic<uint64_t> done_{0};
     std::atomic<int64_t> nextDraw_{0};  // clock ticks since start_

@@ -18,6 +18,7 @@
 #include "core/irradiance.h"
 #include "gl/gl_context.h"
 #include "gl/renderer.h"
+#include "io/atomic_file.h"
 #include "io/baked_file.h"
 #include "io/file_error.h"
 #include "io/image_file.h"
@@ -140,9 +141,11 @@ BakedScene loadBaked(const RenderOptions& options, Progress& progress) {
 
 void runRender(const RenderOptions& options) {
     const std::string kind = pictureKind(options.output);
+    checkReplaceable(options.output);
     catchInterrupts();
-    ProgressBar progress(progressStyle(options.quiet), bakeStages(BakeSettings()));
-    BakedScene baked = loadBaked(options, progress);
+    std::optional<ProgressBar> progress(std::in_place, progressStyle(options.quiet),
+                                        bakeStages(BakeSettings()));
+    BakedScene baked = loadBaked(options, *progress);
     Scene& scene = baked.loaded.scene;
     try {
         for (const std::string& edit : options.edits) editMaterial(edit, scene.materials);
@@ -161,18 +164,19 @@ void runRender(const RenderOptions& options) {
                        : std::clamp(int(std::lround(float(options.width) / aspect)), 1, kMaxPictureSide);
 
     const IrradianceMap irradiance =
-        filterIndirectIrradiance(baked.phatexture, baked.atlas, baked.points, progress);
+        filterIndirectIrradiance(baked.phatexture, baked.atlas, baked.points, *progress);
     const HeadlessContext context;
     Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, irradiance},
                       shaderFolder().string());
-    progress.throwIfStopped();
+    progress->throwIfStopped();
     const Image picture = renderer.render(frame);
-    progress.throwIfStopped();
+    progress->throwIfStopped();
     if (kind == ".exr")
         writeExr(options.output, picture);
     else
         writePng(options.output, toneMap(picture, options.toneMap, options.exposureStops));
 
+    progress.reset();
     const FrameTimes times = renderer.lastFrameTimes();
     if (options.json) {
         const json stats = {{"output", options.output},

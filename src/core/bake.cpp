@@ -47,8 +47,10 @@ class Stage {
 std::vector<Guide> guidesFor(const GatherInput& input, Directions strategy, PhotonFilter keep,
                              Progress& progress) {
     switch (strategy) {
-        case Directions::uniform: return {uniformGuide()};
-        case Directions::cosine: return {cosineGuide()};
+        case Directions::uniform:
+            return {uniformGuide()};
+        case Directions::cosine:
+            return {cosineGuide()};
         default: {
             Stage stage(progress, "guides", input.atlas.blockCount);
             return buildGuides(input.atlas, input.points, input.frames, input.photons, input.index, keep,
@@ -83,8 +85,9 @@ void bakeAreaLight(const GatherInput& input, const BakeSettings& settings, Progr
     if (!input.lights.hasArea()) return;
     out.areaGuides = guidesFor(input, Directions::guided, isAreaPhoton, progress);
     // Layer -1: a stream of its own, whatever the number of indirect layers.
-    const ChosenDirections chosen = directionsFor(
-        input, out.areaGuides, isAreaPhoton, {Directions::guided, settings.density, settings.seed, -1}, progress);
+    const ChosenDirections chosen =
+        directionsFor(input, out.areaGuides, isAreaPhoton,
+                      {Directions::guided, settings.density, settings.seed, -1}, progress);
     {
         Stage stage(progress, "area light", input.atlas.texelCount());
         out.area.push_back(gatherArea(input, chosen, progress, journal, rays));
@@ -106,21 +109,11 @@ Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, 
     const RayScene rays(scene);
     const LightSampler lights(scene);
 
-    const PhotonMap photons = [&] {
-        Stage stage(progress, "photons", settings.photons.count);
-        return tracePhotons(rays, lights, settings.photons, progress);
-    }();
+    const PhotonMap photons = tracePhotons(rays, lights, settings.photons, progress);
     const PhotonIndex index(photons.photons);
-
-    result.atlas = [&] {
-        Stage stage(progress, "atlas", scene.triangles.size());
-        return buildAtlas(scene, litSides(scene, photons), settings.atlas, progress, &result.stats.atlas);
-    }();
-    {
-        Stage stage(progress, "texels", result.atlas.texelCount());
-        result.points = buildTexelPoints(scene, result.atlas);
-        markCoveredTexels(result.points, result.atlas, rays, progress);
-    }
+    result.atlas = buildAtlas(scene, litSides(scene, photons), settings.atlas, progress, &result.stats.atlas);
+    result.points = buildTexelPoints(scene, result.atlas);
+    markCoveredTexels(result.points, result.atlas, rays, progress);
     const std::vector<Frame> frames = blockFrames(result.atlas, result.points);
     const GatherInput input{rays, lights, result.atlas, result.points, frames, photons, index};
 
@@ -131,7 +124,8 @@ Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, 
     result.stats.photons = photons.stats;
     result.stats.texels = result.atlas.texelCount();
     for (const PhatexelLayer& layer : result.phatexture.indirect)
-        for (PackedPhatexel packed : layer.texels) result.stats.validPhatexels += packed.directionDistance != 0;
+        for (PackedPhatexel packed : layer.texels)
+            result.stats.validPhatexels += packed.directionDistance != 0;
     result.stats.rays = rayCount;
     result.stats.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return result;

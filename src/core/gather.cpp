@@ -7,15 +7,16 @@
 namespace phat {
 namespace {
 
-// Texels a part: small enough to stop within a tenth of a second, large enough for a file record.
+// Texels a part: 48 kB, so that a record of the journal outweighs its header and the wait for the disk.
 constexpr size_t kPartTexels = 2048;
 
 enum class Stage : uint64_t { indirect = 1, area = 2, areaIrradiance = 3 };
 
-// Fills [0, count) of `values` in parts; parts that the journal has are not computed again.
-template <typename Value, typename Fill>
+// Fills `values` by fillOne(index, rays) in parts; parts that the journal has are not computed again. With
+// many paths a part takes seconds: a stop is noticed between texels, and the unfinished part is dropped.
+template <typename Value, typename FillOne>
 void fillParts(std::vector<Value>& values, uint64_t key, Progress& progress, BakeJournal* journal,
-               const Fill& fill) {
+               std::atomic<uint64_t>& rayCount, const FillOne& fillOne) {
     static_assert(std::is_trivially_copyable_v<Value>);
     parallelRanges(values.size(), kPartTexels, progress, [&](size_t begin, size_t end) {
         const size_t byteCount = (end - begin) * sizeof(Value);
@@ -27,7 +28,12 @@ void fillParts(std::vector<Value>& values, uint64_t key, Progress& progress, Bak
                 return;
             }
         }
-        fill(begin, end);
+        uint64_t rays = 0;
+        for (size_t index = begin; index < end; ++index) {
+            progress.throwIfStopped();
+            fillOne(index, rays);
+        }
+        rayCount += rays;
         if (journal) {
             const auto* bytes = reinterpret_cast<const uint8_t*>(&values[begin]);
             journal->store(partKey, {bytes, bytes + byteCount});
@@ -52,8 +58,9 @@ TexelRay texelRay(const GatherInput& input, const ChosenDirections& chosen, size
     ray.direction = glm::normalize(frame.toWorld(chosen.directionBlock[texel]));
     const Scene& scene = input.rays.scene();
     const glm::uvec3 t = scene.triangles[input.points.triangle[texel]];
-    const glm::vec3 flatNormal = (back ? -1.0f : 1.0f) * glm::cross(scene.positions[t.y] - scene.positions[t.x],
-                                                                    scene.positions[t.z] - scene.positions[t.x]);
+    const glm::vec3 flatNormal =
+        (back ? -1.0f : 1.0f) *
+        glm::cross(scene.positions[t.y] - scene.positions[t.x], scene.positions[t.z] - scene.positions[t.x]);
     ray.valid = glm::dot(ray.direction, input.points.normal[texel]) > 0.0f &&
                 glm::dot(ray.direction, flatNormal) > 0.0f;
     ray.origin = offsetOrigin(input.points.position[texel], glm::normalize(flatNormal));
@@ -61,7 +68,8 @@ TexelRay texelRay(const GatherInput& input, const ChosenDirections& chosen, size
 }
 
 /// Radiance by the photons at the ray's hit: the paper's exact-solution analogue (section 5.1.2).
-IncidentRadiance photonIncident(const GatherInput& input, const TexelRay& ray, const DensityEstimate& density) {
+IncidentRadiance photonIncident(const GatherInput& input, const TexelRay& ray,
+                                const DensityEstimate& density) {
     IncidentRadiance incident;
     incident.rays = 1;
     const Hit hit = input.rays.closestHit(ray.origin, ray.direction);
@@ -100,18 +108,14 @@ PhatexelLayer gatherIndirect(const GatherInput& input, const ChosenDirections& c
                              std::atomic<uint64_t>& rayCount) {
     PhatexelLayer result;
     result.texels.resize(input.atlas.texelCount());
-    fillParts(result.texels, hashOf(uint64_t(Stage::indirect), uint64_t(layer)), progress, journal,
-              [&](size_t begin, size_t end) {
-                  uint64_t rays = 0;
-                  for (size_t texel = begin; texel < end; ++texel) {
-                      const TexelRay ray = texelRay(input, chosen, texel);
-                      if (!ray.valid) continue;
-                      const IncidentRadiance incident = incidentAt(input, chosen, ray, texel, layer, settings);
-                      rays += incident.rays;
-                      result.texels[texel] =
-                          packPhatexel(makePhatexel(chosen, texel, incident.reflected, incident.distance));
-                  }
-                  rayCount += rays;
+    fillParts(result.texels, hashOf(uint64_t(Stage::indirect), uint64_t(layer)), progress, journal, rayCount,
+              [&](size_t texel, uint64_t& rays) {
+                  const TexelRay ray = texelRay(input, chosen, texel);
+                  if (!ray.valid) return;
+                  const IncidentRadiance incident = incidentAt(input, chosen, ray, texel, layer, settings);
+                  rays += incident.rays;
+                  result.texels[texel] =
+                      packPhatexel(makePhatexel(chosen, texel, incident.reflected, incident.distance));
               });
     return result;
 }
@@ -120,20 +124,17 @@ PhatexelLayer gatherArea(const GatherInput& input, const ChosenDirections& chose
                          BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
     PhatexelLayer result;
     result.texels.resize(input.atlas.texelCount());
-    fillParts(result.texels, uint64_t(Stage::area), progress, journal, [&](size_t begin, size_t end) {
-        uint64_t rays = 0;
-        for (size_t texel = begin; texel < end; ++texel) {
+    fillParts(
+        result.texels, uint64_t(Stage::area), progress, journal, rayCount, [&](size_t texel, uint64_t& rays) {
             const TexelRay ray = texelRay(input, chosen, texel);
-            if (!ray.valid) continue;
+            if (!ray.valid) return;
             const PathSettings emissionOnly{.pathsPerHit = 0, .maxBounces = 0};
             const IncidentRadiance incident =
                 traceIncident(input.rays, input.lights, ray.origin, ray.direction, emissionOnly, Rng(0));
             result.texels[texel] =
                 packPhatexel(makePhatexel(chosen, texel, incident.emitted, incident.distance));
             rays += incident.rays;
-        }
-        rayCount += rays;
-    });
+        });
     return result;
 }
 
@@ -141,16 +142,13 @@ std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, c
                                                      Progress& progress, BakeJournal* journal,
                                                      std::atomic<uint64_t>& rayCount) {
     std::vector<IrradianceEstimate> estimates(input.atlas.texelCount());
-    fillParts(estimates, uint64_t(Stage::areaIrradiance), progress, journal, [&](size_t begin, size_t end) {
-        uint64_t rays = 0;
-        for (size_t texel = begin; texel < end; ++texel) {
-            if (!input.points.valid(texel)) continue;
-            estimates[texel] =
-                areaIrradiance(input.rays, input.lights, input.points.position[texel], input.points.normal[texel],
-                               settings.irradianceSamples, Rng(hashOf(settings.seed + 0x17, 0, texel)), rays);
-        }
-        rayCount += rays;
-    });
+    fillParts(estimates, uint64_t(Stage::areaIrradiance), progress, journal, rayCount,
+              [&](size_t texel, uint64_t& rays) {
+                  if (!input.points.valid(texel)) return;
+                  estimates[texel] = areaIrradiance(input.rays, input.lights, input.points.position[texel],
+                                                    input.points.normal[texel], settings.irradianceSamples,
+                                                    Rng(hashOf(settings.seed + 0x17, 0, texel)), rays);
+              });
     return estimates;
 }
 

@@ -4,12 +4,13 @@
 #include <atomic>
 #include <cstdint>
 #include <stdexcept>
+#include <string>
 
 namespace phat {
 
 /// Thrown from a stage when it was asked to stop.
 struct Interrupted : std::runtime_error {
-    Interrupted() : std::runtime_error("interrupted") {}
+    explicit Interrupted(const std::string& what = "interrupted") : std::runtime_error(what) {}
 };
 
 /// Implemented by the command line and the viewer; calls may come from any thread.

@@ -68,6 +68,10 @@ void replaceFile(const std::string& path, const std::function<void(const std::st
     }
 }
 
+void checkReplaceable(const std::string& path) {
+    unlink(createBeside(resolveTarget(path), path).c_str());
+}
+
 void replaceFile(const std::string& path, std::span<const uint8_t> bytes) {
     replaceFile(path, [&](const std::string& temporary) {
         std::FILE* file = std::fopen(temporary.c_str(), "wb");

@@ -134,14 +134,14 @@ TEST(ConductBake, GivesTheSameBytesOnAnyNumberOfThreads) {
     const TemporaryFolder folder;
     std::vector<char> first;
     for (const char* threads : {"1", "2", "8"}) {
-        const std::string out = folder.file(threads);
+        const std::string out = folder.file(std::string(threads) + ".glb");
         const auto result = runPhat(smallBake(out, {"--threads", threads, "--quiet"}));
         ASSERT_EQ(result.exitCode, 0) << result.err;
         if (first.empty()) first = readBytes(out);
         EXPECT_EQ(first, readBytes(out)) << threads;
     }
-    ASSERT_EQ(runPhat(smallBake(folder.file("other"), {"--seed", "2", "--quiet"})).exitCode, 0);
-    EXPECT_NE(first, readBytes(folder.file("other")));
+    ASSERT_EQ(runPhat(smallBake(folder.file("other.glb"), {"--seed", "2", "--quiet"})).exitCode, 0);
+    EXPECT_NE(first, readBytes(folder.file("other.glb")));
 }
 
 TEST(ConductBake, StopsWithinASecondAndGoesOnWhereItWas) {
@@ -168,6 +168,31 @@ TEST(ConductBake, StopsWithinASecondAndGoesOnWhereItWas) {
     EXPECT_GT(nlohmann::json::parse(resumed.out)["resumedParts"], 0);
     EXPECT_EQ(readBytes(out), readBytes(folder.file("whole.glb")));
     EXPECT_FALSE(std::filesystem::exists(journal));
+}
+
+// One part of the journal takes far longer than a second here: it is given up in its middle.
+TEST(ConductBake, StopsWithinASecondInsideALongPart) {
+    const TemporaryFolder folder;
+    const std::string out = folder.file("out.glb"), journal = out + ".journal", err = folder.file("err");
+    // The progress tells when the last stage, the long one, has begun; it writes no line sooner than 10 s
+    // after that.
+    const Child child(bakeArguments(out, "4k", "20000", {"--threads", "1"}), err);
+    const auto said = [&] {
+        const auto bytes = readBytes(err);
+        return std::string(bytes.begin(), bytes.end());
+    };
+    ASSERT_TRUE(waitUntil([&] {
+        const std::string text = said();
+        const size_t last = text.rfind("directions: 100 %");
+        return last != std::string::npos && last != text.find("directions: 100 %");
+    })) << said();
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    ASSERT_EQ(said().find("indirect light: 100 %"), std::string::npos);
+    const auto start = Clock::now();
+    kill(child.pid, SIGINT);
+    EXPECT_EQ(child.wait(), 130);
+    EXPECT_LT(Clock::now() - start, std::chrono::seconds(1));
+    EXPECT_FALSE(std::filesystem::exists(out));
 }
 
 }  // namespace

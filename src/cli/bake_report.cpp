@@ -1,0 +1,65 @@
+#include "cli/bake_report.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+namespace phat {
+namespace {
+
+using nlohmann::json;
+
+// A stage that takes less of the whole is not worth a line.
+constexpr double kLeastShareShown = 0.02;
+
+}  // namespace
+
+json reportOf(const std::string& output, const Bake& result, size_t resumedParts,
+              const std::vector<StageTime>& stageTimes, const std::vector<std::string>& notes) {
+    const BakeStats& stats = result.stats;
+    json stages = json::array();
+    for (const StageTime& stage : stageTimes)
+        stages.push_back({{"name", stage.name}, {"seconds", stage.seconds}});
+    return {{"output", output},
+            {"bytes", std::filesystem::file_size(output)},
+            {"atlas",
+             {{"width", result.atlas.sizeTexels.x},
+              {"height", result.atlas.sizeTexels.y},
+              {"texelSize", result.atlas.texelSizeMeters},
+              {"charts", stats.atlas.chartCount},
+              {"coverage", stats.atlas.coverage},
+              {"areaWithinStretch15", stats.atlas.areaWithinStretch15},
+              {"degenerateTriangles", stats.atlas.degenerateTriangles}}},
+            {"photons", {{"emitted", stats.photons.emitted}, {"stored", stats.photons.stored}}},
+            {"phatexels", {{"layers", result.phatexture.indirect.size()}, {"valid", stats.validPhatexels}}},
+            {"rays", stats.rays},
+            {"resumedParts", resumedParts},
+            {"seconds", stats.seconds},
+            {"stages", stages},
+            {"notes", notes}};
+}
+
+void printReport(const json& report) {
+    const json& atlas = report["atlas"];
+    fmt::print("{}: {:.1f} MB\n", report["output"].get<std::string>(), report["bytes"].get<double>() * 1e-6);
+    fmt::print("  atlas       {} x {} texels of {:.4g} mm, {} charts, {:.0f} % covered\n",
+               atlas["width"].get<uint32_t>(), atlas["height"].get<uint32_t>(),
+               atlas["texelSize"].get<double>() * 1e3, atlas["charts"].get<uint32_t>(),
+               atlas["coverage"].get<double>() * 100);
+    fmt::print("  photons     {} emitted, {} stored\n", report["photons"]["emitted"].get<uint64_t>(),
+               report["photons"]["stored"].get<uint64_t>());
+    fmt::print("  PHATexels   {} valid, {} rays\n", report["phatexels"]["valid"].get<uint64_t>(),
+               report["rays"].get<uint64_t>());
+    if (const auto parts = report["resumedParts"].get<size_t>())
+        fmt::print("  resumed     {} parts\n", parts);
+    const auto seconds = report["seconds"].get<double>();
+    fmt::print("  time        {:.1f} s\n", seconds);
+    for (const json& stage : report["stages"]) {
+        const auto taken = stage["seconds"].get<double>();
+        if (taken > kLeastShareShown * seconds)
+            fmt::print("    {:<19} {:.1f} s\n", stage["name"].get<std::string>(), taken);
+    }
+    for (const json& note : report["notes"]) fmt::print("  note        {}\n", note.get<std::string>());
+}
+
+}  // namespace phat

@@ -1,0 +1,20 @@
+#pragma once
+// What a bake tells when it is done.
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/progress_bar.h"
+#include "core/bake.h"
+
+namespace phat {
+
+/// What `phat bake --json` prints. pre: `output` is written.
+nlohmann::json reportOf(const std::string& output, const Bake& result, size_t resumedParts,
+                        const std::vector<StageTime>& stageTimes, const std::vector<std::string>& notes);
+
+/// The report in a few lines on stdout.
+void printReport(const nlohmann::json& report);
+
+}  // namespace phat
