@@ -163,7 +163,13 @@ Atlas buildAtlas(const Scene& scene, const std::vector<Sides>& componentSides, c
         const bool second = i > 0 && sides[i - 1].flat == sides[i].flat;
         boxes.push_back({flats[sides[i].flat].sizeMeters, second});
     }
-    const Packing packing = packCharts(boxes, settings, progress);
+    Packing packing = packCharts(boxes, settings, progress);
+    if (boxes.empty() && !scene.triangles.empty()) {
+        // Triangles without area have no charts, but stay in the file: one tile of no chart gives them a
+        // place.
+        packing.texelSizeMeters = 1;
+        packing.sizeTiles = glm::uvec2(1);
+    }
     Atlas atlas = placeCharts(scene, flats, sides, packing);
     progress.end();
 

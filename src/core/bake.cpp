@@ -46,6 +46,7 @@ class Stage {
 
 std::vector<Guide> guidesFor(const GatherInput& input, Directions strategy, PhotonFilter keep,
                              Progress& progress) {
+    if (input.atlas.blockCount == 0) return {uniformGuide()};  // no surface has an area
     switch (strategy) {
         case Directions::uniform:
             return {uniformGuide()};
