@@ -1,14 +1,20 @@
-# Two commands: `make demo` and `make test`. Both install what is missing on Debian 12 (root or sudo).
+# Three commands: `make demo`, `make test` and `make bench`. All install what is missing on Debian 12 (root or sudo).
 
 BUILD_JOBS ?= $(shell nproc)
 
-.PHONY: demo test release dev setup clean
+.PHONY: demo test bench release dev setup clean
 
 demo: out/tabletop.png
 	@echo "Look at out/tabletop.png"
 
 test: dev
 	tools/run_tests build/dev
+
+bench: setup
+	@test -f build/release/build.ninja || cmake --preset release
+	cmake --build build/release --target phat_bench -j $(BUILD_JOBS)
+	build/release/bench/phat_bench --benchmark_out=build/bench.json --benchmark_out_format=json
+	@echo "The figures are in build/bench.json; bench/README.md explains them"
 
 out/tabletop.png: out/tabletop.phat.glb
 	build/release/phat render out/tabletop.phat.glb -o $@

@@ -1,0 +1,47 @@
+#pragma once
+// What the benchmarks share: a scene of the repository, and clocks.
+
+#include <benchmark/benchmark.h>
+
+#include <chrono>
+#include <map>
+#include <string>
+
+#include "core/progress.h"
+#include "core/scene.h"
+#include "io/gltf_loader.h"
+
+namespace phat {
+
+inline Scene benchScene(const std::string& name) {
+    return loadGltf(std::string(PHAT_SOURCE_DIR "/scenes/") + name + ".glb").scene;
+}
+
+template <typename Work>
+double secondsOf(const Work& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Seconds by stage; stages of one name together.
+class StageClock : public Progress {
+  public:
+    void begin(const char* stage, uint64_t) override {
+        stage_ = stage;
+        start_ = std::chrono::steady_clock::now();
+    }
+    void advance(uint64_t) override {}
+    void end() override {
+        seconds[stage_] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+    bool stopRequested() const override { return false; }
+
+    std::map<std::string, double> seconds;
+
+  private:
+    std::string stage_;
+    std::chrono::steady_clock::time_point start_;
+};
+
+}  // namespace phat
