@@ -2,7 +2,9 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <pty.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -46,7 +48,8 @@ long lineCount(const std::string& text) {
 struct Child {
     pid_t pid = -1;
 
-    Child(const std::vector<std::string>& arguments, const std::string& errPath) {
+    Child(const std::vector<std::string>& arguments, const std::string& errPath,
+          rlim_t fileBytesAllowed = RLIM_INFINITY) {
         std::vector<char*> argv = {const_cast<char*>(PHAT_PROGRAM)};
         for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
         argv.push_back(nullptr);
@@ -54,6 +57,8 @@ struct Child {
         if (pid != 0) return;
         dup2(open(errPath.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
         dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
+        const rlimit limit{fileBytesAllowed, fileBytesAllowed};
+        setrlimit(RLIMIT_FSIZE, &limit);
         execv(PHAT_PROGRAM, argv.data());
         _exit(127);
     }
@@ -116,6 +121,83 @@ TEST(ConductBake, RefusesWrongUsage) {
     }
     EXPECT_EQ(runPhat({"bake", kScene, "-o", kScene}).exitCode, 2);
     EXPECT_EQ(folder.fileCount(), 0u);
+}
+
+TEST(ConductBake, ChecksTheOutputBeforeItBakes) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directory(folder.path / "folder.glb");
+    const auto intoFolder = runPhat(smallBake(folder.file("folder.glb")));
+    EXPECT_EQ(intoFolder.exitCode, 1);
+    EXPECT_EQ(intoFolder.err, "phat: " + folder.file("folder.glb") + ": is a folder\n");
+    const auto picture = runPhat(smallBake(folder.file("out.png")));
+    EXPECT_EQ(picture.exitCode, 2);
+    EXPECT_NE(picture.err.find(".glb"), std::string::npos) << picture.err;
+
+    const std::string input = folder.file("in.glb"), link = folder.file("link.glb");
+    std::filesystem::copy_file(kScene, input);
+    std::filesystem::create_symlink(input, link);
+    EXPECT_EQ(runPhat({"bake", input, "-o", link}).exitCode, 2);
+    EXPECT_EQ(readBytes(input), readBytes(kScene));
+    EXPECT_EQ(folder.fileCount(), 3u);
+}
+
+TEST(ConductBake, SaysThatTheDiskIsFullAndKeepsWhatIsFinished) {
+    const TemporaryFolder folder;
+    const std::string out = folder.file("out.glb"), err = folder.file("err");
+    const rlim_t kBytesAllowed = 60'000;  // a part of the journal, but neither all parts nor the baked file
+    const Child child(smallBake(out, {"--quiet"}), err, kBytesAllowed);
+    EXPECT_EQ(child.wait(), 1);
+    const auto bytes = readBytes(err);
+    const std::string said(bytes.begin(), bytes.end());
+    EXPECT_EQ(lineCount(said), 1) << said;
+    EXPECT_NE(said.find("cannot be written"), std::string::npos) << said;
+    EXPECT_NE(said.find("--resume"), std::string::npos) << said;
+    EXPECT_EQ(folder.fileCount(), 2u);  // err and the journal: no half-written file
+    ASSERT_EQ(runPhat(smallBake(out, {"--resume", "--quiet"})).exitCode, 0);
+    EXPECT_FALSE(std::filesystem::exists(out + ".journal"));
+}
+
+// What a terminal of 80 columns receives.
+TEST(ConductBake, RedrawsOneLineOnATerminal) {
+    const TemporaryFolder folder;
+    std::vector<std::string> arguments = smallBake(folder.file("out.glb"));
+    std::vector<char*> argv = {const_cast<char*>(PHAT_PROGRAM)};
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    winsize size{};
+    size.ws_row = 25;
+    size.ws_col = 80;
+    int terminal = -1;
+    const pid_t pid = forkpty(&terminal, nullptr, nullptr, &size);
+    if (pid == 0) {
+        execv(PHAT_PROGRAM, argv.data());
+        _exit(127);
+    }
+    std::string received;
+    char buffer[4096];
+    for (ssize_t count; (count = read(terminal, buffer, sizeof(buffer))) > 0;)
+        received.append(buffer, size_t(count));
+    int status = 0;
+    waitpid(pid, &status, 0);
+    close(terminal);
+    ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << received;
+
+    // Up to the report, carriage returns only; and then nothing of the line is left.
+    const std::string kErase = "\x1b[K";
+    const size_t report = received.find(folder.file("out.glb"));
+    ASSERT_NE(report, std::string::npos) << received;
+    const std::string progress = received.substr(0, report);
+    EXPECT_EQ(progress.find('\n'), std::string::npos);
+    EXPECT_TRUE(progress.ends_with("\r" + kErase));
+    size_t redraws = 0, longest = 0;
+    for (size_t at = 0; at < progress.size(); ++redraws) {
+        const size_t end = std::min(progress.find('\r', at), progress.size());
+        longest = std::max(longest, end - at);
+        at = end + 1;
+    }
+    EXPECT_GT(redraws, 8u);
+    EXPECT_LT(longest, 80 + kErase.size());
+    EXPECT_NE(progress.find("indirect light"), std::string::npos);
 }
 
 TEST(ConductBake, RefusesMoreMemoryThanAllowed) {
