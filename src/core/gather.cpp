@@ -7,7 +7,7 @@
 namespace phat {
 namespace {
 
-// Texels a part: 48 kB, so that a record of the journal outweighs its header and the wait for the disk.
+// Texels a part: 16 or 32 kB, so that a record of the journal outweighs its header and the wait for the disk.
 constexpr size_t kPartTexels = 2048;
 
 enum class Stage : uint64_t { indirect = 1, area = 2, areaIrradiance = 3 };
