@@ -76,7 +76,7 @@ float expectedSamples(Lobe l, vec3 towardEye, mat3 worldFromBlock, int block, iv
 
 // Fewer samples a texel than this, and even the widest cone (2/3 pi R^2 texels) holds less than 24 of them.
 const float kLeastSamplesPerTexel = 24.0 / (2.0 / 3.0 * kPi * 24.0 * 24.0);
-const float kMostWidening = 6.0;
+const float kMostWidening = 20.0;
 
 // 1 where the samples' own weight is the denominator, 0 where it is their expectation.
 float ratioShare(ivec2 texel) {
@@ -87,8 +87,10 @@ float ratioShare(ivec2 texel) {
 #endif
 }
 
-// A bias, named: a lobe too sharp for the texels to hold samples of it is widened, at most to six times its alpha,
-// because a blurred reflection disturbs less than the discs of single samples.
+// A bias, named: a lobe too sharp for the texels to hold samples of it is widened, at most to twenty times its
+// alpha, because a blurred reflection disturbs less than the discs of single samples and than charts that differ.
+// Measured on gallery's curved metals: MAE/mean .456, .434 and .431 with 6, 10 and 20. Asking for as many samples in
+// narrower cones helps them further, but blurs cornell-glossy's metals (.270 to .361).
 void widenLobe(inout Lobe l, inout float expected, float share) {
     float lack = kLeastSamplesPerTexel / max(expected, 1e-20);
     float widening = pow(clamp(sqrt(lack), 1.0, kMostWidening), share);
