@@ -17,8 +17,8 @@ struct CameraMatrices {
     glm::mat4 worldFromClipRotation{1};  // with the eye at the origin
 };
 
-// The picture's shape, not the camera's: a view of another shape shows more or less to the sides, undistorted.
-// `jitter` in pixels.
+// The picture's shape, not the camera's: a view of another shape shows more or less to the sides,
+// undistorted. `jitter` in pixels.
 CameraMatrices matricesOf(const Camera& camera, glm::uvec2 size, const Bounds& bounds, glm::vec2 jitter) {
     const float aspect = float(size.x) / float(size.y);
     const glm::vec3 eye(camera.worldFromCamera[3]);

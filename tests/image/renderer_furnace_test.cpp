@@ -95,6 +95,87 @@ TEST_F(RendererFurnace, InvalidTexelsDropOut) {
         image, camera, [&](float nDotV) { return radiance * specularAlbedo(f0, 1, 0.09f, nDotV); }, 2e-3f);
 }
 
+// Moves the indirect PHATexels to the area lights.
+RendererWorld areaFloor(const Material& material, const LightAt& light) {
+    Scene scene;
+    addFloor(scene, material, 2);
+    RendererWorld world = worldOfQuads(scene, 8);
+    fillPhatexels(world, 0, light);
+    world.phatexture.area = world.phatexture.indirect;
+    world.phatexture.areaGuides = world.phatexture.indirectGuides;
+    for (PackedPhatexel& texel : world.phatexture.indirect[0].texels) texel.radiance = 0;
+    world.phatexture.areaIrradiance.assign(world.atlas.texelCount(), 0);
+    return world;
+}
+
+// Area lights all around are weighed by their own samples: as exact as indirect light.
+TEST_F(RendererFurnace, SurroundingAreaLightReflectsTheAlbedo) {
+    const glm::vec3 radiance(1.5f, 0.75f, 3.0f);
+    const Camera camera = lookAtCamera({0, 0.6f, 0.7f}, {0, 0, 0}, 40);
+    const RendererWorld world = areaFloor(metal(0.3f), [&](glm::vec3, glm::vec3) { return radiance; });
+    Renderer renderer(world.input(), kShaderFolder);
+    const glm::vec3 f0(world.scene.materials[0].baseColor);
+    expectPicture(
+        renderer.render(frame(camera, Component::all)), camera,
+        [&](float nDotV) { return radiance * specularAlbedo(f0, 1, 0.09f, nDotV); }, 2e-3f);
+}
+
+// A small lamp is weighed by the expectation; the picture's mean is the integral over the lamp.
+TEST_F(RendererFurnace, SmallLampHasItsEnergy) {
+    const float cosine = 0.94f;  // the lamp's cap about the zenith: 6 % of the hemisphere
+    const LightAt lamp = [&](glm::vec3, glm::vec3 direction) {
+        return glm::vec3(direction.y > cosine ? 4.0f : 0.0f);
+    };
+    const RendererWorld world = areaFloor(metal(0.6f), lamp);
+    const Camera camera = lookAtCamera({0, 3, 0.6f}, {0, 0, 0}, 20);
+    Renderer renderer(world.input(), kShaderFolder);
+    const Image image = renderer.render(frame(camera, Component::direct));
+
+    // Midpoint rule over the cap, equal areas.
+    constexpr int kSteps = 64;
+    const Brdf brdf{
+        .diffuseColor = glm::vec3(0), .f0 = glm::vec3(world.scene.materials[0].baseColor), .alpha = 0.36f};
+    const float cellSteradians = 2 * kPi * (1 - cosine) / float(kSteps * kSteps);
+    glm::dvec3 got(0), want(0);
+    for (int y = 0; y < image.height; y += 4) {
+        for (int x = 0; x < image.width; x += 4) {
+            const glm::vec3 d = -pixelDirection(camera, x, y, image.width, image.height);
+            const glm::vec3 towardEye(d.x, -d.z, d.y);
+            for (int i = 0; i < kSteps * kSteps; ++i) {
+                const float z = 1 - (1 - cosine) * (float(i / kSteps) + 0.5f) / kSteps;
+                const float phi = 2 * kPi * (float(i % kSteps) + 0.5f) / kSteps;
+                const float r = std::sqrt(1 - z * z);
+                want += 4 * cellSteradians *
+                        evaluateBrdf(brdf, towardEye, {r * std::cos(phi), r * std::sin(phi), z});
+            }
+            got += image.at(x, y);
+        }
+    }
+    // Some 240 of the 4096 PHATexels see the lamp: their number has a standard error of 6.5 %; three of them.
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c], want[c], 0.2 * want[c]);
+}
+
+// Together the two kinds of light cannot exceed the only radiance there is, whatever their noise.
+TEST_F(RendererFurnace, NothingExceedsTheBrightestLight) {
+    RendererWorld world = areaFloor(metal(0.2f), [](glm::vec3 p, glm::vec3 d) {
+        return glm::vec3(std::sin(9 * p.x) + d.x > 0 ? 1.0f : 0.0f);
+    });
+    fillPhatexels(world, 0, [](glm::vec3 p, glm::vec3 d) {
+        return glm::vec3(std::sin(9 * p.x) + d.x > 0 ? 0.0f : 1.0f);
+    });
+    Renderer renderer(world.input(), kShaderFolder);
+    const Camera camera = lookAtCamera({0, 0.6f, 0.7f}, {0, 0, 0}, 40);
+    const Image image = renderer.render(frame(camera, Component::all));
+    const glm::vec3 f0(world.scene.materials[0].baseColor);
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            const float nDotV = -pixelDirection(camera, x, y, image.width, image.height).y;
+            const glm::vec3 albedo = specularAlbedo(f0, 1, 0.04f, nDotV);
+            for (int c = 0; c < 3; ++c) ASSERT_LE(image.at(x, y)[c], albedo[c] * 1.002f);
+        }
+    }
+}
+
 // The neighbour in the atlas is a thousand times brighter; nothing of it may be seen.
 TEST_F(RendererFurnace, ChartsDoNotBleed) {
     Scene scene;

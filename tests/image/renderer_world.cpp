@@ -103,10 +103,10 @@ void fillPhatexels(RendererWorld& world, uint32_t surface, const LightAt& light,
 }
 
 Guide bumpyGuide(uint64_t seed) {
-    Guide guide;
+    std::array<float, kGuideCells> cells;
     Rng random(hashOf(seed, 77));
-    for (uint16_t& weight : guide.weight) weight = uint16_t(1000 + random.bits() % 7000);
-    return guide;
+    for (float& cell : cells) cell = 1 + 7 * random.uniform();
+    return makeGuide(cells, 0);
 }
 
 Camera lookAtCamera(glm::vec3 eye, glm::vec3 target, float yfovDegrees) {
