@@ -54,7 +54,8 @@ PhotonMap photonsOfField(int count) {
     const float flux = float(irradianceOfField()) / float(count);
     while (int(map.photons.size()) < count) {
         const glm::vec3 d = upward(rng.uniform2());
-        if (rng.uniform() * 4.5f < field(d) * d.y) map.photons.push_back(photonOnFloor(rng.uniform2(), d, flux));
+        if (rng.uniform() * 4.5f < field(d) * d.y)
+            map.photons.push_back(photonOnFloor(rng.uniform2(), d, flux));
     }
     return map;
 }
@@ -77,7 +78,8 @@ struct World {
         SilentProgress progress;
         return buildGuides(atlas, points, frames, photons, index, keep, progress);
     }
-    ChosenDirections choose(Directions strategy, const std::vector<Guide>& with, uint64_t seed, int layer = 0) const {
+    ChosenDirections choose(Directions strategy, const std::vector<Guide>& with, uint64_t seed,
+                            int layer = 0) const {
         SilentProgress progress;
         return chooseDirections(atlas, points, frames, with, photons, index, isIndirectPhoton,
                                 {strategy, {100, 0.25f}, seed, layer}, progress);
@@ -257,7 +259,8 @@ TEST(Guides, PointWhereTheLightIs) {
 TEST(Guides, AreProportionalToRadiance) {
     PhotonMap map;
     Rng rng(23);
-    const glm::vec3 steep = glm::normalize(glm::vec3(-0.4f, 1, 0)), grazing = glm::normalize(glm::vec3(1, 0.3f, 0));
+    const glm::vec3 steep = glm::normalize(glm::vec3(-0.4f, 1, 0)),
+                    grazing = glm::normalize(glm::vec3(1, 0.3f, 0));
     for (int i = 0; i < 20'000; ++i) {
         map.photons.push_back(photonOnFloor(rng.uniform2(), steep, steep.y));
         map.photons.push_back(photonOnFloor(rng.uniform2(), grazing, grazing.y));

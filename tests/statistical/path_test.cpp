@@ -103,8 +103,8 @@ TEST(Path, AreaIrradianceOfASquareLamp) {
         double reported = 0;
         constexpr int kSeeds = 4000;
         const Mean mean = meanOf(kSeeds, [&](int seed) {
-            const IrradianceEstimate estimate = areaIrradiance(world.rays, world.lights, glm::vec3(0), kUp, 16,
-                                                               Rng(uint64_t(seed)), rayCount);
+            const IrradianceEstimate estimate = areaIrradiance(world.rays, world.lights, glm::vec3(0), kUp,
+                                                               16, Rng(uint64_t(seed)), rayCount);
             reported += estimate.variance / kSeeds;
             return double(estimate.value.x);
         });
@@ -132,8 +132,10 @@ TEST(Path, GlossyFloorUnderSmallAndLargeLamps) {
             const glm::vec3 to = glm::vec3(place.x * size, 1, place.y * size) - point.position;
             const float distance2 = glm::dot(to, to);
             const glm::vec3 towardLight = to / std::sqrt(distance2);
-            sum += double(evaluateBrdf(point.brdf, point.shading.toLocal(towardEye), point.shading.toLocal(towardLight)).x *
-                          towardLight.y / distance2);
+            sum += double(
+                evaluateBrdf(point.brdf, point.shading.toLocal(towardEye), point.shading.toLocal(towardLight))
+                    .x *
+                towardLight.y / distance2);
         }
         const double expected = sum * size * size / (double(kSteps) * kSteps);
         expectMean(world.reflected(point, towardEye, 1, 100'000), expected, 0.01);

@@ -46,7 +46,8 @@ struct Crossing {
     double margin = 0;  // least barycentric coordinate: positive inside
 };
 
-std::optional<Crossing> cross(const Scene& scene, uint32_t triangle, glm::dvec3 origin, glm::dvec3 direction) {
+std::optional<Crossing> cross(const Scene& scene, uint32_t triangle, glm::dvec3 origin,
+                              glm::dvec3 direction) {
     const glm::uvec3 t = scene.triangles[triangle];
     const glm::dvec3 a(scene.positions[t.x]), ab = glm::dvec3(scene.positions[t.y]) - a,
                                               ac = glm::dvec3(scene.positions[t.z]) - a;
@@ -148,8 +149,8 @@ Scene sphere(glm::vec3 center, int rings) {
     return scene;
 }
 
-// Half of the rays go straight for an edge. (Aimed exactly at a vertex, one in 150 slips through Embree's robust
-// mode too; nothing in transport aims there.)
+// Half of the rays go straight for an edge. (Aimed exactly at a vertex, one in 150 slips through Embree's
+// robust mode too; nothing in transport aims there.)
 int escapes(const Scene& scene, glm::vec3 center, float extent, int count) {
     const RayScene rays(scene);
     Rng rng(13);

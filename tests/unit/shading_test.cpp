@@ -65,8 +65,8 @@ glm::dvec4 lookUp(const TextureImage& image, const TextureSlot& slot, glm::dvec2
     glm::dvec4 sum(0);
     for (int i = x - 1; i <= x + 1; ++i)
         for (int j = y - 1; j <= y + 1; ++j)
-            sum += std::max(0.0, 1 - std::abs(at.x - (i + 0.5))) * std::max(0.0, 1 - std::abs(at.y - (j + 0.5))) *
-                   texelAt(image, slot, i, j, srgb);
+            sum += std::max(0.0, 1 - std::abs(at.x - (i + 0.5))) *
+                   std::max(0.0, 1 - std::abs(at.y - (j + 0.5))) * texelAt(image, slot, i, j, srgb);
     return sum;
 }
 
@@ -110,15 +110,17 @@ TEST(Textures, AreTransformed) {
     const glm::dvec2 offset(0.3, -0.2), scale(2, 0.5);
     const double angle = 0.7;
     const glm::dmat3 translation(1, 0, 0, 0, 1, 0, offset.x, offset.y, 1);
-    const glm::dmat3 rotation(std::cos(angle), -std::sin(angle), 0, std::sin(angle), std::cos(angle), 0, 0, 0, 1);
+    const glm::dmat3 rotation(std::cos(angle), -std::sin(angle), 0, std::sin(angle), std::cos(angle), 0, 0, 0,
+                              1);
     const glm::dmat3 scaling(scale.x, 0, 0, 0, scale.y, 0, 0, 0, 1);
     const glm::dmat3 all = translation * rotation * scaling;
     slot.uvTransform = glm::mat3x2(glm::vec2(all[0]), glm::vec2(all[1]), glm::vec2(all[2]));
     Rng rng(6);
     for (int i = 0; i < 1000; ++i) {
         const glm::dvec2 uv(rng.uniform2());
-        const glm::dvec2 moved(std::cos(angle) * scale.x * uv.x + std::sin(angle) * scale.y * uv.y + offset.x,
-                               -std::sin(angle) * scale.x * uv.x + std::cos(angle) * scale.y * uv.y + offset.y);
+        const glm::dvec2 moved(
+            std::cos(angle) * scale.x * uv.x + std::sin(angle) * scale.y * uv.y + offset.x,
+            -std::sin(angle) * scale.x * uv.x + std::cos(angle) * scale.y * uv.y + offset.y);
         const glm::dvec4 want = lookUp(scene.images[0], slot, moved, false);
         const glm::vec4 got = sampleTexture(scene, slot, uv, false);
         for (int c = 0; c < 4; ++c) ASSERT_NEAR(got[c], want[c], 2e-5);
@@ -170,9 +172,9 @@ TEST(NormalMap, FollowsTangentAndHandedness) {
             for (const float scale : {1.0f, 0.4f}) {
                 scene.materials[0].normalScale = scale;
                 for (glm::vec4& tangent : scene.tangents) tangent = glm::vec4(tangents[i], handedness);
-                const glm::vec3 want = glm::normalize(scale * code.x * tangents[i] +
-                                                      scale * code.y * handedness * bitangents[i] +
-                                                      code.z * glm::vec3(0, 0, 1));
+                const glm::vec3 want =
+                    glm::normalize(scale * code.x * tangents[i] +
+                                   scale * code.y * handedness * bitangents[i] + code.z * glm::vec3(0, 0, 1));
                 const SurfacePoint front = surfaceAt(scene, 0, kPlace, false);
                 expectNear(front.shading.normal, want);
                 expectNear(front.normalGeometric, {0, 0, 1});
@@ -210,7 +212,8 @@ TEST(Shading, NormalsAreInterpolatedAndSeenFromTheirSide) {
     scene.normals[1] = glm::normalize(glm::vec3(1, 0, 2));
     scene.normals[2] = glm::normalize(glm::vec3(0, 1, 3));
     const glm::vec2 b(0.2f, 0.3f);
-    const glm::vec3 want = glm::normalize(0.5f * scene.normals[0] + 0.2f * scene.normals[1] + 0.3f * scene.normals[2]);
+    const glm::vec3 want =
+        glm::normalize(0.5f * scene.normals[0] + 0.2f * scene.normals[1] + 0.3f * scene.normals[2]);
     expectNear(surfaceAt(scene, 0, b, false).shading.normal, want);
     expectNear(surfaceAt(scene, 0, b, true).shading.normal, -want);
     expectNear(surfaceAt(scene, 0, b, false).position, {0.5f, 0.3f, 0});
@@ -313,8 +316,8 @@ TEST(Shading, TexturesScaleTheirFactors) {
     m.emission = {2, 4, 8};
     const glm::u8vec4 code(51, 102, 153, 204);
     const double linear[4] = {0.2, 0.4, 0.6, 0.8};
-    for (TextureSlot* slot : {&m.baseColorTexture, &m.metallicRoughnessTexture, &m.emissionTexture, &m.specularTexture,
-                              &m.clearcoatTexture, &m.clearcoatRoughnessTexture})
+    for (TextureSlot* slot : {&m.baseColorTexture, &m.metallicRoughnessTexture, &m.emissionTexture,
+                              &m.specularTexture, &m.clearcoatTexture, &m.clearcoatRoughnessTexture})
         slot->image = 0;
     Scene scene = quad(m);
     scene.images = {onePixel(code)};
