@@ -93,7 +93,7 @@ void bakeAreaLight(const GatherInput& input, const BakeSettings& settings, Progr
         Stage stage(progress, "area light", input.atlas.texelCount());
         out.area.push_back(gatherArea(input, chosen, progress, journal, rays));
     }
-    Stage stage(progress, "soft shadows", input.atlas.texelCount());
+    Stage stage(progress, "soft shadows", 2 * input.atlas.texelCount());  // all texels, then the hard ones
     const IrradianceMap irradiance = filterAreaIrradiance(
         gatherAreaIrradiance(input, settings, progress, journal, rays), input.atlas, input.points);
     out.areaIrradiance.reserve(irradiance.size());

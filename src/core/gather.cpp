@@ -10,7 +10,12 @@ namespace {
 // Texels a part: 16 or 32 kB, so that a record of the journal outweighs its header and the wait for the disk.
 constexpr size_t kPartTexels = 2048;
 
-enum class Stage : uint64_t { indirect = 1, area = 2, areaIrradiance = 3 };
+enum class Stage : uint64_t { indirect = 1, area = 2, areaIrradiance = 3, moreAreaIrradiance = 4 };
+
+// Rounds of light samples for every texel, and further ones for those in penumbrae or noise.
+constexpr int kFirstRounds = 2, kFurtherRounds = 6;
+// Standard errors below this share need no further rounds: the filter removes them.
+constexpr float kQuietRelativeError = 0.02f;
 
 // Fills `values` by fillOne(index, rays) in parts; parts that the journal has are not computed again. With
 // many paths a part takes seconds: a stop is noticed between texels, and the unfinished part is dropped.
@@ -101,6 +106,32 @@ Phatexel makePhatexel(const ChosenDirections& chosen, size_t texel, glm::vec3 ra
     return {radiance, chosen.directionBlock[texel], distance, chosen.pdf[texel], true};
 }
 
+/// Texels that deserve further rounds, judged by their eight neighbours alone: had a texel's own first samples a
+/// say in how many follow, the mean of them all would be biased.
+std::vector<uint8_t> hardTexels(const GatherInput& input, const std::vector<IrradianceEstimate>& first) {
+    const glm::ivec2 size(input.atlas.sizeTexels);
+    std::vector<uint8_t> hard(first.size(), 0);
+    for (int y = 0; y < size.y; ++y) {
+        for (int x = 0; x < size.x; ++x) {
+            bool shadowed = false;
+            float light = 0, variance = 0, count = 0;
+            for (int i = 0; i < 9; ++i) {
+                const glm::ivec2 p = glm::ivec2(x, y) + glm::ivec2(i % 3 - 1, i / 3 - 1);
+                if (i == 4 || p.x < 0 || p.y < 0 || p.x >= size.x || p.y >= size.y) continue;
+                const size_t neighbor = size_t(p.y) * size.x + p.x;
+                if (!input.points.valid(neighbor)) continue;
+                shadowed |= first[neighbor].partlyShadowed;
+                light += luminance(first[neighbor].value);
+                variance += first[neighbor].variance;
+                count += 1;
+            }
+            const bool noisy = variance * count > square(kQuietRelativeError * light);
+            hard[size_t(y) * size.x + x] = shadowed || noisy;
+        }
+    }
+    return hard;
+}
+
 }  // namespace
 
 PhatexelLayer gatherIndirect(const GatherInput& input, const ChosenDirections& chosen, int layer,
@@ -141,14 +172,32 @@ PhatexelLayer gatherArea(const GatherInput& input, const ChosenDirections& chose
 std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, const BakeSettings& settings,
                                                      Progress& progress, BakeJournal* journal,
                                                      std::atomic<uint64_t>& rayCount) {
-    std::vector<IrradianceEstimate> estimates(input.atlas.texelCount());
-    fillParts(estimates, uint64_t(Stage::areaIrradiance), progress, journal, rayCount,
-              [&](size_t texel, uint64_t& rays) {
-                  if (!input.points.valid(texel)) return;
-                  estimates[texel] = areaIrradiance(input.rays, input.lights, input.points.position[texel],
-                                                    input.points.normal[texel], settings.irradianceSamples,
-                                                    Rng(hashOf(settings.seed + 0x17, 0, texel)), rays);
-              });
+    const int samplesPerRound = std::max(settings.irradianceSamples / kFirstRounds, 1);
+    const auto estimate = [&](Stage stage, int rounds, const auto& wanted) {
+        std::vector<IrradianceEstimate> estimates(input.atlas.texelCount());
+        fillParts(estimates, uint64_t(stage), progress, journal, rayCount, [&](size_t texel, uint64_t& rays) {
+            if (!input.points.valid(texel) || !wanted(texel)) return;
+            estimates[texel] = areaIrradiance(
+                input.rays, input.lights, input.points.position[texel], input.points.normal[texel],
+                samplesPerRound, rounds, Rng(hashOf(settings.seed + 0x17, uint64_t(stage), texel)), rays);
+        });
+        return estimates;
+    };
+    std::vector<IrradianceEstimate> estimates =
+        estimate(Stage::areaIrradiance, kFirstRounds, [](size_t) { return true; });
+    const std::vector<uint8_t> hard = hardTexels(input, estimates);
+    const std::vector<IrradianceEstimate> further =
+        estimate(Stage::moreAreaIrradiance, kFurtherRounds, [&](size_t texel) { return hard[texel] != 0; });
+
+    constexpr float kAll = kFirstRounds + kFurtherRounds;
+    constexpr float kFirstShare = kFirstRounds / kAll, kFurtherShare = kFurtherRounds / kAll;
+    for (size_t texel = 0; texel < estimates.size(); ++texel) {
+        if (!hard[texel]) continue;
+        IrradianceEstimate& both = estimates[texel];
+        both.value = kFirstShare * both.value + kFurtherShare * further[texel].value;
+        both.variance =
+            square(kFirstShare) * both.variance + square(kFurtherShare) * further[texel].variance;
+    }
     return estimates;
 }
 

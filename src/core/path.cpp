@@ -172,35 +172,25 @@ IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights,
 }
 
 IrradianceEstimate areaIrradiance(const RayScene& rays, const LightSampler& lights, glm::vec3 position,
-                                  glm::vec3 normal, int samples, Rng rng, uint64_t& rayCount) {
-    constexpr int kFirstRounds = 2, kFurtherRounds = 6;
-    constexpr double kQuietRelativeSpread = 0.03;  // the filter after this removes what is below
+                                  glm::vec3 normal, int lightSamplesPerRound, int rounds, Rng rng,
+                                  uint64_t& rayCount) {
     const Frame frame = frameFromNormal(normal);
-    const int lightSamples = std::max(samples / kFirstRounds, 1);
-    const int cosineSamples = std::max(lightSamples / 2, 1);
-
+    const int cosineSamples = std::max(lightSamplesPerRound / 2, 1);
     glm::vec3 sum(0);
     double luminances = 0, squares = 0;
-    int rounds = 0, seen = 0, visible = 0;
-    const auto runRounds = [&](int count) {
-        for (int i = 0; i < count; ++i, ++rounds) {
-            const IrradianceRound round =
-                irradianceRound(rays, lights, position, frame, lightSamples, cosineSamples, rng, rayCount);
-            sum += round.light;
-            luminances += luminance(round.light);
-            squares += square(luminance(round.light));
-            seen += round.seen;
-            visible += round.visible;
-        }
-    };
-    runRounds(kFirstRounds);
-    const auto spreadOf = [&] { return std::max(squares - luminances * luminances / rounds, 0.0); };
-    const bool penumbra = visible > 0 && visible < seen;
-    const bool noisy = spreadOf() > std::pow(kQuietRelativeSpread * luminances / rounds, 2);
-    if (penumbra || noisy) runRounds(kFurtherRounds);
-
-    const double spread = spreadOf();
-    return {sum / float(rounds), float(spread / (double(rounds) * (rounds - 1)))};
+    int seen = 0, visible = 0;
+    for (int i = 0; i < rounds; ++i) {
+        const IrradianceRound round =
+            irradianceRound(rays, lights, position, frame, lightSamplesPerRound, cosineSamples, rng, rayCount);
+        const double value = luminance(round.light);
+        sum += round.light;
+        luminances += value;
+        squares += value * value;
+        seen += round.seen;
+        visible += round.visible;
+    }
+    const double spread = std::max(squares - luminances * luminances / rounds, 0.0);
+    return {sum / float(rounds), float(spread / (double(rounds) * (rounds - 1))), visible > 0 && visible < seen};
 }
 
 }  // namespace phat

@@ -32,17 +32,18 @@ IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights,
 glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
                          glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount);
 
-/// A Monte Carlo estimate and the variance of its luminance.
+/// A Monte Carlo estimate of irradiance.
 struct IrradianceEstimate {
-    glm::vec3 value{0};  // W/m2
-    float variance = 0;
+    glm::vec3 value{0};          // W/m2
+    float variance = 0;          // of the value's luminance
+    bool partlyShadowed = false;  // some light samples were in shadow and some were not
 };
 
-/// Irradiance of emissive surfaces and the environment at a place: light samples and cosine-weighted rays,
-/// combined by the balance heuristic (Veach 1997), in independent rounds whose spread gives the variance.
-/// Where the first rounds find a penumbra or disagree, further ones are spent. `samples`: light samples of the first
-/// rounds together; half as many cosine rays.
+/// Irradiance of emissive surfaces and the environment at a place: light samples and half as many cosine-weighted
+/// rays, combined by the balance heuristic (Veach 1997), in independent rounds whose spread gives the variance.
+/// pre: rounds >= 2.
 IrradianceEstimate areaIrradiance(const RayScene& rays, const LightSampler& lights, glm::vec3 position,
-                                  glm::vec3 normal, int samples, Rng rng, uint64_t& rayCount);
+                                  glm::vec3 normal, int lightSamplesPerRound, int rounds, Rng rng,
+                                  uint64_t& rayCount);
 
 }  // namespace phat

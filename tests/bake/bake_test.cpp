@@ -3,6 +3,8 @@
 #include "core/bake.h"
 
 #include <gtest/gtest.h>
+
+#include <set>
 #include <tbb/global_control.h>
 
 #include <cstring>
@@ -273,11 +275,13 @@ struct StopAt : SilentProgress {
     explicit StopAt(std::string s) : stage(std::move(s)) {}
     void begin(const char* name, uint64_t) override {
         ++depth;
+        stages.insert(name);
         if (name == stage) stop = true;
     }
     void end() override { --depth; }
     bool stopRequested() const override { return stop; }
     std::string stage;
+    std::set<std::string> stages;  // that began
     std::atomic<bool> stop = false;
     std::atomic<int> depth = 0;
 };
@@ -285,15 +289,14 @@ struct StopAt : SilentProgress {
 TEST(Bake, StopsInEveryStage) {
     const Scene scene = litRoom();
     const BakeSettings settings = smallBake(3000, 2000);
-    for (const char* stage : {"photons", "atlas", "texels", "guides", "directions", "area light",
-                              "soft shadows", "indirect light"}) {
-        StopAt progress(stage);
-        EXPECT_THROW(bake(scene, settings, progress), Interrupted) << stage;
-        EXPECT_TRUE(progress.stop) << stage << " has another name";
-    }
     StopAt never("");
     EXPECT_NO_THROW(bake(scene, settings, never));
     EXPECT_EQ(never.depth, 0) << "every stage that begins ends";
+    EXPECT_GE(never.stages.size(), 8u);
+    for (const std::string& stage : never.stages) {
+        StopAt progress(stage);
+        EXPECT_THROW(bake(scene, settings, progress), Interrupted) << stage;
+    }
 }
 
 // Black walls reflect nothing: all light is direct, all PHATexels are dark, whatever their method.

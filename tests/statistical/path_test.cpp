@@ -103,8 +103,8 @@ TEST(Path, AreaIrradianceOfASquareLamp) {
         double reported = 0;
         constexpr int kSeeds = 4000;
         const Mean mean = meanOf(kSeeds, [&](int seed) {
-            const IrradianceEstimate estimate = areaIrradiance(world.rays, world.lights, glm::vec3(0), kUp,
-                                                               16, Rng(uint64_t(seed)), rayCount);
+            const IrradianceEstimate estimate = areaIrradiance(world.rays, world.lights, glm::vec3(0), kUp, 8,
+                                                               2, Rng(uint64_t(seed)), rayCount);
             reported += estimate.variance / kSeeds;
             return double(estimate.value.x);
         });
@@ -271,7 +271,7 @@ TEST(Path, ConstantEnvironmentIsAFurnace) {
     uint64_t rayCount = 0;
     const Mean irradiance = meanOf(2000, [&](int seed) {
         const Rng rng{uint64_t(seed)};
-        return double(areaIrradiance(world.rays, world.lights, glm::vec3(0), kUp, 16, rng, rayCount).value.x);
+        return double(areaIrradiance(world.rays, world.lights, glm::vec3(0), kUp, 8, 2, rng, rayCount).value.x);
     });
     expectMean(irradiance, 1.5 * double(kPi), 0.005);
 
