@@ -56,7 +56,7 @@ const std::vector<glm::vec2>& splitSumTable();
 
 /// Scale of the Lambert lobe, 1 nearly everywhere: it holds the sum of both lobes' albedos at 1 where
 /// appendix B would exceed it, min(1, (1 - max E_specular) / max diffuseColor).
-/// ours, because appendix B reflects up to 1.6 times the light at grazing angles (docs/pipeline.md).
+/// ours, because appendix B reflects up to 1.9 times the light at grazing angles (docs/pipeline.md).
 float diffuseWeight(const Brdf& brdf, float nDotV);
 /// What the clear coat lets through to the layers below: 1 - clearcoat * E_coat(towardEye . clearcoatNormal).
 float clearcoatTransmission(const Brdf& brdf, glm::vec3 towardEye);
