@@ -2,6 +2,8 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include "core/octahedral.h"
+
 namespace phat {
 namespace {
 
@@ -74,9 +76,7 @@ glm::vec3 unpackRgb9e5(uint32_t packed) {
 }
 
 uint32_t packOctahedral24(glm::vec3 d) {
-    // source: Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors".
-    d /= std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
-    const glm::vec2 folded = d.z >= 0.0f ? glm::vec2(d) : octahedralFold(glm::vec2(d));
+    const glm::vec2 folded = octahedralFromDirection(d);
     const glm::vec2 scaled = glm::clamp(folded * 0.5f + 0.5f, 0.0f, 1.0f) * float(kOctahedralMax);
     const glm::uvec2 code(glm::floor(scaled + 0.5f));
     return code.x | (code.y << 12);

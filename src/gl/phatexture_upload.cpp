@@ -2,6 +2,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "core/octahedral.h"
 #include "core/shading.h"
 #include "gl/gl_error.h"
 #include "gl/textures.h"
@@ -86,13 +87,6 @@ GlTexture uploadBlockFrames(const Atlas& atlas, const TexelPoints& points) {
     return createTable(rows);
 }
 
-glm::vec2 octahedral(glm::vec3 d) {
-    d /= std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
-    if (d.z >= 0.0f) return {d.x, d.y};
-    return {(1.0f - std::abs(d.y)) * (d.x >= 0.0f ? 1.0f : -1.0f),
-            (1.0f - std::abs(d.x)) * (d.y >= 0.0f ? 1.0f : -1.0f)};
-}
-
 uint8_t unorm8(float x) {
     return uint8_t(std::clamp(x, 0.0f, 1.0f) * 255.0f + 0.5f);
 }
@@ -140,7 +134,7 @@ TexelArrays sampleTexels(const Scene& scene, const Atlas& atlas, const TexelPoin
             const bool back = atlas.charts[atlas.chartAt({x, y})].back;
             const SurfacePoint at = surfaceAt(scene, triangle, points.barycentric[texel], back);
             const glm::vec3 coat = at.shading.toWorld(at.brdf.clearcoatNormal);
-            const glm::vec4 folded(octahedral(at.shading.normal), octahedral(coat));
+            const glm::vec4 folded(octahedralFromDirection(at.shading.normal), octahedralFromDirection(coat));
             arrays.normals[texel] = glm::i16vec4(glm::round(glm::clamp(folded, -1.0f, 1.0f) * 32767.0f));
             arrays.material[texel] = scene.surfaces[scene.triangleSurface[triangle]].material;
             sampleTextures(scene, triangle, points.barycentric[texel], arrays.texturesA[texel],
