@@ -12,11 +12,11 @@
 #include "core/image.h"
 #include "core/irradiance.h"
 #include "core/phatexture.h"
+#include "core/picture.h"
 #include "core/scene.h"
 
 namespace phat {
 
-enum class Component : uint8_t { all, direct, indirect, glossyIndirect, diffuseIndirect };
 enum class ToneMap : uint8_t { linear, agx, aces };
 
 struct FrameSettings {

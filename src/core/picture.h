@@ -1,0 +1,49 @@
+#pragma once
+// Pictures by casting rays from a camera: the frame around every CPU renderer.
+
+#include <functional>
+
+#include "core/image.h"
+#include "core/progress.h"
+#include "core/random.h"
+#include "core/scene.h"
+
+namespace phat {
+
+/// Parts of a picture. `direct` is light that was never reflected before it met the visible surface, with
+/// what is seen shining; the others are the rest, by the lobe of the visible surface that reflects it.
+enum class Component : uint8_t { all, direct, indirect, glossyIndirect, diffuseIndirect };
+
+struct CameraRay {
+    glm::vec3 origin{0};
+    glm::vec3 direction{0, 0, -1};  // unit
+};
+
+/// The ray through `place` in pixels, (0, 0) the picture's upper left corner.
+/// twin: matricesOf in src/gl/display_pass.cpp, the rasteriser's camera.
+CameraRay cameraRay(const Camera& camera, int width, int height, glm::vec2 place);
+
+/// Radiance that arrives along a ray; `rng` belongs to that sample of that pixel.
+using Integrator = std::function<glm::vec3(const CameraRay& ray, Rng& rng)>;
+
+struct PictureSettings {
+    int width = 640;
+    int height = 360;
+    Camera camera;
+    int samplesPerPixel = 64;  // at most 65536
+    double seconds = 0;        // > 0: stop after the pass that ends past this time, however many samples
+    uint64_t seed = 1;
+};
+
+struct TracedPicture {
+    Image mean;
+    Image variance;  // of the mean, per channel, estimated from the samples' spread; 0 for a single sample
+    int samplesPerPixel = 0;
+};
+
+/// Averages `integrator` over each pixel (a box filter of one pixel), in passes over the whole picture.
+/// The same bytes for any number of threads, unless a time limit decides the number of samples.
+/// Throws Interrupted when `progress` asks.
+TracedPicture tracePicture(const PictureSettings& settings, const Integrator& integrator, Progress& progress);
+
+}  // namespace phat
