@@ -56,7 +56,12 @@ glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const Surf
     return value * light.radiance / (light.pdf + sampleBrdfPdf(point.brdf, eyeLocal, lightLocal));
 }
 
-glm::vec3 emissionToward(const RayScene& rays, const LightSampler& lights, const Hit& hit, glm::vec3 direction) {
+glm::vec3 shareOfDiffuse(const LobeValues& lobes) {
+    return lobes.diffuse / glm::max(lobes.diffuse + lobes.specular, glm::vec3(1e-30f));
+}
+
+glm::vec3 emissionToward(const RayScene& rays, const LightSampler& lights, const Hit& hit,
+                         glm::vec3 direction) {
     if (!hit) return lights.environmentRadiance(direction);
     return surfaceAt(rays.scene(), hit, direction).emission;
 }
@@ -68,8 +73,8 @@ float areaPdf(const LightSampler& lights, glm::vec3 from, const Hit& hit, glm::v
 /// One estimator round.
 struct IrradianceRound {
     glm::vec3 light{0};  // W/m2
-    int seen = 0;     // light samples that would have counted
-    int visible = 0;  // and were not in shadow
+    int seen = 0;        // light samples that would have counted
+    int visible = 0;     // and were not in shadow
 };
 
 IrradianceRound irradianceRound(const RayScene& rays, const LightSampler& lights, glm::vec3 position,
@@ -84,12 +89,12 @@ IrradianceRound irradianceRound(const RayScene& rays, const LightSampler& lights
     const glm::vec2 squareShift = rng.uniform2();
     for (int i = 0; i < lightSamples; ++i) {
         const float choice = (float(i) + choiceShift) / float(lightSamples);
-        const LightSample light = lights.sampleArea(position, choice, glm::fract(squareShift + float(i) * kR2));
+        const LightSample light =
+            lights.sampleArea(position, choice, glm::fract(squareShift + float(i) * kR2));
         const float cosine = glm::dot(light.towardLight, frame.normal);
         if (light.pdf <= 0.0f || cosine <= 0.0f) continue;
         // Both strategies' samples share one sum: value / (n_1 p_1 + n_2 p_2).
-        const float weight =
-            cosine / (float(lightSamples) * light.pdf + float(cosineSamples) * cosine / kPi);
+        const float weight = cosine / (float(lightSamples) * light.pdf + float(cosineSamples) * cosine / kPi);
         if (maxComponent(light.radiance) <= 0.0f) continue;
         ++round.seen;
         ++rayCount;
@@ -114,19 +119,24 @@ IrradianceRound irradianceRound(const RayScene& rays, const LightSampler& lights
 
 }  // namespace
 
-glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const SurfacePoint& start,
-                         glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount) {
+ReflectedRadiance tracePath(const RayScene& rays, const LightSampler& lights, const SurfacePoint& start,
+                            glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount) {
     SurfacePoint point = start;
-    glm::vec3 radiance(0), throughput(1);
+    ReflectedRadiance reflected;
+    glm::vec3 indirect(0), throughput(1), diffuseShare(0);
     for (int bounce = 0; bounce < maxBounces; ++bounce) {
+        glm::vec3& radiance = bounce == 0 ? reflected.direct : indirect;
         radiance += throughput * punctualLight(rays, lights, point, towardEye, rayCount);
-        if (lights.hasArea()) radiance += throughput * areaLight(rays, lights, point, towardEye, rng, rayCount);
+        if (lights.hasArea())
+            radiance += throughput * areaLight(rays, lights, point, towardEye, rng, rayCount);
 
+        const glm::vec3 eyeLocal = point.shading.toLocal(towardEye);
         const float lobe = rng.uniform();
-        const BrdfSample sample = sampleBrdf(point.brdf, point.shading.toLocal(towardEye), lobe, rng.uniform2());
+        const BrdfSample sample = sampleBrdf(point.brdf, eyeLocal, lobe, rng.uniform2());
         if (sample.pdf <= 0.0f) break;
         const glm::vec3 direction = glm::normalize(point.shading.toWorld(sample.direction));
         if (!leavesSurface(point, direction)) break;
+        if (bounce == 0) diffuseShare = shareOfDiffuse(evaluateLobes(point.brdf, eyeLocal, sample.direction));
         throughput *= sample.weight;
         if (bounce >= kFirstRouletteBounce) {
             // The square root: paths that survive carry little, so the rare ones do not stand out as noise.
@@ -147,7 +157,14 @@ glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const
         radiance += throughput * weight * point.emission;
         towardEye = -direction;
     }
-    return radiance;
+    reflected.indirectDiffuse = diffuseShare * indirect;
+    reflected.indirectGlossy = indirect - reflected.indirectDiffuse;
+    return reflected;
+}
+
+glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
+                         glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount) {
+    return tracePath(rays, lights, point, towardEye, maxBounces, rng, rayCount).sum();
 }
 
 IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights, glm::vec3 origin,
@@ -180,8 +197,8 @@ IrradianceEstimate areaIrradiance(const RayScene& rays, const LightSampler& ligh
     double luminances = 0, squares = 0;
     int seen = 0, visible = 0;
     for (int i = 0; i < rounds; ++i) {
-        const IrradianceRound round =
-            irradianceRound(rays, lights, position, frame, lightSamplesPerRound, cosineSamples, rng, rayCount);
+        const IrradianceRound round = irradianceRound(rays, lights, position, frame, lightSamplesPerRound,
+                                                      cosineSamples, rng, rayCount);
         const double value = luminance(round.light);
         sum += round.light;
         luminances += value;
@@ -190,7 +207,8 @@ IrradianceEstimate areaIrradiance(const RayScene& rays, const LightSampler& ligh
         visible += round.visible;
     }
     const double spread = std::max(squares - luminances * luminances / rounds, 0.0);
-    return {sum / float(rounds), float(spread / (double(rounds) * (rounds - 1))), visible > 0 && visible < seen};
+    return {sum / float(rounds), float(spread / (double(rounds) * (rounds - 1))),
+            visible > 0 && visible < seen};
 }
 
 }  // namespace phat

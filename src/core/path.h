@@ -17,8 +17,8 @@ struct IncidentRadiance {
 };
 
 struct PathSettings {
-    int pathsPerHit = 4;   // independent continuations of the one ray
-    int maxBounces = 12;   // reflections between the lamp and the receiver
+    int pathsPerHit = 4;  // independent continuations of the one ray
+    int maxBounces = 12;  // reflections between the lamp and the receiver
 };
 
 /// Traces one ray and, from what it meets, `pathsPerHit` paths: next-event estimation of every punctual light
@@ -28,20 +28,33 @@ struct PathSettings {
 IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights, glm::vec3 origin,
                                glm::vec3 direction, const PathSettings& settings, Rng rng);
 
-/// Reflected radiance of one path that starts at `point` and leaves toward `towardEye`.
+/// Light that a surface reflects, in parts.
+struct ReflectedRadiance {
+    glm::vec3 direct{0};           // straight from the lights
+    glm::vec3 indirectDiffuse{0};  // the rest, by the lobe of this surface that reflects it
+    glm::vec3 indirectGlossy{0};   // GGX and the coat
+
+    glm::vec3 sum() const { return direct + indirectDiffuse + indirectGlossy; }
+};
+
+/// One path that starts at `point` and leaves toward `towardEye`, in at most `maxBounces` reflections.
+ReflectedRadiance tracePath(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
+                            glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount);
+
+/// Its sum.
 glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
                          glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount);
 
 /// A Monte Carlo estimate of irradiance.
 struct IrradianceEstimate {
-    glm::vec3 value{0};          // W/m2
-    float variance = 0;          // of the value's luminance
+    glm::vec3 value{0};           // W/m2
+    float variance = 0;           // of the value's luminance
     bool partlyShadowed = false;  // some light samples were in shadow and some were not
 };
 
-/// Irradiance of emissive surfaces and the environment at a place: light samples and half as many cosine-weighted
-/// rays, combined by the balance heuristic (Veach 1997), in independent rounds whose spread gives the variance.
-/// pre: rounds >= 2.
+/// Irradiance of emissive surfaces and the environment at a place: light samples and half as many
+/// cosine-weighted rays, combined by the balance heuristic (Veach 1997), in independent rounds whose spread
+/// gives the variance. pre: rounds >= 2.
 IrradianceEstimate areaIrradiance(const RayScene& rays, const LightSampler& lights, glm::vec3 position,
                                   glm::vec3 normal, int lightSamplesPerRound, int rounds, Rng rng,
                                   uint64_t& rayCount);

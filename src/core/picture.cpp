@@ -1,5 +1,6 @@
 #include "core/picture.h"
 
+#include <atomic>
 #include <chrono>
 
 #include "core/parallel.h"
@@ -15,6 +16,31 @@ struct PixelSums {
 
 constexpr size_t kRangePixels = 64;
 
+constexpr float kLeastNearMeters = 1e-5f;  // the rasteriser's too
+
+// Under a time limit, what is done is milliseconds, not samples.
+class ClockProgress : public Progress {
+  public:
+    ClockProgress(Progress& progress, uint64_t totalMs) : progress_(progress), totalMs_(totalMs) {}
+    void begin(const char* stage, uint64_t) override { progress_.begin(stage, totalMs_); }
+    void end() override { progress_.end(); }
+    bool stopRequested() const override { return progress_.stopRequested(); }
+    void advance(uint64_t) override {
+        const auto passed = std::chrono::steady_clock::now() - start_;
+        const uint64_t ms = std::min<uint64_t>(
+            totalMs_, uint64_t(std::chrono::duration_cast<std::chrono::milliseconds>(passed).count()));
+        uint64_t shown = shownMs_.load();
+        while (shown < ms)
+            if (shownMs_.compare_exchange_weak(shown, ms)) return progress_.advance(ms - shown);
+    }
+
+  private:
+    Progress& progress_;
+    const uint64_t totalMs_;
+    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    std::atomic<uint64_t> shownMs_{0};
+};
+
 glm::dvec3 varianceOfMean(const PixelSums& sums, double count) {
     if (count < 2) return glm::dvec3(0);
     const glm::dvec3 spread = glm::max(sums.square - sums.value * sums.value / count, glm::dvec3(0));
@@ -28,16 +54,40 @@ CameraRay cameraRay(const Camera& camera, int width, int height, glm::vec2 place
     const glm::vec2 ndc(2 * place.x / float(width) - 1, 1 - 2 * place.y / float(height));
     const glm::mat3 rotation(camera.worldFromCamera);
     const glm::vec3 eye(camera.worldFromCamera[3]);
+    const float nearMeters = std::max(camera.znear, kLeastNearMeters);
     if (camera.perspective) {
         const float half = std::tan(0.5f * camera.yfovRadians);
-        return {eye, glm::normalize(rotation * glm::vec3(ndc.x * half * aspect, ndc.y * half, -1))};
+        const glm::vec3 toPlane = rotation * glm::vec3(ndc.x * half * aspect, ndc.y * half, -1);
+        return {eye + nearMeters * toPlane, glm::normalize(toPlane)};
     }
-    const glm::vec3 offset = rotation * glm::vec3(ndc.x * camera.ymag * aspect, ndc.y * camera.ymag, 0);
-    return {eye + offset, glm::normalize(rotation * glm::vec3(0, 0, -1))};
+    const glm::vec3 onPlane(ndc.x * camera.ymag * aspect, ndc.y * camera.ymag, -nearMeters);
+    return {eye + rotation * onPlane, glm::normalize(rotation * glm::vec3(0, 0, -1))};
+}
+
+Hit visibleHit(const RayScene& rays, const CameraRay& ray, uint64_t& rayCount) {
+    const Scene& scene = rays.scene();
+    glm::vec3 origin = ray.origin;
+    for (;;) {
+        ++rayCount;
+        Hit hit = rays.closestHit(origin, ray.direction);
+        if (!hit) return hit;
+        const glm::vec3 position = origin + hit.distance * ray.direction;
+        if (!hit.backFace || scene.materialOf(hit.triangle).doubleSided) {
+            hit.distance = glm::distance(ray.origin, position);
+            return hit;
+        }
+        const glm::uvec3 corner = scene.triangles[hit.triangle];
+        const glm::vec3 a = scene.positions[corner.x];
+        const glm::vec3 front = glm::cross(scene.positions[corner.y] - a, scene.positions[corner.z] - a);
+        const glm::vec3 beyond = offsetOrigin(position, glm::normalize(front));
+        // Where floats are too coarse to get past it, the ray ends rather than stays.
+        if (!(glm::dot(beyond - origin, ray.direction) > 0)) return {};
+        origin = beyond;
+    }
 }
 
 TracedPicture tracePicture(const PictureSettings& settings, const Integrator& integrator,
-                           Progress& progress) {
+                           Progress& callersProgress) {
     const auto start = std::chrono::steady_clock::now();
     const auto secondsSinceStart = [&] {
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -45,30 +95,39 @@ TracedPicture tracePicture(const PictureSettings& settings, const Integrator& in
     const size_t pixelCount = size_t(settings.width) * size_t(settings.height);
     std::vector<PixelSums> sums(pixelCount);
     const bool timed = settings.seconds > 0;
+    ClockProgress clock(callersProgress, uint64_t(settings.seconds * 1e3));
+    Progress& progress = timed ? clock : callersProgress;
     // A pass ends soon enough to look at the clock, and is long enough not to wait for its slowest pixels.
     const int perPass = timed ? 1 : std::min(settings.samplesPerPixel, 16);
+    const int passes = (settings.samplesPerPixel + perPass - 1) / perPass;
+    std::atomic<uint64_t> rays{0};
 
+    progress.begin("trace", uint64_t(pixelCount) * uint64_t(passes));
     int done = 0;
     while (timed ? done == 0 || secondsSinceStart() < settings.seconds : done < settings.samplesPerPixel) {
         const int end = timed ? done + 1 : std::min(done + perPass, settings.samplesPerPixel);
         parallelRanges(pixelCount, kRangePixels, progress, [&](size_t first, size_t last) {
+            uint64_t rangeRays = 0;
             for (size_t pixel = first; pixel < last; ++pixel) {
                 const glm::vec2 corner(pixel % size_t(settings.width), pixel / size_t(settings.width));
-                for (int sample = done; sample < end; ++sample) {
-                    Rng rng(hashOf(settings.seed, pixel, uint64_t(sample)));
-                    const glm::vec2 place = corner + rng.uniform2();
-                    const glm::dvec3 value(
-                        integrator(cameraRay(settings.camera, settings.width, settings.height, place), rng));
+                for (int index = done; index < end; ++index) {
+                    PixelSample sample{Rng(hashOf(settings.seed, pixel, uint64_t(index)))};
+                    const glm::vec2 place = corner + sample.rng.uniform2();
+                    const glm::dvec3 value(integrator(
+                        cameraRay(settings.camera, settings.width, settings.height, place), sample));
                     sums[pixel].value += value;
                     sums[pixel].square += value * value;
+                    rangeRays += sample.rays;
                 }
             }
+            rays += rangeRays;
         });
         done = end;
     }
+    progress.end();
 
     TracedPicture picture{Image(settings.width, settings.height), Image(settings.width, settings.height),
-                          done};
+                          done, rays};
     for (size_t pixel = 0; pixel < pixelCount; ++pixel) {
         picture.mean.pixels[pixel] = glm::vec3(sums[pixel].value / double(done));
         picture.variance.pixels[pixel] = glm::vec3(varianceOfMean(sums[pixel], double(done)));

@@ -6,6 +6,7 @@
 #include "core/image.h"
 #include "core/progress.h"
 #include "core/random.h"
+#include "core/rays.h"
 #include "core/scene.h"
 
 namespace phat {
@@ -19,12 +20,22 @@ struct CameraRay {
     glm::vec3 direction{0, 0, -1};  // unit
 };
 
-/// The ray through `place` in pixels, (0, 0) the picture's upper left corner.
+/// The ray through `place` in pixels, (0, 0) the picture's upper left corner; it begins on the near plane.
 /// twin: matricesOf in src/gl/display_pass.cpp, the rasteriser's camera.
 CameraRay cameraRay(const Camera& camera, int width, int height, glm::vec2 place);
 
-/// Radiance that arrives along a ray; `rng` belongs to that sample of that pixel.
-using Integrator = std::function<glm::vec3(const CameraRay& ray, Rng& rng)>;
+/// What the eye sees first along `ray`: backs of single-sided materials are not there, as the rasteriser
+/// culls them. (To all other rays they are black.) The hit's distance is from the ray's origin.
+Hit visibleHit(const RayScene& rays, const CameraRay& ray, uint64_t& rayCount);
+
+/// One sample of one pixel, beside its ray.
+struct PixelSample {
+    Rng rng;            // its own
+    uint64_t rays = 0;  // traced for it; the integrator counts
+};
+
+/// Radiance that arrives along a ray.
+using Integrator = std::function<glm::vec3(const CameraRay& ray, PixelSample& sample)>;
 
 struct PictureSettings {
     int width = 640;
@@ -39,6 +50,7 @@ struct TracedPicture {
     Image mean;
     Image variance;  // of the mean, per channel, estimated from the samples' spread; 0 for a single sample
     int samplesPerPixel = 0;
+    uint64_t rays = 0;
 };
 
 /// Averages `integrator` over each pixel (a box filter of one pixel), in passes over the whole picture.

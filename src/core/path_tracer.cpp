@@ -1,0 +1,39 @@
+#include "core/path_tracer.h"
+
+#include "core/path.h"
+
+namespace phat {
+namespace {
+
+glm::vec3 partOf(const ReflectedRadiance& reflected, Component component) {
+    switch (component) {
+        case Component::all:
+            return reflected.sum();
+        case Component::direct:
+            return reflected.direct;
+        case Component::indirect:
+            return reflected.indirectDiffuse + reflected.indirectGlossy;
+        case Component::glossyIndirect:
+            return reflected.indirectGlossy;
+        case Component::diffuseIndirect:
+            return reflected.indirectDiffuse;
+    }
+    return glm::vec3(0);
+}
+
+}  // namespace
+
+Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Component component) {
+    const bool showsLights = component == Component::all || component == Component::direct;
+    const int maxBounces = component == Component::direct ? 1 : kMaxPathBounces;
+    return [&rays, &lights, component, showsLights, maxBounces](const CameraRay& ray, PixelSample& sample) {
+        const Hit hit = visibleHit(rays, ray, sample.rays);
+        if (!hit) return showsLights ? lights.environmentRadiance(ray.direction) : glm::vec3(0);
+        const SurfacePoint point = surfaceAt(rays.scene(), hit, ray.direction);
+        const ReflectedRadiance reflected =
+            tracePath(rays, lights, point, -ray.direction, maxBounces, sample.rng, sample.rays);
+        return (showsLights ? point.emission : glm::vec3(0)) + partOf(reflected, component);
+    };
+}
+
+}  // namespace phat

@@ -1,0 +1,17 @@
+#pragma once
+// The reference: every other renderer's picture should be this one's, without noise.
+
+#include "core/lights.h"
+#include "core/picture.h"
+#include "core/rays.h"
+
+namespace phat {
+
+/// Unbiased path tracing of the bake's scene, materials and lights (tracePath in core/path.h). Paths end by
+/// Russian roulette; the cap of kMaxPathBounces matters only where albedos exceed .97 all round.
+/// `rays` and `lights` must outlive it.
+Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Component component);
+
+inline constexpr int kMaxPathBounces = 256;
+
+}  // namespace phat
