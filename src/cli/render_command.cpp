@@ -1,27 +1,17 @@
-// phat render: one picture of a baked file.
+// phat render: pictures of a scene, from its bake or by tracing rays.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
-#include <glm/gtc/matrix_transform.hpp>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <optional>
 
 #include "cli/bake_stages.h"
 #include "cli/commands.h"
 #include "cli/interrupt.h"
-#include "cli/material_edit.h"
-#include "cli/progress_bar.h"
-#include "core/irradiance.h"
-#include "gl/gl_context.h"
-#include "gl/renderer.h"
-#include "io/atomic_file.h"
-#include "io/baked_file.h"
-#include "io/file_error.h"
-#include "io/image_file.h"
+#include "cli/render_files.h"
+#include "cli/render_methods.h"
 
 namespace phat {
 namespace {
@@ -35,26 +25,19 @@ const std::map<std::string, Component> kComponents = {{"all", Component::all},
                                                       {"diffuse-indirect", Component::diffuseIndirect}};
 const std::map<std::string, ToneMap> kToneMaps = {
     {"linear", ToneMap::linear}, {"agx", ToneMap::agx}, {"aces", ToneMap::aces}};
-const std::vector<std::string> kMethods = {"phat", "phat-pyramid"};
 
-constexpr int kMaxPictureSide = 16384;
+constexpr int kMaxDrawnSamples = 4096, kMaxTracedSamples = 65536;
 
-struct RenderOptions {
-    std::string input;
-    std::string output;
-    std::string camera;  // name or index; empty: the first
-    std::optional<glm::vec3> eye, target;
-    std::optional<float> fovDegrees;
-    int width = 960;
-    int height = 0;  // 0: from the camera's aspect
-    int samplesPerPixel = 4;
-    Component component = Component::all;
-    std::vector<std::string> edits;
-    float exposureStops = 0;
-    ToneMap toneMap = ToneMap::agx;
-    bool quiet = false;
-    bool json = false;
-};
+std::vector<std::string> methodNames() {
+    std::vector<std::string> names;
+    for (const RenderMethod& method : kRenderMethods) names.push_back(method.name);
+    return names;
+}
+
+RenderMethod methodNamed(const std::string& name) {
+    return *std::find_if(std::begin(kRenderMethods), std::end(kRenderMethods),
+                         [&](const RenderMethod& method) { return method.name == name; });
+}
 
 glm::vec3 parsePoint(const CLI::Option* option) {
     const auto text = option->as<std::string>();
@@ -76,149 +59,77 @@ void parseSize(const CLI::Option* option, RenderOptions& options) {
             option->get_name(), fmt::format("\"{}\" is not WxH, each from 1 to {}", text, kMaxPictureSide));
 }
 
-std::string pictureKind(const std::string& path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    for (char& c : extension) c = char(std::tolower(uint8_t(c)));
-    if (extension != ".exr" && extension != ".png")
-        throw CLI::ValidationError("--output", fmt::format("\"{}\" is neither .exr nor .png", path));
-    return extension;
-}
-
-std::filesystem::path shaderFolder() {
-    // Installed beside the program, or where it was built.
-    std::error_code ignored;
-    const auto program = std::filesystem::read_symlink("/proc/self/exe", ignored);
-    const auto installed = program.parent_path().parent_path() / "share/phatextures/shaders";
-    return std::filesystem::is_directory(installed, ignored) ? installed
-                                                             : std::filesystem::path(PHAT_SHADER_DIR);
-}
-
-const Camera& cameraNamed(const RenderOptions& options, const std::vector<Camera>& cameras) {
-    std::vector<std::string> names;
-    for (const Camera& camera : cameras) {
-        if (camera.name == options.camera) return camera;
-        names.push_back(camera.name);
-    }
-    char* end = nullptr;
-    const unsigned long index = std::strtoul(options.camera.c_str(), &end, 10);
-    if (end != options.camera.c_str() && *end == 0 && index < cameras.size()) return cameras[index];
-    throw CLI::ValidationError("--camera", fmt::format("there is no camera \"{}\"; there are: {}",
-                                                       options.camera, fmt::join(names, ", ")));
-}
-
-Camera chooseCamera(const RenderOptions& options, const Scene& scene) {
-    Camera camera = scene.cameras.empty() ? defaultCamera(scene) : scene.cameras.front();
-    if (!options.camera.empty()) camera = cameraNamed(options, scene.cameras);
-    if (options.fovDegrees) {
-        camera.perspective = true;
-        camera.yfovRadians = glm::radians(*options.fovDegrees);
-    }
-    if (!options.eye && !options.target) return camera;
-
-    const glm::vec3 eye = options.eye.value_or(glm::vec3(camera.worldFromCamera[3]));
-    const glm::vec3 target = options.target.value_or(boundsOf(scene).center());
-    const glm::vec3 forward = target - eye;
-    if (!(glm::length(forward) > 0)) throw CLI::ValidationError("--target", "is where the eye is");
-    const bool vertical = glm::length(glm::cross(glm::normalize(forward), glm::vec3(0, 1, 0))) < 1e-3f;
-    camera.worldFromCamera =
-        glm::inverse(glm::lookAt(eye, target, vertical ? glm::vec3(0, 0, -1) : glm::vec3(0, 1, 0)));
-    camera.aspect = 0;
-    return camera;
-}
-
-// A scene that is not baked yet is baked as `phat bake` would without flags.
-BakedScene loadBaked(const RenderOptions& options, Progress& progress) {
-    if (isBakedFile(options.input)) return readBakedFile(options.input);
-    BakedScene baked;
-    baked.loaded = loadGltf(options.input);
-    if (baked.loaded.scene.triangles.empty()) throw FileError(options.input, "has no triangles to bake");
-    Bake result = bake(baked.loaded.scene, BakeSettings(), progress);
-    baked.atlas = std::move(result.atlas);
-    baked.points = std::move(result.points);
-    baked.phatexture = std::move(result.phatexture);
-    return baked;
+void printReport(const json& report, bool traced) {
+    fmt::print("{}: {} x {}, ", report["output"].get<std::string>(), report["width"].get<int>(),
+               report["height"].get<int>());
+    const json& seconds = report["seconds"];
+    if (traced)
+        fmt::print("{} samples a pixel, {:.2f} s, {:.2f} million rays/s\n",
+                   report["samplesPerPixel"].get<int>(), seconds.get<double>(),
+                   report["raysPerSecond"].get<double>() * 1e-6);
+    else
+        fmt::print("relight {:.1f} ms, pyramid {:.1f} ms, shadows {:.1f} ms, display {:.1f} ms\n",
+                   seconds["relight"].get<double>() * 1e3, seconds["pyramid"].get<double>() * 1e3,
+                   seconds["shadows"].get<double>() * 1e3, seconds["display"].get<double>() * 1e3);
 }
 
 void runRender(const RenderOptions& options) {
-    const std::string kind = pictureKind(options.output);
-    checkReplaceable(options.output);
+    checkPlaces(options);
+    std::optional<tbb::global_control> threads;
+    if (options.threads)
+        threads.emplace(tbb::global_control::max_allowed_parallelism, size_t(*options.threads));
     catchInterrupts();
-    std::optional<ProgressBar> progress(std::in_place, progressStyle(options.quiet),
-                                        bakeStages(BakeSettings()));
-    BakedScene baked = loadBaked(options, *progress);
-    Scene& scene = baked.loaded.scene;
-    try {
-        for (const std::string& edit : options.edits) editMaterial(edit, scene.materials);
-    } catch (const std::invalid_argument& error) {
-        throw CLI::ValidationError("--set", error.what());
+    std::vector<json> reports;
+    {
+        ProgressBar progress(progressStyle(options.quiet), options.method.needsBake
+                                                               ? bakeStages(BakeSettings())
+                                                               : std::vector<PlannedStage>{{"trace", 1}});
+        reports = options.method.traced ? renderTraced(options, progress) : renderDrawn(options, progress);
     }
-
-    FrameSettings frame;
-    frame.camera = chooseCamera(options, scene);
-    frame.component = options.component;
-    frame.samplesPerPixel = options.samplesPerPixel;
-    frame.width = options.width;
-    const float aspect = frame.camera.aspect > 0 ? frame.camera.aspect : 16.0f / 9;
-    frame.height = options.height > 0
-                       ? options.height
-                       : std::clamp(int(std::lround(float(options.width) / aspect)), 1, kMaxPictureSide);
-
-    const IrradianceMap irradiance =
-        filterIndirectIrradiance(baked.phatexture, baked.atlas, baked.points, *progress);
-    const HeadlessContext context;
-    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, irradiance},
-                      shaderFolder().string());
-    progress->throwIfStopped();
-    const Image picture = renderer.render(frame);
-    progress->throwIfStopped();
-    if (kind == ".exr")
-        writeExr(options.output, picture);
-    else
-        writePng(options.output, toneMap(picture, options.toneMap, options.exposureStops));
-
-    progress.reset();
-    const FrameTimes times = renderer.lastFrameTimes();
     if (options.json) {
-        const json stats = {{"output", options.output},
-                            {"width", frame.width},
-                            {"height", frame.height},
-                            {"gpu", context.rendererName()},
-                            {"seconds",
-                             {{"relight", times.relight},
-                              {"pyramid", times.pyramid},
-                              {"shadows", times.shadows},
-                              {"display", times.display}}}};
-        fmt::print("{}\n", stats.dump(-1, ' ', false, json::error_handler_t::replace));
+        const json all = reports.size() == 1 ? reports.front() : json(reports);
+        fmt::print("{}\n", all.dump(-1, ' ', false, json::error_handler_t::replace));
     } else if (!options.quiet) {
-        fmt::print(
-            "{}: {} x {}, relight {:.1f} ms, pyramid {:.1f} ms, shadows {:.1f} ms, display {:.1f} ms\n",
-            options.output, frame.width, frame.height, times.relight * 1e3, times.pyramid * 1e3,
-            times.shadows * 1e3, times.display * 1e3);
+        for (const json& report : reports) printReport(report, options.method.traced);
     }
 }
 
 }  // namespace
 
 void addRenderCommand(CLI::App& app) {
-    CLI::App* command = app.add_subcommand("render", "Draw a picture of a baked file");
+    CLI::App* command = app.add_subcommand("render", "Make a picture of a scene or a baked file");
     const auto option = [&](const char* name, const char* type, const std::string& help) {
         return command->add_option(name, help)->type_name(type);
     };
-    CLI::Option* input = option("IN", "FILE", "A baked file; a scene is baked first")->required();
+    CLI::Option* input =
+        option("IN", "FILE", "A baked file or a scene; methods that need a bake make it first")->required();
     CLI::Option* output = option("-o,--output", "FILE", "The picture: .exr (linear) or .png")->required();
-    CLI::Option* method = option("--method", "NAME", "phat or phat-pyramid")->check(CLI::IsMember(kMethods));
-    CLI::Option* camera = option("--camera", "NAME", "Name or index; default: the file's first");
+    CLI::Option* method = option("--method", "NAME", fmt::format("{}", fmt::join(methodNames(), ", ")))
+                              ->check(CLI::IsMember(methodNames()))
+                              ->default_val(kRenderMethods[0].name);
+    CLI::Option* camera =
+        option("--camera", "NAME", "Name or index, or all: NAME goes into the output's; default: the first");
     CLI::Option* eye = option("--eye", "X,Y,Z", "Where the eye is");
     CLI::Option* target = option("--target", "X,Y,Z", "What it looks at");
     CLI::Option* fov = option("--fov", "DEGREES", "Vertical field of view")->check(CLI::Range(0.1, 179.0));
     CLI::Option* size = option("--size", "WxH", "Default: 960 wide, the height from the camera");
-    CLI::Option* spp = option("--spp", "N", "Anti-aliasing: pictures to average")
-                           ->check(CLI::Range(1, 4096))
-                           ->default_val(FrameSettings().samplesPerPixel);
+    CLI::Option* spp = option("--spp", "N", "Samples a pixel; default: 4 when drawn, 64 when traced")
+                           ->check(CLI::Range(1, kMaxTracedSamples));
+    CLI::Option* time =
+        option("--time", "SECONDS", "Traced methods: as many samples as fit, instead of --spp")
+            ->check(CLI::Range(0.001, 1e6))
+            ->excludes(spp);
+    CLI::Option* seed = option("--seed", "S", "Traced methods: of all random numbers; default: 1")
+                            ->check(CLI::NonNegativeNumber);
+    CLI::Option* threads = option("--threads", "T", "Default: all cores")->check(CLI::Range(1, 1024));
+    CLI::Option* variance =
+        option("--variance", "FILE", "Traced methods: the variance of each pixel's mean, .exr");
     CLI::Option* component =
         option("--component", "NAME", "all, direct, indirect, glossy-indirect or diffuse-indirect")
             ->check(CLI::IsMember(kComponents))
             ->default_val("all");
+    CLI::Option* environment =
+        option("--environment", "FILE", "Sky of a scene that is not baked: latitude-longitude .hdr or .exr");
     CLI::Option* edits =
         option("--set", "MATERIAL.PROPERTY=VALUE", "Changes a material, e.g. floor.roughness=0.3")
             ->expected(1, -1);
@@ -231,8 +142,8 @@ void addRenderCommand(CLI::App& app) {
     CLI::Option* asJson = command->add_flag("--json")->description("Print sizes and times as JSON");
     command->footer("Example: phat render room.phat.glb -o room.png --set floor.roughness=0.2 --exposure 1");
     command->callback([=] {
-        (void)method;  // both names are the same renderer
         RenderOptions options;
+        options.method = methodNamed(method->as<std::string>());
         options.input = input->as<std::string>();
         options.output = output->as<std::string>();
         if (*camera) options.camera = camera->as<std::string>();
@@ -240,8 +151,22 @@ void addRenderCommand(CLI::App& app) {
         if (*target) options.target = parsePoint(target);
         if (*fov) options.fovDegrees = fov->as<float>();
         if (*size) parseSize(size, options);
-        options.samplesPerPixel = spp->as<int>();
+        if (!options.method.traced) {
+            for (const CLI::Option* traced : {time, seed, variance})
+                if (*traced)
+                    throw CLI::ValidationError(
+                        traced->get_name(),
+                        fmt::format("--method {} is drawn, not traced", options.method.name));
+            if (*spp && spp->as<int>() > kMaxDrawnSamples)
+                throw CLI::ValidationError("--spp", fmt::format("at most {} when drawn", kMaxDrawnSamples));
+        }
+        options.samplesPerPixel = *spp ? spp->as<int>() : options.method.samplesPerPixel;
+        if (*time) options.seconds = time->as<double>();
+        if (*seed) options.seed = seed->as<uint64_t>();
+        if (*threads) options.threads = threads->as<int>();
+        if (*variance) options.varianceOutput = variance->as<std::string>();
         options.component = kComponents.at(component->as<std::string>());
+        if (*environment) options.environment = environment->as<std::string>();
         if (*edits) options.edits = edits->results();
         options.exposureStops = exposure->as<float>();
         options.toneMap = kToneMaps.at(toneMapping->as<std::string>());

@@ -1,0 +1,87 @@
+// The methods of `phat render` that OpenGL draws from a bake.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "cli/render_camera.h"
+#include "cli/render_files.h"
+#include "cli/render_methods.h"
+#include "core/irradiance.h"
+#include "gl/gl_context.h"
+#include "io/baked_file.h"
+#include "io/file_error.h"
+
+namespace phat {
+namespace {
+
+using nlohmann::json;
+
+std::filesystem::path shaderFolder() {
+    // Installed beside the program, or where it was built.
+    std::error_code ignored;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", ignored);
+    const auto installed = program.parent_path().parent_path() / "share/phatextures/shaders";
+    return std::filesystem::is_directory(installed, ignored) ? installed
+                                                             : std::filesystem::path(PHAT_SHADER_DIR);
+}
+
+// A scene that is not baked yet is baked as `phat bake` would without flags.
+BakedScene loadBaked(const RenderOptions& options, Progress& progress) {
+    if (isBakedFile(options.input)) {
+        if (!options.environment.empty())
+            throw CLI::ValidationError("--environment", "the bake has its own; bake again to change it");
+        return readBakedFile(options.input);
+    }
+    BakedScene baked;
+    baked.loaded = loadGltf(options.input);
+    if (!options.environment.empty()) baked.loaded.scene.environment = loadEnvironment(options.environment);
+    if (baked.loaded.scene.triangles.empty()) throw FileError(options.input, "has no triangles to bake");
+    Bake result = bake(baked.loaded.scene, BakeSettings(), progress);
+    baked.atlas = std::move(result.atlas);
+    baked.points = std::move(result.points);
+    baked.phatexture = std::move(result.phatexture);
+    return baked;
+}
+
+}  // namespace
+
+std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) {
+    BakedScene baked = loadBaked(options, progress);
+    Scene& scene = baked.loaded.scene;
+    editScene(options, scene);
+    const std::vector<View> views = chooseViews(options, scene);
+
+    const IrradianceMap irradiance =
+        filterIndirectIrradiance(baked.phatexture, baked.atlas, baked.points, progress);
+    const HeadlessContext context;
+    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, irradiance},
+                      shaderFolder().string());
+    std::vector<json> reports;
+    for (const View& view : views) {
+        progress.throwIfStopped();
+        const Image picture = renderer.render({.width = view.width,
+                                               .height = view.height,
+                                               .camera = view.camera,
+                                               .component = options.component,
+                                               .samplesPerPixel = options.samplesPerPixel});
+        progress.throwIfStopped();
+        writePicture(options, view, picture);
+        const FrameTimes times = renderer.lastFrameTimes();
+        reports.push_back({{"output", pathFor(view, options.output)},
+                           {"method", options.method.name},
+                           {"width", view.width},
+                           {"height", view.height},
+                           {"samplesPerPixel", options.samplesPerPixel},
+                           {"gpu", context.rendererName()},
+                           {"seconds",
+                            {{"relight", times.relight},
+                             {"pyramid", times.pyramid},
+                             {"shadows", times.shadows},
+                             {"display", times.display}}}});
+    }
+    return reports;
+}
+
+}  // namespace phat

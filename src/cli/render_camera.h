@@ -1,0 +1,29 @@
+#pragma once
+// From `phat render`'s flags to views, and the names of their pictures.
+
+#include <string>
+#include <vector>
+
+#include "cli/render_options.h"
+#include "core/scene.h"
+
+namespace phat {
+
+inline constexpr const char* kAllCameras = "all";
+inline constexpr int kMaxPictureSide = 16384;
+
+/// One picture to make.
+struct View {
+    Camera camera;
+    int width = 0;
+    int height = 0;
+    std::string label;  // goes into file names; empty when it is the only one
+};
+
+/// The views that the options ask for. Throws CLI::ValidationError for cameras that do not exist.
+std::vector<View> chooseViews(const RenderOptions& options, const Scene& scene);
+
+/// `path` with the view's label before its extension.
+std::string pathFor(const View& view, const std::string& path);
+
+}  // namespace phat

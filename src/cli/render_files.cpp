@@ -1,0 +1,68 @@
+#include "cli/render_files.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "cli/material_edit.h"
+#include "io/atomic_file.h"
+#include "io/baked_file.h"
+#include "io/image_file.h"
+
+namespace phat {
+namespace {
+
+std::string pictureKind(const std::string& path) {
+    std::string extension = std::filesystem::path(path).extension().string();
+    for (char& c : extension) c = char(std::tolower(uint8_t(c)));
+    return extension;
+}
+
+}  // namespace
+
+void checkPlaces(const RenderOptions& options) {
+    const std::string kind = pictureKind(options.output);
+    if (kind != ".exr" && kind != ".png")
+        throw CLI::ValidationError("--output",
+                                   fmt::format("\"{}\" is neither .exr nor .png", options.output));
+    if (!options.varianceOutput.empty()) {
+        if (pictureKind(options.varianceOutput) != ".exr")
+            throw CLI::ValidationError("--variance",
+                                       fmt::format("\"{}\" is not .exr", options.varianceOutput));
+        const auto full = [](const std::string& path) {
+            return std::filesystem::absolute(path).lexically_normal();
+        };
+        if (full(options.varianceOutput) == full(options.output))
+            throw CLI::ValidationError("--variance", "is the picture's own file");
+        checkReplaceable(options.varianceOutput);
+    }
+    checkReplaceable(options.output);
+}
+
+Scene loadScene(const RenderOptions& options) {
+    // A baked file holds the environment that it was baked in.
+    Scene scene = isBakedFile(options.input) ? std::move(readBakedFile(options.input).loaded.scene)
+                                             : std::move(loadGltf(options.input).scene);
+    if (!options.environment.empty()) scene.environment = loadEnvironment(options.environment);
+    editScene(options, scene);
+    return scene;
+}
+
+void editScene(const RenderOptions& options, Scene& scene) {
+    try {
+        for (const std::string& edit : options.edits) editMaterial(edit, scene.materials);
+    } catch (const std::invalid_argument& error) {
+        throw CLI::ValidationError("--set", error.what());
+    }
+}
+
+void writePicture(const RenderOptions& options, const View& view, const Image& picture) {
+    const std::string path = pathFor(view, options.output);
+    if (pictureKind(path) == ".exr")
+        writeExr(path, picture);
+    else
+        writePng(path, toneMap(picture, options.toneMap, options.exposureStops));
+}
+
+}  // namespace phat

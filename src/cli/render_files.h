@@ -1,0 +1,24 @@
+#pragma once
+// What `phat render` reads and writes.
+
+#include "cli/render_camera.h"
+#include "cli/render_options.h"
+#include "core/scene.h"
+
+namespace phat {
+
+/// The scene of a plain or a baked file, with the options' environment and edits.
+/// Throws FileError, and CLI::ValidationError for wrong edits.
+Scene loadScene(const RenderOptions& options);
+
+/// Applies --set. Throws CLI::ValidationError.
+void editScene(const RenderOptions& options, Scene& scene);
+
+/// Throws, before anything is computed, for outputs of an unknown kind (CLI::ValidationError) or where
+/// nothing can be written (FileError).
+void checkPlaces(const RenderOptions& options);
+
+/// Writes one view's picture in the format that its name asks for. Throws FileError.
+void writePicture(const RenderOptions& options, const View& view, const Image& picture);
+
+}  // namespace phat

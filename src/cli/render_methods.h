@@ -1,0 +1,17 @@
+#pragma once
+// The two families of `phat render`'s methods.
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "cli/render_options.h"
+#include "core/progress.h"
+
+namespace phat {
+
+/// Both draw every view, write the pictures and return what --json prints of each. Nothing is written once
+/// `progress` was asked to stop.
+std::vector<nlohmann::json> renderDrawn(const RenderOptions& options, Progress& progress);
+std::vector<nlohmann::json> renderTraced(const RenderOptions& options, Progress& progress);
+
+}  // namespace phat

@@ -1,0 +1,50 @@
+#pragma once
+// What `phat render` was asked for.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/picture.h"
+#include "gl/renderer.h"
+
+namespace phat {
+
+/// A way to make a picture.
+struct RenderMethod {
+    const char* name;
+    bool traced = false;      // on the CPU, by rays; else drawn by OpenGL
+    bool needsBake = true;    // a scene that is not baked is baked first
+    int samplesPerPixel = 4;  // unless told
+};
+
+inline constexpr RenderMethod kRenderMethods[] = {
+    {"phat"},
+    {"phat-pyramid"},
+    {.name = "path", .traced = true, .needsBake = false, .samplesPerPixel = 64},
+};
+
+struct RenderOptions {
+    RenderMethod method = kRenderMethods[0];
+    std::string input;
+    std::string output;
+    std::string varianceOutput;  // traced methods; empty: none
+    std::string environment;     // empty: the file's own
+    std::string camera;          // name, index or kAllCameras; empty: the first
+    std::optional<glm::vec3> eye, target;
+    std::optional<float> fovDegrees;
+    int width = 960;
+    int height = 0;  // 0: from the camera's aspect
+    int samplesPerPixel = 4;
+    double seconds = 0;  // traced methods; > 0: instead of samplesPerPixel
+    uint64_t seed = 1;
+    std::optional<int> threads;
+    Component component = Component::all;
+    std::vector<std::string> edits;
+    float exposureStops = 0;
+    ToneMap toneMap = ToneMap::agx;
+    bool quiet = false;
+    bool json = false;
+};
+
+}  // namespace phat
