@@ -22,9 +22,9 @@ struct PathSettings {
 };
 
 /// Traces one ray and, from what it meets, `pathsPerHit` paths: next-event estimation of every punctual light
-/// and of one place on the area lights, multiple importance sampling (balance heuristic, Veach 1997), Russian
-/// roulette by the root of the throughput from the third bounce. Unbiased but for `maxBounces`.
-/// pre: |direction| = 1.
+/// (of one by its contribution, where there are more than four) and of one place on the area lights, multiple
+/// importance sampling (balance heuristic, Veach 1997), Russian roulette by the root of the throughput from
+/// the third bounce. Unbiased but for `maxBounces`. pre: |direction| = 1.
 IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights, glm::vec3 origin,
                                glm::vec3 direction, const PathSettings& settings, Rng rng);
 
