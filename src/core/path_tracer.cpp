@@ -24,6 +24,7 @@ glm::vec3 partOf(const ReflectedRadiance& reflected, Component component) {
 }  // namespace
 
 Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Component component) {
+    splitSumTable();  // integrated now, rather than on the clock of the first sample
     const bool showsLights = component == Component::all || component == Component::direct;
     const int maxBounces = component == Component::direct ? 1 : kMaxPathBounces;
     return [&rays, &lights, component, showsLights, maxBounces](const CameraRay& ray, PixelSample& sample) {

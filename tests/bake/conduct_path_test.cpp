@@ -68,7 +68,7 @@ TEST(ConductPath, ABakedFileGivesThePictureOfItsScene) {
     ASSERT_EQ(trace(folder.file("scene.exr"), {"--spp", "16"}).exitCode, 0);
     ASSERT_EQ(trace(folder.file("baked.exr"), {"--spp", "16"}, baked).exitCode, 0);
     const Image scene = readExr(folder.file("scene.exr")), again = readExr(folder.file("baked.exr"));
-    // The bake splits vertices and may reorder triangles: the same light, not the same random numbers.
+    // Its vertices are split along the charts: the same light, not necessarily the same random numbers.
     EXPECT_NEAR(meanOf(folder.file("baked.exr")) / meanOf(folder.file("scene.exr")), 1, 0.1);
     EXPECT_EQ(scene.pixels.size(), again.pixels.size());
 }
