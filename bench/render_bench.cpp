@@ -26,13 +26,11 @@ struct BakedRoom {
         settings.irradianceSamples = 4;
         SilentProgress progress;
         bake = phat::bake(scene, settings, progress);
-        irradiance = filterIndirectIrradiance(bake.phatexture, bake.atlas, bake.points, progress);
     }
-    RendererInput input() const { return {scene, bake.atlas, bake.points, bake.phatexture, irradiance}; }
+    RendererInput input() const { return {scene, bake.atlas, bake.points, bake.phatexture}; }
 
     Scene scene;
     Bake bake;
-    IrradianceMap irradiance;
 };
 
 FrameSettings frameOf(const Scene& scene, int samplesPerPixel) {

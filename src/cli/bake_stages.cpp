@@ -19,6 +19,8 @@ std::vector<PlannedStage> bakeStages(const BakeSettings& settings) {
         stages.push_back({"directions", 2 * texels});
         stages.push_back({"indirect light", 12.0 * settings.pathsPerPhatexel * texels});
     }
+    stages.push_back({"diffuse light", 4 * texels});
+    for (int level = 0; level < 2; ++level) stages.push_back({"diffuse contacts", texels});
     stages.push_back({"compress", 4 * texels * settings.layers});
     return stages;
 }

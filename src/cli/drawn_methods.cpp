@@ -8,7 +8,6 @@
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
-#include "core/irradiance.h"
 #include "gl/gl_context.h"
 #include "io/baked_file.h"
 #include "io/file_error.h"
@@ -53,11 +52,8 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     editScene(options, scene);
     const std::vector<View> views = chooseViews(options, scene);
 
-    const IrradianceMap irradiance =
-        filterIndirectIrradiance(baked.phatexture, baked.atlas, baked.points, progress);
     const HeadlessContext context;
-    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, irradiance},
-                      shaderFolder().string());
+    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture}, shaderFolder().string());
     std::vector<json> reports;
     for (const View& view : views) {
         progress.throwIfStopped();

@@ -58,6 +58,13 @@ struct Exporter {
         write(prefix + "validity.exr", validity);
     }
 
+    void writeIrradiance(const std::string& name, const std::vector<uint32_t>& packed) const {
+        if (packed.empty()) return;
+        Image irradiance(int(baked.atlas.sizeTexels.x), int(baked.atlas.sizeTexels.y));
+        for (size_t i = 0; i < packed.size(); ++i) irradiance.pixels[i] = unpackRgb9e5(packed[i]);
+        write(name, irradiance);
+    }
+
     void writeLayers(const std::string& prefix, const std::vector<PhatexelLayer>& layers) const {
         for (size_t i = 0; i < layers.size(); ++i)
             writeLayer(layers.size() == 1 ? prefix : fmt::format("{}layer{}-", prefix, i), layers[i]);
@@ -71,11 +78,8 @@ void exportPictures(const std::string& path, const std::string& folder) {
     const Exporter exporter{baked, folder, blockFrames(baked.atlas, baked.points)};
     exporter.writeLayers("", baked.phatexture.indirect);
     exporter.writeLayers("area-", baked.phatexture.area);
-    if (const auto& packed = baked.phatexture.areaIrradiance; !packed.empty()) {
-        Image irradiance(int(baked.atlas.sizeTexels.x), int(baked.atlas.sizeTexels.y));
-        for (size_t i = 0; i < packed.size(); ++i) irradiance.pixels[i] = unpackRgb9e5(packed[i]);
-        exporter.write("area-irradiance.exr", irradiance);
-    }
+    exporter.writeIrradiance("irradiance.exr", baked.phatexture.indirectIrradiance);
+    exporter.writeIrradiance("area-irradiance.exr", baked.phatexture.areaIrradiance);
 }
 
 }  // namespace
@@ -91,7 +95,8 @@ void addExportCommand(CLI::App& app) {
         "direction.exr  toward the light, world space, each axis in [-1,1] as red, green, blue\n"
         "distance.exr   metres to where the light came from; 1e30: infinitely far\n"
         "validity.exr   1 where there is a PHATexel; the others are 0 in all pictures\n"
-        "area-*.exr     the same for light straight from lamps and sky, with its irradiance in W/m2\n"
+        "irradiance.exr W/m2, of all light that arrives after a reflection\n"
+        "area-*.exr     the same for light straight from lamps and sky\n"
         "Several layers are told apart as layer0-, layer1- ... The pictures lie as the atlas UV set does.\n"
         "Example: phat export room.phat.glb --exr room-phatexels/");
     command->callback([=] { exportPictures(file->as<std::string>(), folder->as<std::string>()); });

@@ -92,7 +92,8 @@ Json describeBake(const BakedScene& baked) {
             {"indirect", describeLayers(phatexture.indirect)},
             {"area", describeLayers(phatexture.area)},
             {"guideBytes", guides * sizeof(Guide)},
-            {"irradianceBytes", phatexture.areaIrradiance.size() * sizeof(uint32_t)}};
+            {"irradianceBytes",
+             (phatexture.indirectIrradiance.size() + phatexture.areaIrradiance.size()) * sizeof(uint32_t)}};
 }
 
 Json describe(const std::string& path) {

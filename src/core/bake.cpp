@@ -30,20 +30,6 @@ std::vector<Sides> litSides(const Scene& scene, const PhotonMap& map) {
     return sides;
 }
 
-/// A stage's report, ended on every way out.
-class Stage {
-  public:
-    Stage(Progress& progress, const char* name, uint64_t total) : progress_(progress) {
-        progress_.begin(name, total);
-    }
-    ~Stage() { progress_.end(); }
-    Stage(const Stage&) = delete;
-    Stage& operator=(const Stage&) = delete;
-
-  private:
-    Progress& progress_;
-};
-
 std::vector<Guide> guidesFor(const GatherInput& input, Directions strategy, PhotonFilter keep,
                              Progress& progress) {
     if (input.atlas.blockCount == 0) return {uniformGuide()};  // no surface has an area
@@ -53,7 +39,7 @@ std::vector<Guide> guidesFor(const GatherInput& input, Directions strategy, Phot
         case Directions::cosine:
             return {cosineGuide()};
         default: {
-            Stage stage(progress, "guides", input.atlas.blockCount);
+            ProgressStage stage(progress, "guides", input.atlas.blockCount);
             return buildGuides(input.atlas, input.points, input.frames, input.photons, input.index, keep,
                                progress);
         }
@@ -62,9 +48,16 @@ std::vector<Guide> guidesFor(const GatherInput& input, Directions strategy, Phot
 
 ChosenDirections directionsFor(const GatherInput& input, const std::vector<Guide>& guides, PhotonFilter keep,
                                const DirectionSettings& settings, Progress& progress) {
-    Stage stage(progress, "directions", input.atlas.texelCount());
+    ProgressStage stage(progress, "directions", input.atlas.texelCount());
     return chooseDirections(input.atlas, input.points, input.frames, guides, input.photons, input.index, keep,
                             settings, progress);
+}
+
+std::vector<uint32_t> packIrradiance(const IrradianceMap& map) {
+    std::vector<uint32_t> packed;
+    packed.reserve(map.size());
+    for (const glm::vec3 value : map) packed.push_back(packRgb9e5(value));
+    return packed;
 }
 
 void bakeIndirect(const GatherInput& input, const BakeSettings& settings, Progress& progress,
@@ -74,7 +67,7 @@ void bakeIndirect(const GatherInput& input, const BakeSettings& settings, Progre
         ChosenDirections chosen =
             directionsFor(input, out.indirectGuides, isIndirectPhoton,
                           {settings.directions, settings.density, settings.seed, layer}, progress);
-        Stage stage(progress, "indirect light", input.atlas.texelCount());
+        ProgressStage stage(progress, "indirect light", input.atlas.texelCount());
         out.indirect.push_back(gatherIndirect(input, chosen, layer, settings, progress, journal, rays));
         const bool densityFromPhotons = !chosen.splatRadiance.empty();
         if (densityFromPhotons) out.indirect.back().pdf = std::move(chosen.pdf);
@@ -90,14 +83,14 @@ void bakeAreaLight(const GatherInput& input, const BakeSettings& settings, Progr
         directionsFor(input, out.areaGuides, isAreaPhoton,
                       {Directions::guided, settings.density, settings.seed, -1}, progress);
     {
-        Stage stage(progress, "area light", input.atlas.texelCount());
+        ProgressStage stage(progress, "area light", input.atlas.texelCount());
         out.area.push_back(gatherArea(input, chosen, progress, journal, rays));
     }
-    Stage stage(progress, "soft shadows", 2 * input.atlas.texelCount());  // all texels, then the hard ones
+    ProgressStage stage(progress, "soft shadows",
+                        2 * input.atlas.texelCount());  // all texels, then the hard ones
     const IrradianceMap irradiance = filterAreaIrradiance(
         gatherAreaIrradiance(input, settings, progress, journal, rays), input.atlas, input.points);
-    out.areaIrradiance.reserve(irradiance.size());
-    for (glm::vec3 value : irradiance) out.areaIrradiance.push_back(packRgb9e5(value));
+    out.areaIrradiance = packIrradiance(irradiance);
 }
 
 }  // namespace
@@ -121,6 +114,8 @@ Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, 
     std::atomic<uint64_t> rayCount = 0;
     bakeAreaLight(input, settings, progress, journal, rayCount, result.phatexture);
     bakeIndirect(input, settings, progress, journal, rayCount, result.phatexture);
+    result.phatexture.indirectIrradiance = packIrradiance(gatherIndirectIrradiance(
+        input, result.phatexture.areaIrradiance, settings, progress, journal, rayCount));
 
     result.stats.photons = photons.stats;
     result.stats.texels = result.atlas.texelCount();

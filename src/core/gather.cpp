@@ -1,50 +1,14 @@
 #include "core/gather.h"
 
-#include <cstring>
-
-#include "core/parallel.h"
+#include "core/gather_parts.h"
 
 namespace phat {
 namespace {
-
-// Texels a part: 16 or 32 kB, so that a record of the journal outweighs its header and the wait for the disk.
-constexpr size_t kPartTexels = 2048;
-
-enum class Stage : uint64_t { indirect = 1, area = 2, areaIrradiance = 3, moreAreaIrradiance = 4 };
 
 // Rounds of light samples for every texel, and further ones for those in penumbrae or noise.
 constexpr int kFirstRounds = 2, kFurtherRounds = 6;
 // Standard errors below this share need no further rounds: the filter removes them.
 constexpr float kQuietRelativeError = 0.02f;
-
-// Fills `values` by fillOne(index, rays) in parts; parts that the journal has are not computed again. With
-// many paths a part takes seconds: a stop is noticed between texels, and the unfinished part is dropped.
-template <typename Value, typename FillOne>
-void fillParts(std::vector<Value>& values, uint64_t key, Progress& progress, BakeJournal* journal,
-               std::atomic<uint64_t>& rayCount, const FillOne& fillOne) {
-    static_assert(std::is_trivially_copyable_v<Value>);
-    parallelRanges(values.size(), kPartTexels, progress, [&](size_t begin, size_t end) {
-        const size_t byteCount = (end - begin) * sizeof(Value);
-        const uint64_t partKey = hashOf(key, begin);
-        if (journal) {
-            const std::vector<uint8_t> bytes = journal->load(partKey);
-            if (bytes.size() == byteCount) {
-                std::memcpy(&values[begin], bytes.data(), byteCount);
-                return;
-            }
-        }
-        uint64_t rays = 0;
-        for (size_t index = begin; index < end; ++index) {
-            progress.throwIfStopped();
-            fillOne(index, rays);
-        }
-        rayCount += rays;
-        if (journal) {
-            const auto* bytes = reinterpret_cast<const uint8_t*>(&values[begin]);
-            journal->store(partKey, {bytes, bytes + byteCount});
-        }
-    });
-}
 
 /// A texel's ray: where it starts and its direction in the world; invalid below the texel's horizon.
 struct TexelRay {
@@ -58,17 +22,12 @@ TexelRay texelRay(const GatherInput& input, const ChosenDirections& chosen, size
     if (!input.points.valid(texel) || chosen.pdf[texel] <= 0.0f) return ray;
     const glm::uvec2 xy(texel % input.atlas.sizeTexels.x, texel / input.atlas.sizeTexels.x);
     const Frame& frame = input.frames[input.atlas.blockAt(xy)];
-    const bool back = input.atlas.charts[input.atlas.chartAt(xy)].back;
 
     ray.direction = glm::normalize(frame.toWorld(chosen.directionBlock[texel]));
-    const Scene& scene = input.rays.scene();
-    const glm::uvec3 t = scene.triangles[input.points.triangle[texel]];
-    const glm::vec3 flatNormal =
-        (back ? -1.0f : 1.0f) *
-        glm::cross(scene.positions[t.y] - scene.positions[t.x], scene.positions[t.z] - scene.positions[t.x]);
+    const glm::vec3 flatNormal = flatNormalOf(input, texel);
     ray.valid = glm::dot(ray.direction, input.points.normal[texel]) > 0.0f &&
                 glm::dot(ray.direction, flatNormal) > 0.0f;
-    ray.origin = offsetOrigin(input.points.position[texel], glm::normalize(flatNormal));
+    ray.origin = offsetOrigin(input.points.position[texel], flatNormal);
     return ray;
 }
 
@@ -106,8 +65,8 @@ Phatexel makePhatexel(const ChosenDirections& chosen, size_t texel, glm::vec3 ra
     return {radiance, chosen.directionBlock[texel], distance, chosen.pdf[texel], true};
 }
 
-/// Texels that deserve further rounds, judged by their eight neighbours alone: had a texel's own first samples a
-/// say in how many follow, the mean of them all would be biased.
+/// Texels that deserve further rounds, judged by their eight neighbours alone: had a texel's own first
+/// samples a say in how many follow, the mean of them all would be biased.
 std::vector<uint8_t> hardTexels(const GatherInput& input, const std::vector<IrradianceEstimate>& first) {
     const glm::ivec2 size(input.atlas.sizeTexels);
     std::vector<uint8_t> hard(first.size(), 0);
@@ -134,13 +93,23 @@ std::vector<uint8_t> hardTexels(const GatherInput& input, const std::vector<Irra
 
 }  // namespace
 
+glm::vec3 flatNormalOf(const GatherInput& input, size_t texel) {
+    const glm::uvec2 xy(texel % input.atlas.sizeTexels.x, texel / input.atlas.sizeTexels.x);
+    const bool back = input.atlas.charts[input.atlas.chartAt(xy)].back;
+    const Scene& scene = input.rays.scene();
+    const glm::uvec3 t = scene.triangles[input.points.triangle[texel]];
+    const glm::vec3 normal =
+        glm::cross(scene.positions[t.y] - scene.positions[t.x], scene.positions[t.z] - scene.positions[t.x]);
+    return glm::normalize(back ? -normal : normal);
+}
+
 PhatexelLayer gatherIndirect(const GatherInput& input, const ChosenDirections& chosen, int layer,
                              const BakeSettings& settings, Progress& progress, BakeJournal* journal,
                              std::atomic<uint64_t>& rayCount) {
     PhatexelLayer result;
     result.texels.resize(input.atlas.texelCount());
-    fillParts(result.texels, hashOf(uint64_t(Stage::indirect), uint64_t(layer)), progress, journal, rayCount,
-              [&](size_t texel, uint64_t& rays) {
+    fillParts(result.texels, hashOf(uint64_t(GatherStage::indirect), uint64_t(layer)), progress, journal,
+              rayCount, [&](size_t texel, uint64_t& rays) {
                   const TexelRay ray = texelRay(input, chosen, texel);
                   if (!ray.valid) return;
                   const IncidentRadiance incident = incidentAt(input, chosen, ray, texel, layer, settings);
@@ -155,17 +124,17 @@ PhatexelLayer gatherArea(const GatherInput& input, const ChosenDirections& chose
                          BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
     PhatexelLayer result;
     result.texels.resize(input.atlas.texelCount());
-    fillParts(
-        result.texels, uint64_t(Stage::area), progress, journal, rayCount, [&](size_t texel, uint64_t& rays) {
-            const TexelRay ray = texelRay(input, chosen, texel);
-            if (!ray.valid) return;
-            const PathSettings emissionOnly{.pathsPerHit = 0, .maxBounces = 0};
-            const IncidentRadiance incident =
-                traceIncident(input.rays, input.lights, ray.origin, ray.direction, emissionOnly, Rng(0));
-            result.texels[texel] =
-                packPhatexel(makePhatexel(chosen, texel, incident.emitted, incident.distance));
-            rays += incident.rays;
-        });
+    fillParts(result.texels, uint64_t(GatherStage::area), progress, journal, rayCount,
+              [&](size_t texel, uint64_t& rays) {
+                  const TexelRay ray = texelRay(input, chosen, texel);
+                  if (!ray.valid) return;
+                  const PathSettings emissionOnly{.pathsPerHit = 0, .maxBounces = 0};
+                  const IncidentRadiance incident = traceIncident(input.rays, input.lights, ray.origin,
+                                                                  ray.direction, emissionOnly, Rng(0));
+                  result.texels[texel] =
+                      packPhatexel(makePhatexel(chosen, texel, incident.emitted, incident.distance));
+                  rays += incident.rays;
+              });
     return result;
 }
 
@@ -173,7 +142,7 @@ std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, c
                                                      Progress& progress, BakeJournal* journal,
                                                      std::atomic<uint64_t>& rayCount) {
     const int samplesPerRound = std::max(settings.irradianceSamples / kFirstRounds, 1);
-    const auto estimate = [&](Stage stage, int rounds, const auto& wanted) {
+    const auto estimate = [&](GatherStage stage, int rounds, const auto& wanted) {
         std::vector<IrradianceEstimate> estimates(input.atlas.texelCount());
         fillParts(estimates, uint64_t(stage), progress, journal, rayCount, [&](size_t texel, uint64_t& rays) {
             if (!input.points.valid(texel) || !wanted(texel)) return;
@@ -184,10 +153,10 @@ std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, c
         return estimates;
     };
     std::vector<IrradianceEstimate> estimates =
-        estimate(Stage::areaIrradiance, kFirstRounds, [](size_t) { return true; });
+        estimate(GatherStage::areaIrradiance, kFirstRounds, [](size_t) { return true; });
     const std::vector<uint8_t> hard = hardTexels(input, estimates);
-    const std::vector<IrradianceEstimate> further =
-        estimate(Stage::moreAreaIrradiance, kFurtherRounds, [&](size_t texel) { return hard[texel] != 0; });
+    const std::vector<IrradianceEstimate> further = estimate(GatherStage::moreAreaIrradiance, kFurtherRounds,
+                                                             [&](size_t texel) { return hard[texel] != 0; });
 
     constexpr float kAll = kFirstRounds + kFurtherRounds;
     constexpr float kFirstShare = kFirstRounds / kAll, kFurtherShare = kFurtherRounds / kAll;
@@ -195,8 +164,7 @@ std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, c
         if (!hard[texel]) continue;
         IrradianceEstimate& both = estimates[texel];
         both.value = kFirstShare * both.value + kFurtherShare * further[texel].value;
-        both.variance =
-            square(kFirstShare) * both.variance + square(kFurtherShare) * further[texel].variance;
+        both.variance = square(kFirstShare) * both.variance + square(kFurtherShare) * further[texel].variance;
     }
     return estimates;
 }

@@ -5,6 +5,7 @@
 
 #include "core/bake.h"
 #include "core/directions.h"
+#include "core/irradiance.h"
 #include "core/path.h"
 
 namespace phat {
@@ -20,6 +21,9 @@ struct GatherInput {
     const PhotonIndex& index;
 };
 
+/// Unit normal of a valid texel's flat triangle, on the chart's side.
+glm::vec3 flatNormalOf(const GatherInput& input, size_t texel);
+
 /// PHATexels of light that was reflected at least once: one ray each, its value by `settings.radiance`.
 /// A direction below its own texel's horizon (the block's frame is a mean) gives an invalid PHATexel.
 PhatexelLayer gatherIndirect(const GatherInput& input, const ChosenDirections& chosen, int layer,
@@ -34,5 +38,12 @@ PhatexelLayer gatherArea(const GatherInput& input, const ChosenDirections& chose
 std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, const BakeSettings& settings,
                                                      Progress& progress, BakeJournal* journal,
                                                      std::atomic<uint64_t>& rayCount);
+
+/// Irradiance of all light that was reflected at least once, [y][x], everywhere in the charts, by rays of its
+/// own and smooth: the PHATexels have no part in it. `areaIrradiance`: as Phatexture's, what the walls are
+/// lit by.
+IrradianceMap gatherIndirectIrradiance(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
+                                       const BakeSettings& settings, Progress& progress, BakeJournal* journal,
+                                       std::atomic<uint64_t>& rayCount);
 
 }  // namespace phat

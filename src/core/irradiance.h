@@ -1,24 +1,16 @@
 #pragma once
-// View-independent light: irradiance per texel, filtered once.
+// View-independent light: irradiance per texel.
 
 #include <vector>
 
 #include "core/atlas.h"
 #include "core/path.h"
-#include "core/phatexture.h"
-#include "core/progress.h"
 
 namespace phat {
 
 /// [y][x] of the atlas, W/m2 on the texel's plane. Invalid texels are filled from valid neighbours of their
 /// chart, so that bilinear lookups inside a chart never meet a hole.
 using IrradianceMap = std::vector<glm::vec3>;
-
-/// Indirect diffuse light from the PHATexels: for each texel the mean of a L with a = cos J / p over its chart's
-/// neighbourhood, with a itself, whose mean is pi, as control variate; the samples are reconnected to the texel,
-/// the radius is bounded by the distance of what is seen (docs/pipeline.md).
-IrradianceMap filterIndirectIrradiance(const Phatexture& phatexture, const Atlas& atlas,
-                                       const TexelPoints& points, Progress& progress);
 
 /// Removes the noise of area-light estimates and keeps their shadow edges: each texel averages those of its
 /// 7x7 neighbours in the chart that differ from it by no more than both estimates' standard errors explain.

@@ -1,6 +1,7 @@
 #include "core/path.h"
 
 #include "core/brdf.h"
+#include "core/path_vertex.h"
 
 namespace phat {
 namespace {
@@ -16,21 +17,30 @@ constexpr float kRouletteScale = 2.0f;
 // rays of a bounce then cost a few times the path's own.
 constexpr size_t kMaxLightsEach = 4;
 
-glm::vec3 originOn(const SurfacePoint& point, glm::vec3 direction) {
-    const float side = glm::dot(direction, point.normalGeometric) >= 0.0f ? 1.0f : -1.0f;
-    return offsetOrigin(point.position, side * point.normalGeometric);
-}
-
-// A direction that the shading normal allows may still point into the flat triangle: light does not pass.
-bool leavesSurface(const SurfacePoint& point, glm::vec3 direction) {
-    return glm::dot(direction, point.normalGeometric) > 0.0f;
-}
-
 // Whether light from `distance` away arrives; the ray stops just short of the lamp itself.
 bool seesLight(const RayScene& rays, glm::vec3 origin, const LightSample& light) {
     constexpr float kShortOfLamp = 1.0f - 1e-4f;
     return !rays.anyHit(origin, light.towardLight, light.distance * kShortOfLamp);
 }
+
+glm::vec3 emissionToward(const RayScene& rays, const LightSampler& lights, const Hit& hit,
+                         glm::vec3 direction) {
+    if (!hit) return lights.environmentRadiance(direction);
+    return surfaceAt(rays.scene(), hit, direction).emission;
+}
+
+}  // namespace
+
+glm::vec3 originOn(const SurfacePoint& point, glm::vec3 direction) {
+    const float side = glm::dot(direction, point.normalGeometric) >= 0.0f ? 1.0f : -1.0f;
+    return offsetOrigin(point.position, side * point.normalGeometric);
+}
+
+bool leavesSurface(const SurfacePoint& point, glm::vec3 direction) {
+    return glm::dot(direction, point.normalGeometric) > 0.0f;
+}
+
+namespace {
 
 // Light of one punctual light as the surface would reflect it, were there no shadow.
 struct UnshadowedLight {
@@ -74,6 +84,8 @@ glm::vec3 oneOfManyLights(const RayScene& rays, const LightSampler& lights, cons
                                : glm::vec3(0);
 }
 
+}  // namespace
+
 glm::vec3 punctualLight(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
                         glm::vec3 towardEye, Rng& rng, uint64_t& rayCount) {
     const size_t count = rays.scene().lights.size();
@@ -100,18 +112,20 @@ glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const Surf
     return value * light.radiance / (light.pdf + sampleBrdfPdf(point.brdf, eyeLocal, lightLocal));
 }
 
-glm::vec3 shareOfDiffuse(const LobeValues& lobes) {
-    return lobes.diffuse / glm::max(lobes.diffuse + lobes.specular, glm::vec3(1e-30f));
-}
-
-glm::vec3 emissionToward(const RayScene& rays, const LightSampler& lights, const Hit& hit,
-                         glm::vec3 direction) {
-    if (!hit) return lights.environmentRadiance(direction);
-    return surfaceAt(rays.scene(), hit, direction).emission;
-}
-
 float areaPdf(const LightSampler& lights, glm::vec3 from, const Hit& hit, glm::vec3 direction) {
     return hit ? lights.sampleAreaPdf(from, hit, direction) : lights.sampleEnvironmentPdf(direction);
+}
+
+float survivalChance(int bounce, glm::vec3 throughput) {
+    if (bounce < kFirstRouletteBounce) return 1.0f;
+    // The square root: paths that survive carry little, so the rare ones do not stand out as noise.
+    return std::min(kRouletteScale * std::sqrt(maxComponent(throughput)), 1.0f);
+}
+
+namespace {
+
+glm::vec3 shareOfDiffuse(const LobeValues& lobes) {
+    return lobes.diffuse / glm::max(lobes.diffuse + lobes.specular, glm::vec3(1e-30f));
 }
 
 /// One estimator round.
@@ -182,11 +196,9 @@ ReflectedRadiance tracePath(const RayScene& rays, const LightSampler& lights, co
         if (!leavesSurface(point, direction)) break;
         if (bounce == 0) diffuseShare = shareOfDiffuse(evaluateLobes(point.brdf, eyeLocal, sample.direction));
         throughput *= sample.weight;
-        if (bounce >= kFirstRouletteBounce) {
-            const float survival = std::min(kRouletteScale * std::sqrt(maxComponent(throughput)), 1.0f);
-            if (rng.uniform() >= survival) break;
-            throughput /= survival;
-        }
+        const float survival = survivalChance(bounce, throughput);
+        if (survival < 1.0f && rng.uniform() >= survival) break;
+        throughput /= survival;
 
         ++rayCount;
         const Hit hit = rays.closestHit(originOn(point, direction), direction);

@@ -62,8 +62,8 @@ struct Guide {
     std::array<uint16_t, kGuideCells> weight;  // [y][x]
 };
 
-/// The guide closest to the given cell weights (any scale, >= 0; all zero: uniform), mixed with `uniformShare`
-/// of the uniform density.
+/// The guide closest to the given cell weights (any scale, >= 0; all zero: uniform), mixed with
+/// `uniformShare` of the uniform density.
 Guide makeGuide(const std::array<float, kGuideCells>& cells, float uniformShare);
 Guide uniformGuide();
 /// Cells weigh their mean cosine.
@@ -84,11 +84,12 @@ struct PhatexelLayer {
 
 /// All that a bake adds to a scene and its atlas.
 struct Phatexture {
-    std::vector<PhatexelLayer> indirect;   // light after at least one reflection
-    std::vector<Guide> indirectGuides;     // [block]; uniform strategies: one guide for all
-    std::vector<PhatexelLayer> area;       // light straight from emissive surfaces and the environment; 0 or 1
-    std::vector<Guide> areaGuides;         // [block]
+    std::vector<PhatexelLayer> indirect;  // light after at least one reflection
+    std::vector<Guide> indirectGuides;    // [block]; uniform strategies: one guide for all
+    std::vector<PhatexelLayer> area;      // light straight from emissive surfaces and the environment; 0 or 1
+    std::vector<Guide> areaGuides;        // [block]
     std::vector<uint32_t> areaIrradiance;  // RGB9E5 [y][x], W/m2: the diffuse part of the same; may be empty
+    std::vector<uint32_t> indirectIrradiance;  // RGB9E5 [y][x], W/m2: of all light that was reflected
 };
 
 /// PHATexel `texel` of a layer with its pdf filled in. `guides` as in Phatexture.

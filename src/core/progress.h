@@ -38,4 +38,18 @@ class SilentProgress : public Progress {
     bool stopRequested() const override { return false; }
 };
 
+/// A stage's report, ended on every way out.
+class ProgressStage {
+  public:
+    ProgressStage(Progress& progress, const char* name, uint64_t total) : progress_(progress) {
+        progress_.begin(name, total);
+    }
+    ~ProgressStage() { progress_.end(); }
+    ProgressStage(const ProgressStage&) = delete;
+    ProgressStage& operator=(const ProgressStage&) = delete;
+
+  private:
+    Progress& progress_;
+};
+
 }  // namespace phat

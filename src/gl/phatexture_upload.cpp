@@ -144,30 +144,26 @@ TexelArrays sampleTexels(const Scene& scene, const Atlas& atlas, const TexelPoin
     return arrays;
 }
 
-GlTexture uploadIrradiance(const Phatexture& phatexture, const IrradianceMap& indirect, glm::uvec2 size) {
+GlTexture uploadIrradiance(const Phatexture& phatexture, glm::uvec2 size) {
     // Half floats end there: brighter irradiance is clamped.
     constexpr float kLargestHalf = 65504.0f;
     GlTexture texture = createTextureArray(GL_RGB16F, size, 2);
-    std::vector<glm::vec3> layer(size_t(size.x) * size.y, glm::vec3(0));
-    const auto upload = [&](int index) {
-        for (glm::vec3& e : layer) e = glm::min(e, glm::vec3(kLargestHalf));
+    const auto upload = [&](int index, const std::vector<uint32_t>& packed) {
+        std::vector<glm::vec3> layer(size_t(size.x) * size.y, glm::vec3(0));
+        for (size_t i = 0; i < packed.size(); ++i)
+            layer[i] = glm::min(unpackRgb9e5(packed[i]), glm::vec3(kLargestHalf));
         glTextureSubImage3D(texture.name(), 0, 0, 0, index, GLsizei(size.x), GLsizei(size.y), 1, GL_RGB,
                             GL_FLOAT, layer.data());
     };
-    std::copy(indirect.begin(), indirect.end(), layer.begin());
-    upload(0);
-    std::fill(layer.begin(), layer.end(), glm::vec3(0));
-    for (size_t i = 0; i < phatexture.areaIrradiance.size(); ++i)
-        layer[i] = unpackRgb9e5(phatexture.areaIrradiance[i]);
-    upload(1);
+    upload(0, phatexture.indirectIrradiance);
+    upload(1, phatexture.areaIrradiance);
     return texture;
 }
 
-void requireSizes(const Atlas& atlas, const TexelPoints& points, const Phatexture& phatexture,
-                  const IrradianceMap& indirect) {
+void requireSizes(const Atlas& atlas, const TexelPoints& points, const Phatexture& phatexture) {
     const size_t count = atlas.texelCount();
     const auto fits = [&](size_t size) { return size == count || size == 0; };
-    bool good = count > 0 && points.triangle.size() == count && fits(indirect.size()) &&
+    bool good = count > 0 && points.triangle.size() == count && fits(phatexture.indirectIrradiance.size()) &&
                 fits(phatexture.areaIrradiance.size());
     for (const auto* layers : {&phatexture.indirect, &phatexture.area})
         for (const PhatexelLayer& layer : *layers)
@@ -178,8 +174,8 @@ void requireSizes(const Atlas& atlas, const TexelPoints& points, const Phatextur
 }  // namespace
 
 GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
-                     const Phatexture& phatexture, const IrradianceMap& indirectIrradiance) {
-    requireSizes(atlas, points, phatexture, indirectIrradiance);
+                     const Phatexture& phatexture) {
+    requireSizes(atlas, points, phatexture);
     GpuAtlas gpu;
     gpu.sizeTexels = atlas.sizeTexels;
     gpu.texelSizeMeters = atlas.texelSizeMeters;
@@ -200,7 +196,7 @@ GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& 
     gpu.materialIndex = texture(GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, arrays.material.data());
     gpu.texturesA = texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, arrays.texturesA.data());
     gpu.texturesB = texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, arrays.texturesB.data());
-    gpu.irradiance = uploadIrradiance(phatexture, indirectIrradiance, atlas.sizeTexels);
+    gpu.irradiance = uploadIrradiance(phatexture, atlas.sizeTexels);
     gpu.sources.push_back(uploadPhatexels(phatexture.indirect, phatexture.indirectGuides, atlas.sizeTexels));
     if (!phatexture.area.empty() || !phatexture.areaIrradiance.empty())
         gpu.sources.push_back(uploadPhatexels(phatexture.area, phatexture.areaGuides, atlas.sizeTexels));

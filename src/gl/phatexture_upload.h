@@ -2,7 +2,6 @@
 // The atlas, its texels' surfaces and the PHATexels on the GPU.
 
 #include "core/atlas.h"
-#include "core/irradiance.h"
 #include "core/phatexture.h"
 #include "core/scene.h"
 #include "gl/gl_objects.h"
@@ -35,6 +34,6 @@ struct GpuAtlas {
 
 /// Texels' surfaces by core/shading, so that relighting sees what the bake saw. Throws GlError.
 GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
-                     const Phatexture& phatexture, const IrradianceMap& indirectIrradiance);
+                     const Phatexture& phatexture);
 
 }  // namespace phat

@@ -90,7 +90,7 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->lights = input.scene.lights;
     state_->scene = uploadScene(input.scene, input.atlas);
     state_->atlas =
-        uploadAtlas(input.scene, input.atlas, input.points, input.phatexture, input.indirectIrradiance);
+        uploadAtlas(input.scene, input.atlas, input.points, input.phatexture);
     state_->createPasses();
 }
 

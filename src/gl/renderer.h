@@ -10,7 +10,6 @@
 
 #include "core/atlas.h"
 #include "core/image.h"
-#include "core/irradiance.h"
 #include "core/phatexture.h"
 #include "core/picture.h"
 #include "core/scene.h"
@@ -43,7 +42,6 @@ struct RendererInput {
     const Atlas& atlas;
     const TexelPoints& points;
     const Phatexture& phatexture;
-    const IrradianceMap& indirectIrradiance;
 };
 
 class Renderer {

@@ -132,6 +132,8 @@ std::vector<uint8_t> bakedBytes(const std::string& sourcePath, const Scene& scen
     addTexelCorrection(payloads, bake.atlas, extension);
     const Phatexture& phatexture = bake.phatexture;
     addLayers(payloads, "/indirect", phatexture.indirect, phatexture.indirectGuides, extension);
+    if (!phatexture.indirectIrradiance.empty())
+        add(payloads, "/indirect/irradiance", phatexture.indirectIrradiance);
     addLayers(payloads, "/area", phatexture.area, phatexture.areaGuides, extension);
     if (!phatexture.areaIrradiance.empty()) add(payloads, "/area/irradiance", phatexture.areaIrradiance);
     if (scene.environment) addEnvironment(payloads, *scene.environment, extension);

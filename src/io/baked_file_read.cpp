@@ -211,7 +211,9 @@ void readLayers(Reader& reader, const json& object, const Atlas& atlas, std::vec
 
 Phatexture readPhatexture(Reader& reader, const json& extension, const Atlas& atlas) {
     Phatexture phatexture;
-    readLayers(reader, extension.at("indirect"), atlas, phatexture.indirect, phatexture.indirectGuides);
+    const json& indirect = extension.at("indirect");
+    readLayers(reader, indirect, atlas, phatexture.indirect, phatexture.indirectGuides);
+    phatexture.indirectIrradiance = readPayload<uint32_t>(reader, indirect, "irradiance", atlas.texelCount());
     const json& area = extension.at("area");
     readLayers(reader, area, atlas, phatexture.area, phatexture.areaGuides);
     if (phatexture.area.size() > 1) fail("there is more than one layer of area light");

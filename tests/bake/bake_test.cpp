@@ -3,15 +3,14 @@
 #include "core/bake.h"
 
 #include <gtest/gtest.h>
-
-#include <set>
 #include <tbb/global_control.h>
 
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <set>
 
-#include "core/irradiance.h"
+#include "core/path.h"
 #include "scene_builder.h"
 
 namespace phat {
@@ -104,21 +103,81 @@ TEST(Bake, FurnaceIsWhite) {
     const auto deviation = overTexels(
         result.points, [&](size_t i) { return square(unpackRgb9e5(p.areaIrradiance[i]).y / kPi - 1); });
     EXPECT_LT(std::sqrt(deviation.mean), 0.02);
+}
 
-    SilentProgress progress;
-    const IrradianceMap irradiance = filterIndirectIrradiance(p, result.atlas, result.points, progress);
-    EXPECT_NEAR(overTexels(result.points, [&](size_t i) { return irradiance[i].y / kPi; }).mean, 1, 0.01);
-    // Along the room's edges the filter has few samples, of bounded Jacobian: up to 17 % off in the corner
-    // texels themselves.
-    const float corner = 6 * result.atlas.texelSizeMeters;
-    const auto inner = overTexels(result.points, [&](size_t i) {
-        const glm::vec3 near = result.points.position[i], far = glm::vec3(1, 1.5f, 2) - near;
-        int walls = 0;
-        for (int axis = 0; axis < 3; ++axis) walls += std::min(near[axis], far[axis]) < corner;
-        return walls > 1 ? 1.0f : irradiance[i].y / kPi;
-    });
-    EXPECT_GT(inner.low, 0.95);
-    EXPECT_LT(inner.high, 1.05);
+// Every ray brings the same light: edges and corners are no exception, and a few texels a wall are enough.
+TEST(Bake, FurnaceIsEvenlyLitInItsCorners) {
+    for (const uint64_t texels : {1500, 30'000}) {
+        BakeSettings settings = smallBake(texels, 10'000);
+        settings.pathsPerPhatexel = 1;
+        const Bake result = bakeQuietly(furnace(), settings);
+        const auto irradiance = overTexels(result.points, [&](size_t i) {
+            return unpackRgb9e5(result.phatexture.indirectIrradiance[i]).y / kPi;
+        });
+        EXPECT_NEAR(irradiance.mean, 1, 0.005) << texels;
+        EXPECT_GT(irradiance.low, 0.99) << texels;
+        EXPECT_LT(irradiance.high, 1.01) << texels;
+    }
+}
+
+// The mean over paths from a texel, and its standard error.
+std::pair<double, double> tracedIrradiance(const RayScene& rays, const LightSampler& lights,
+                                           glm::vec3 position, glm::vec3 normal, int count) {
+    const Frame frame = frameFromNormal(normal);
+    const glm::vec3 origin = offsetOrigin(position, normal);
+    Rng rng(7);
+    double sum = 0, squares = 0;
+    for (int i = 0; i < count; ++i) {
+        const glm::vec2 square((float(i) + rng.uniform()) / float(count), rng.uniform());
+        const glm::vec3 direction = glm::normalize(frame.toWorld(squareToCosineHemisphere(square)));
+        const PathSettings path{.pathsPerHit = 1, .maxBounces = 12};
+        const double value =
+            double(kPi) *
+            luminance(traceIncident(rays, lights, origin, direction, path, Rng(rng.bits())).reflected);
+        sum += value;
+        squares += value * value;
+    }
+    const double mean = sum / count;
+    return {mean, std::sqrt(std::max(squares / count - mean * mean, 0.0) / count)};
+}
+
+// Against paths, in a room with a lamp, a point light, a metal wall and a box on the floor: at texels
+// anywhere, those beside walls included.
+TEST(Bake, IndirectIrradianceIsThatOfPaths) {
+    Scene scene = litRoom();
+    scene.materials[1].metallic = 1;
+    scene.materials[1].roughness = 0.4f;
+    const glm::vec3 low(0.55f, 0, 0.5f), x(0.25f, 0, 0), y(0, 0.3f, 0), z(0, 0, 0.25f);
+    const Material gray = lambert(0.7f);
+    addQuad(scene, gray, low + y, z, x);  // a box on the floor
+    addQuad(scene, gray, low, y, x);
+    addQuad(scene, gray, low + z, x, y);
+    addQuad(scene, gray, low, z, y);
+    addQuad(scene, gray, low + x, y, z);
+    BakeSettings settings = smallBake(60'000, 20'000);
+    settings.pathsPerPhatexel = 1;
+    const Bake result = bakeQuietly(scene, settings);
+    const RayScene rays(scene);
+    const LightSampler lights(scene);
+
+    std::vector<size_t> texels;
+    for (size_t i = 0; i < result.points.state.size(); ++i)
+        if (result.points.state[i] == TexelState::surface) texels.push_back(i);
+    ASSERT_GT(texels.size(), 10'000u);
+    double error = 0, bias = 0, truth = 0;
+    constexpr int kPlaces = 200;
+    for (int place = 0; place < kPlaces; ++place) {
+        const size_t i = texels[texels.size() * size_t(place) / kPlaces];
+        const auto [mean, deviation] =
+            tracedIrradiance(rays, lights, result.points.position[i], result.points.normal[i], 4000);
+        const double found = luminance(unpackRgb9e5(result.phatexture.indirectIrradiance[i]));
+        EXPECT_NEAR(found, mean, 0.05 * mean + 4 * deviation) << place;
+        error += std::abs(found - mean);
+        bias += found - mean;
+        truth += mean;
+    }
+    EXPECT_LT(error / truth, 0.02);
+    EXPECT_NEAR(bias / truth, 0, 0.01);
 }
 
 bool equalLayers(const std::vector<PhatexelLayer>& a, const std::vector<PhatexelLayer>& b) {
@@ -140,6 +199,7 @@ bool equalBakes(const Bake& a, const Bake& b) {
            equalGuides(a.phatexture.indirectGuides, b.phatexture.indirectGuides) &&
            equalGuides(a.phatexture.areaGuides, b.phatexture.areaGuides) &&
            a.phatexture.areaIrradiance == b.phatexture.areaIrradiance &&
+           a.phatexture.indirectIrradiance == b.phatexture.indirectIrradiance &&
            a.points.position == b.points.position;
 }
 
@@ -178,23 +238,17 @@ TEST(Bake, SplatsNeedPhotons) {
     }
 }
 
-Sums indirectOf(const Scene& scene, const BakeSettings& settings) {
+// What the PHATexels say the texels receive: the mean of L cos / p, whatever chose the directions.
+double irradianceOfPhatexels(const Scene& scene, const BakeSettings& settings) {
     const Bake result = bakeQuietly(scene, settings);
-    SilentProgress progress;
-    const IrradianceMap map =
-        filterIndirectIrradiance(result.phatexture, result.atlas, result.points, progress);
-    return overTexels(result.points, [&](size_t i) { return luminance(map[i]); });
-}
-
-// What a splatting bake says its texels receive: the density estimate that each choice of photon samples.
-double splattedIrradiance(const Scene& scene, const BakeSettings& settings) {
-    const Bake result = bakeQuietly(scene, settings);
-    const PhatexelLayer& layer = result.phatexture.indirect[0];
+    const Phatexture& p = result.phatexture;
+    const uint32_t width = result.atlas.sizeTexels.x;
     return overTexels(result.points,
                       [&](size_t i) {
-                          const Phatexel phatexel = unpackPhatexel(layer.texels[i]);
+                          const Phatexel phatexel = phatexelAt(p.indirect[0], p.indirectGuides, result.atlas,
+                                                               {i % width, i / width});
                           if (!phatexel.valid) return 0.0f;
-                          return luminance(phatexel.radiance) * phatexel.directionBlock.z / layer.pdf[i];
+                          return luminance(phatexel.radiance) * phatexel.directionBlock.z / phatexel.pdf;
                       })
         .mean;
 }
@@ -205,14 +259,16 @@ TEST(Bake, MethodsAgreeOnDiffuseLight) {
     const Scene scene = litRoom();
     BakeSettings settings = smallBake(6000, 100'000);
     settings.density.maxRadiusMeters = 0.08f;
-    const double truth = indirectOf(scene, settings).mean;
+    const Bake result = bakeQuietly(scene, settings);
+    const double truth = overTexels(result.points, [&](size_t i) {
+                             return luminance(unpackRgb9e5(result.phatexture.indirectIrradiance[i]));
+                         }).mean;
     for (const Directions directions : kAllDirections) {
         for (const RadianceSource source : kAllSources) {
             if (source == RadianceSource::splat && !choosesPhotons(directions)) continue;
             settings.directions = directions;
             settings.radiance = source;
-            const double mean = source == RadianceSource::splat ? splattedIrradiance(scene, settings)
-                                                                : indirectOf(scene, settings).mean;
+            const double mean = irradianceOfPhatexels(scene, settings);
             const bool unbiased = source == RadianceSource::path && !choosesPhotons(directions);
             EXPECT_NEAR(mean, truth, (unbiased ? 0.01 : 0.05) * truth)
                 << int(directions) << ' ' << int(source);
@@ -310,6 +366,8 @@ TEST(Bake, DirectLightIsLeftOut) {
         const Bake result = bakeQuietly(scene, settings);
         for (const PackedPhatexel packed : result.phatexture.indirect[0].texels)
             ASSERT_EQ(unpackPhatexel(packed).radiance, glm::vec3(0)) << int(source);
+        for (const uint32_t irradiance : result.phatexture.indirectIrradiance)
+            ASSERT_EQ(unpackRgb9e5(irradiance), glm::vec3(0)) << int(source);
     }
 }
 
@@ -338,7 +396,8 @@ TEST(Bake, SidesThatLightReachesGetTexels) {
 TEST(Bake, DarkAndPunctualScenesHaveNoAreaLight) {
     Scene scene;
     addRoom(scene, lambert(0.5f), {1, 1, 1});
-    EXPECT_EQ(indirectOf(scene, smallBake(3000, 1000)).mean, 0);
+    for (const uint32_t irradiance : bakeQuietly(scene, smallBake(3000, 1000)).phatexture.indirectIrradiance)
+        ASSERT_EQ(irradiance, 0u);
     scene.lights = {pointLight(glm::vec3(1), {0.5f, 0.5f, 0.5f})};
     const Bake result = bakeQuietly(scene, smallBake(3000, 1000));
     EXPECT_TRUE(result.phatexture.area.empty());

@@ -57,6 +57,7 @@ void expectSame(const Phatexture& a, const Phatexture& b) {
     EXPECT_TRUE(sameBytes(a.indirectGuides, b.indirectGuides));
     EXPECT_TRUE(sameBytes(a.areaGuides, b.areaGuides));
     EXPECT_EQ(a.areaIrradiance, b.areaIrradiance);
+    EXPECT_EQ(a.indirectIrradiance, b.indirectIrradiance);
 }
 
 // Corner by corner, because vertices may be split and numbered anew.

@@ -124,6 +124,7 @@ inline Bake randomBake(const Scene& scene, int layers, bool withPdf, uint32_t se
         for (Guide& guide : *guides)
             for (uint16_t& weight : guide.weight) weight = uint16_t(1 + random() % 65535);
     bake.phatexture.areaIrradiance = randomWords(texels, random);
+    bake.phatexture.indirectIrradiance = randomWords(texels, random);
     return bake;
 }
 

@@ -27,7 +27,7 @@ RendererWorld furnaceFloor(const Material& material, glm::vec3 radiance) {
     addFloor(scene, material, 2);
     RendererWorld world = worldOfQuads(scene, 8);
     fillPhatexels(world, 0, [&](glm::vec3, glm::vec3) { return radiance; });
-    world.irradiance.assign(world.irradiance.size(), kPi * radiance);
+    world.phatexture.indirectIrradiance.assign(world.atlas.texelCount(), packRgb9e5(kPi * radiance));
     return world;
 }
 
@@ -187,8 +187,8 @@ TEST_F(RendererFurnace, ChartsDoNotBleed) {
     fillPhatexels(world, 1, [&](glm::vec3, glm::vec3) { return bright; });
     for (uint32_t y = 0; y < world.atlas.sizeTexels.y; ++y)
         for (uint32_t x = 0; x < world.atlas.sizeTexels.x; ++x)
-            world.irradiance[size_t(y) * world.atlas.sizeTexels.x + x] =
-                kPi * (world.atlas.chartAt({x, y}) == 0 ? dim : bright);
+            world.phatexture.indirectIrradiance[size_t(y) * world.atlas.sizeTexels.x + x] =
+                packRgb9e5(kPi * (world.atlas.chartAt({x, y}) == 0 ? dim : bright));
     Renderer renderer(world.input(), kShaderFolder);
     // Close to the edge that borders the other chart: x grows with the surface's across direction.
     for (glm::vec3 target : {glm::vec3(0.9f, 0, 0), glm::vec3(0, 0, 0.9f), glm::vec3(-0.9f, 0, 0)}) {

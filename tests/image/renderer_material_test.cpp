@@ -184,7 +184,7 @@ TEST_F(RendererMaterial, ComponentsAddUp) {
     RendererWorld world = worldOfQuads(scene, 4);
     fillPhatexels(
         world, 0, [](glm::vec3 p, glm::vec3 d) { return glm::vec3(1 + d.x, 2 + p.x, 0.5f + d.y); }, 1.0f);
-    for (glm::vec3& e : world.irradiance) e = {3, 2, 1};
+    for (uint32_t& e : world.phatexture.indirectIrradiance) e = packRgb9e5({3, 2, 1});
     Renderer renderer(world.input(), kShaderFolder);
     FrameSettings settings;
     settings.width = settings.height = 40;

@@ -78,7 +78,7 @@ RendererWorld worldOfQuads(Scene scene, uint32_t tiles) {
     world.phatexture.indirect.resize(1);
     world.phatexture.indirect[0].texels.resize(texels);
     for (uint32_t b = 0; b < atlas.blockCount; ++b) world.phatexture.indirectGuides.push_back(bumpyGuide(b));
-    world.irradiance.assign(texels, glm::vec3(0));
+    world.phatexture.indirectIrradiance.assign(texels, 0);
     return world;
 }
 

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "core/atlas.h"
-#include "core/irradiance.h"
 #include "core/phatexture.h"
 #include "core/random.h"
 #include "gl/gl_context.h"
@@ -23,9 +22,8 @@ struct RendererWorld {
     Atlas atlas;
     TexelPoints points;
     Phatexture phatexture;
-    IrradianceMap irradiance;
 
-    RendererInput input() const { return {scene, atlas, points, phatexture, irradiance}; }
+    RendererInput input() const { return {scene, atlas, points, phatexture}; }
 };
 
 /// Gives every surface of `scene` (each one addQuad) a square chart of `tiles` x `tiles` tiles, side by side

@@ -1,0 +1,219 @@
+// Diffuse indirect light by rays that end in the irradiance of the texels themselves.
+
+#include <array>
+
+#include "core/gather_parts.h"
+#include "core/irradiance_levels.h"
+#include "core/irradiance_ray.h"
+
+namespace phat {
+namespace {
+
+// Rays of a node of the coarsest level, and of the finer ones, which lie closer.
+constexpr uint32_t kRays = 64, kFineRays = 32;
+// Between nodes s texels apart the irradiance is a plane to within some (s / distance)^2 / 8: 1 %, with as
+// much again by the smoothing, where the distance of what is seen is this many steps.
+constexpr float kSplitBelowSteps = 6.0f;
+// Bounces of a closed room of albedo .8 converge to a thousandth in thirty; the setting is mostly lower.
+constexpr float kConverged = 1e-4f;
+
+/// A node's rays: what they know, and in which texels' irradiance they end.
+struct NodeRays {
+    glm::vec3 light{0};  // sum over the rays
+    float nearness = 0;  // mean of 1 / metres
+    uint32_t count = 0;  // rays above the surface
+    std::array<uint32_t, kRays> texel;
+    std::array<uint32_t, kRays> weight;  // RGB9E5
+};
+
+/// What is left of a node's rays once irradiance is known everywhere.
+struct NodeSum {
+    glm::vec3 irradiance{0};
+    float nearness = 0;
+};
+
+// Point `index` of the R2 sequence (Roberts 2018) in 32-bit fixed point, which is exact for any index. Every
+// run of the sequence is stratified; consecutive nodes in Morton order take consecutive runs, so that
+// neighbours complement each other.
+glm::vec2 r2Point(uint64_t index, uint64_t shift) {
+    const uint32_t x = uint32_t(index) * 3242174889u + uint32_t(shift);
+    const uint32_t y = uint32_t(index) * 2447445414u + uint32_t(shift >> 32);
+    return glm::vec2(float(x >> 8), float(y >> 8)) * 0x1p-24f;
+}
+
+struct Gatherer {
+    const GatherInput& input;
+    const std::vector<uint32_t>& areaIrradiance;
+    const BakeSettings& settings;
+
+    /// Calls visit(IrradianceRay) for a node's rays above the surface: a mean of radiance, also where the
+    /// normal of a coarse mesh leans over its triangle. Returns their number.
+    template <typename Visit>
+    uint32_t trace(const IrradianceLevel& level, size_t node, uint32_t rayCount, uint64_t& rays,
+                   const Visit& visit) const {
+        const uint32_t texel = level.texel[node];
+        const TexelPoints& points = input.points;
+        const uint64_t stream = hashOf(settings.seed + 0x1dd, level.step);
+        Rng rng(hashOf(stream, texel));
+        const glm::uvec2 group =
+            glm::uvec2(texel % input.atlas.sizeTexels.x, texel / input.atlas.sizeTexels.x) / level.step;
+        const Frame frame = frameFromNormalAndTangent(points.normal[texel], points.tangent[texel]);
+        const glm::vec3 flatNormal = flatNormalOf(input, texel);
+        const glm::vec3 origin = offsetOrigin(points.position[texel], flatNormal);
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < rayCount; ++i) {
+            const glm::vec2 square = r2Point(uint64_t(morton(group.x, group.y)) * rayCount + i, stream);
+            const glm::vec3 direction = glm::normalize(frame.toWorld(squareToCosineHemisphere(square)));
+            if (glm::dot(direction, flatNormal) <= 0.0f) continue;
+            visit(count++,
+                  traceToTexels(input, areaIrradiance, origin, direction, settings.maxBounces, rng, rays));
+        }
+        return count;
+    }
+
+    NodeRays keepRays(const IrradianceLevel& level, size_t node, uint64_t& rays) const {
+        NodeRays kept;
+        kept.texel.fill(kNoTexel);
+        kept.weight.fill(0);
+        kept.count = trace(level, node, kRays, rays, [&](uint32_t i, const IrradianceRay& ray) {
+            kept.light += ray.light;
+            kept.nearness += 1.0f / ray.distance;
+            kept.texel[i] = ray.texel;
+            kept.weight[i] = packRgb9e5(ray.weight);
+        });
+        kept.nearness /= float(std::max(kept.count, 1u));
+        return kept;
+    }
+
+    NodeSum sumRays(const IrradianceLevel& level, size_t node, const IrradianceMap& map,
+                    uint64_t& rays) const {
+        NodeSum sum;
+        const uint32_t count = trace(level, node, kFineRays, rays, [&](uint32_t, const IrradianceRay& ray) {
+            sum.irradiance += ray.light;
+            if (ray.texel != kNoTexel) sum.irradiance += ray.weight * map[ray.texel];
+            sum.nearness += 1.0f / ray.distance;
+        });
+        sum.irradiance *= kPi / float(std::max(count, 1u));
+        sum.nearness /= float(std::max(count, 1u));
+        return sum;
+    }
+};
+
+/// Irradiance at the nodes when the texels have that which `irradianceOf` says.
+template <typename IrradianceOf>
+std::vector<glm::vec3> bounce(const std::vector<NodeRays>& nodes, Progress& progress,
+                              const IrradianceOf& irradianceOf) {
+    std::vector<glm::vec3> next(nodes.size());
+    SilentProgress silent;
+    parallelRanges(nodes.size(), 1024, silent, [&](size_t begin, size_t end) {
+        progress.throwIfStopped();
+        for (size_t n = begin; n < end; ++n) {
+            glm::vec3 sum = nodes[n].light;
+            for (uint32_t i = 0; i < nodes[n].count; ++i)
+                if (nodes[n].texel[i] != kNoTexel)
+                    sum += unpackRgb9e5(nodes[n].weight[i]) * irradianceOf(nodes[n].texel[i]);
+            next[n] = sum * (kPi / float(std::max(nodes[n].count, 1u)));
+        }
+    });
+    return next;
+}
+
+/// Light bounces between the nodes of the coarsest level, each hit taking the irradiance of its group's node,
+/// until nothing changes or all bounces are used up.
+void solve(IrradianceLevel& level, const std::vector<NodeRays>& nodes, uint32_t width, int bounces,
+           Progress& progress) {
+    level.value.assign(nodes.size(), glm::vec3(0));
+    for (int i = 0; i < bounces; ++i) {
+        std::vector<glm::vec3> next = bounce(nodes, progress, [&](uint32_t texel) {
+            return level.value[level.node[level.groupOf(texel, width)]];
+        });
+        float change = 0, largest = 0;
+        for (size_t n = 0; n < next.size(); ++n) {
+            change = std::max(change, maxComponent(next[n] - level.value[n]));
+            largest = std::max(largest, maxComponent(next[n]));
+        }
+        level.value = std::move(next);
+        if (change <= kConverged * largest) break;
+    }
+}
+
+void setDistances(IrradianceLevel& level, float texelSizeMeters, const std::vector<float>& nearness) {
+    level.distanceTexels.clear();
+    for (const float near : nearness)
+        level.distanceTexels.push_back(1.0f / std::max(near * texelSizeMeters, 1e-30f));
+}
+
+/// Whether a group's node or one beside it, in the same chart, is near to what it sees.
+std::vector<uint8_t> groupsToSplit(const IrradianceLevel& level, const Atlas& atlas) {
+    const glm::ivec2 size(level.size);
+    std::vector<uint8_t> split(level.node.size(), 0);
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) {
+            const uint32_t chart = atlas.chartAt(glm::uvec2(x, y) * level.step);
+            for (int i = 0; i < 9 && chart != kNoChart; ++i) {
+                const glm::ivec2 p =
+                    glm::clamp(glm::ivec2(x, y) + glm::ivec2(i % 3 - 1, i / 3 - 1), glm::ivec2(0), size - 1);
+                const uint32_t node = level.node[size_t(p.y) * size.x + p.x];
+                if (node == kNoNode || atlas.chartAt(glm::uvec2(p) * level.step) != chart) continue;
+                if (level.distanceTexels[node] < kSplitBelowSteps * float(level.step))
+                    split[size_t(y) * size.x + x] = 1;
+            }
+        }
+    return split;
+}
+
+IrradianceLevel refine(const Gatherer& gatherer, const IrradianceLevel& coarse, uint32_t step,
+                       const IrradianceMap& map, Progress& progress, BakeJournal* journal,
+                       std::atomic<uint64_t>& rayCount) {
+    const Atlas& atlas = gatherer.input.atlas;
+    const std::vector<uint8_t> split = groupsToSplit(coarse, atlas);
+    const uint32_t ratio = coarse.step / step;
+    IrradianceLevel level = makeLevel(atlas, gatherer.input.points, step, [&](glm::uvec2 group) {
+        const glm::uvec2 around = group / ratio;
+        const size_t index = size_t(around.y) * coarse.size.x + around.x;
+        return coarse.node[index] != kNoNode && split[index] != 0;
+    });
+    std::vector<NodeSum> sums(level.texel.size());
+    const ProgressStage stage(progress, "diffuse contacts", sums.size());
+    fillParts(sums, hashOf(uint64_t(GatherStage::indirectIrradiance), step), progress, journal, rayCount,
+              [&](size_t node, uint64_t& rays) { sums[node] = gatherer.sumRays(level, node, map, rays); });
+    std::vector<float> nearness;
+    for (const NodeSum& sum : sums) {
+        level.value.push_back(sum.irradiance);
+        nearness.push_back(sum.nearness);
+    }
+    setDistances(level, atlas.texelSizeMeters, nearness);
+    return level;
+}
+
+}  // namespace
+
+IrradianceMap gatherIndirectIrradiance(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
+                                       const BakeSettings& settings, Progress& progress, BakeJournal* journal,
+                                       std::atomic<uint64_t>& rayCount) {
+    const Gatherer gatherer{input, areaIrradiance, settings};
+    const uint32_t width = input.atlas.sizeTexels.x;
+    std::vector<IrradianceLevel> levels;
+    levels.push_back(makeLevel(input.atlas, input.points, kLevelSteps[0], [](glm::uvec2) { return true; }));
+    IrradianceLevel& coarse = levels.front();
+    {
+        std::vector<NodeRays> nodes(coarse.texel.size());
+        const ProgressStage stage(progress, "diffuse light", nodes.size());
+        fillParts(nodes, hashOf(uint64_t(GatherStage::indirectIrradiance), coarse.step), progress, journal,
+                  rayCount,
+                  [&](size_t node, uint64_t& rays) { nodes[node] = gatherer.keepRays(coarse, node, rays); });
+        std::vector<float> nearness;
+        for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
+        setDistances(coarse, input.atlas.texelSizeMeters, nearness);
+        solve(coarse, nodes, width, settings.maxBounces - 1, progress);
+        // The last bounce takes the irradiance of the very texel that is hit.
+        const IrradianceMap map = interpolateLevels(levels, input.atlas, input.points);
+        coarse.value = bounce(nodes, progress, [&](uint32_t texel) { return map[texel]; });
+    }
+    const IrradianceMap map = interpolateLevels(levels, input.atlas, input.points);
+    for (size_t i = 1; i < std::size(kLevelSteps); ++i)
+        levels.push_back(refine(gatherer, levels.back(), kLevelSteps[i], map, progress, journal, rayCount));
+    return interpolateLevels(levels, input.atlas, input.points);
+}
+
+}  // namespace phat

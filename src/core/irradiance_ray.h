@@ -1,0 +1,33 @@
+#pragma once
+// Rays that end in the irradiance of the texels themselves.
+
+#include <optional>
+#include <vector>
+
+#include "core/gather.h"
+
+namespace phat {
+
+inline constexpr uint32_t kNoTexel = ~0u;
+
+/// Valid texel under a hit, or one beside it; none where the surface has no texels on that side.
+std::optional<uint32_t> texelOfHit(const Atlas& atlas, const TexelPoints& points, const Hit& hit);
+
+/// Radiance that a ray brings back, without what lamps send straight along it:
+/// light + weight * indirect irradiance of `texel`.
+struct IrradianceRay {
+    glm::vec3 light{0};         // W/(m2 sr)
+    uint32_t texel = kNoTexel;  // kNoTexel: `light` is all
+    glm::vec3 weight{0};        // 1/sr
+    float distance = kFarDistance;
+};
+
+/// Traces one ray. The diffuse part of what it meets ends there: shadow rays bring the punctual lights'
+/// light, `areaIrradiance` (RGB9E5 [y][x] or empty) the area lights', and the texel the rest. The specular
+/// part is followed, chosen in proportion to the albedos, through at most `maxBounces` reflections. Where a
+/// hit has no texel, an ordinary path goes on. pre: |direction| = 1.
+IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
+                            glm::vec3 origin, glm::vec3 direction, int maxBounces, Rng& rng,
+                            uint64_t& rayCount);
+
+}  // namespace phat
