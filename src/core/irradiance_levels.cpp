@@ -6,8 +6,8 @@
 namespace phat {
 namespace {
 
-// Radii of the neighbourhood: from the least that holds a plane, in steps of the node's level, by this ratio
-// to the largest, in steps again and in texels.
+// Radii of the neighbourhood: from the least that holds a plane and some rays, in steps of the node's level, by
+// this ratio to the largest, in steps again and in texels.
 constexpr float kMinRadiusSteps = 3.0f;
 constexpr float kRadiusRatio = 1.5f;
 constexpr float kMaxRadiusSteps = 12.0f;
@@ -16,8 +16,8 @@ constexpr float kMaxRadiusTexels = 32.0f;
 constexpr float kBetweenSteps = 1.7f;
 // Half the width of the confidence intervals that must meet, standard errors.
 constexpr float kConfidence = 3.0f;
-// Estimates are never taken to be better than this: half a percent cannot be seen.
-constexpr float kLeastRelativeError = 0.005f;
+// Estimates are never taken to be better than this: a third of a percent cannot be seen.
+constexpr float kLeastRelativeError = 0.003f;
 // Normals farther apart than this are different surfaces to the light.
 constexpr float kLeastNormalCosine = 0.9f;
 // Variance added to the offsets, of the squared radius: a handful of nodes in a row make no plane.
@@ -45,7 +45,8 @@ class PlaneFit {
 
     struct Estimate {
         glm::vec3 value;
-        float variance;  // of its luminance, by what the plane leaves unexplained
+        float residual;  // variance of the values' luminance that the plane leaves unexplained
+        float share;     // of the values' variance that is left in the estimate
     };
     /// pre: not empty().
     Estimate atOrigin() const {
@@ -55,15 +56,15 @@ class PlaneFit {
         const float xy = xy_ / weights_ - m.x * m.y;
         const glm::vec3 vx = valueX_ / weights_ - m.x * mean, vy = valueY_ / weights_ - m.y * mean;
         const float determinant = xx * yy - xy * xy;
-        const glm::vec3 slopeX = (yy * vx - xy * vy) / determinant,
-                        slopeY = (xx * vy - xy * vx) / determinant;
+        const glm::vec3 slopeX = (yy * vx - xy * vy) / determinant;
+        const glm::vec3 slopeY = (xx * vy - xy * vx) / determinant;
 
-        const float spread = lightSquared_ / weights_ - square(luminance(mean)) -
-                             luminance(slopeX) * luminance(vx) - luminance(slopeY) * luminance(vy);
+        const float residual = lightSquared_ / weights_ - square(luminance(mean)) -
+                               luminance(slopeX) * luminance(vx) - luminance(slopeY) * luminance(vy);
         const float leverage = 1.0f + (yy * m.x * m.x - 2.0f * xy * m.x * m.y + xx * m.y * m.y) / determinant;
-        const float variance = std::max(spread, 0.0f) * leverage * weightsSquared_ / square(weights_);
         // Never beyond what was seen: outside the nodes a plane may go anywhere.
-        return {glm::clamp(mean - m.x * slopeX - m.y * slopeY, low_, high_), variance};
+        return {glm::clamp(mean - m.x * slopeX - m.y * slopeY, low_, high_), std::max(residual, 0.0f),
+                leverage * weightsSquared_ / square(weights_)};
     }
 
   private:
@@ -77,13 +78,11 @@ class Interpolator {
   public:
     Interpolator(const std::vector<IrradianceLevel>& levels, const Atlas& atlas, const TexelPoints& points)
         : levels_(levels), atlas_(atlas), points_(points) {
-        for (const IrradianceLevel& level : levels) {
-            std::vector<glm::vec3>& smooth = smooth_.emplace_back(level.value.size());
-            SilentProgress silent;
-            parallelRanges(smooth.size(), 256, silent, [&](size_t begin, size_t end) {
-                for (size_t i = begin; i < end; ++i) smooth[i] = smoothed(level, uint32_t(i));
-            });
-        }
+        noise_ = forNodes<float>([&](const IrradianceLevel& level, uint32_t node) {
+            return fitAround(level, node, kMinRadiusSteps * float(level.step)).atOrigin().residual;
+        });
+        smooth_ = forNodes<glm::vec3>(
+            [&](const IrradianceLevel& level, uint32_t node) { return smoothed(level, node); });
     }
 
     /// pre: a valid texel.
@@ -94,28 +93,60 @@ class Interpolator {
         if (levels_[own].texel[node] == texel) return smooth_[own][node];
         PlaneFit fit;
         // Between nodes only the finest count: the others are smoothed more.
-        gather(texel, kBetweenSteps * float(levels_[own].step), fit,
-               [&](size_t l, uint32_t n, bool split) { return split ? nullptr : &smooth_[l][n]; });
+        gather(texel, kBetweenSteps * float(levels_[own].step),
+               [&](size_t l, uint32_t n, bool split, float weight, glm::vec2 offset) {
+                   if (!split) fit.add(weight, offset, smooth_[l][n]);
+               });
         // On a crease no node may face the same way.
         return fit.empty() ? smooth_[own][node] : fit.atOrigin().value;
     }
 
   private:
+    template <typename Value, typename Make>
+    std::vector<std::vector<Value>> forNodes(const Make& make) const {
+        std::vector<std::vector<Value>> made;
+        SilentProgress silent;
+        for (const IrradianceLevel& level : levels_) {
+            std::vector<Value>& values = made.emplace_back(level.texel.size());
+            parallelRanges(values.size(), 256, silent, [&](size_t begin, size_t end) {
+                for (size_t i = begin; i < end; ++i) values[i] = make(level, uint32_t(i));
+            });
+        }
+        return made;
+    }
+
+    PlaneFit fitAround(const IrradianceLevel& level, uint32_t node, float radius) const {
+        PlaneFit fit;
+        gather(level.texel[node], radius, [&](size_t l, uint32_t n, bool, float weight, glm::vec2 offset) {
+            fit.add(weight, offset, levels_[l].value[n]);
+        });
+        return fit;
+    }
+
+    /// Variance of the values around a node. The mean over many: with an estimate of its own, a place that a
+    /// rare bright ray missed would seem to be quiet, and be taken at its word.
+    float noiseAround(const IrradianceLevel& level, uint32_t node, float radius) const {
+        float sum = 0, weights = 0;
+        gather(level.texel[node], radius, [&](size_t l, uint32_t n, bool, float weight, glm::vec2) {
+            sum += weight * noise_[l][n];
+            weights += weight;
+        });
+        return sum / weights;
+    }
+
     /// The widest fit that agrees with all narrower ones: the confidence intervals of all still have a place
     /// in common. source: Katkovnik 1999, "A new method for varying adaptive bandwidth selection".
     glm::vec3 smoothed(const IrradianceLevel& level, uint32_t node) const {
         const float step = float(level.step);
         const float widest = std::min(kMaxRadiusSteps * step, kMaxRadiusTexels);
+        const float noise = noiseAround(level, node, widest);
         glm::vec3 best = level.value[node];
         float low = -1e30f, high = 1e30f;
         for (float radius = kMinRadiusSteps * step; radius <= widest; radius *= kRadiusRatio) {
-            PlaneFit fit;
-            gather(level.texel[node], radius, fit,
-                   [&](size_t l, uint32_t n, bool) { return &levels_[l].value[n]; });
-            const PlaneFit::Estimate estimate = fit.atOrigin();
+            const PlaneFit::Estimate estimate = fitAround(level, node, radius).atOrigin();
             const float light = luminance(estimate.value);
             const float error =
-                kConfidence * std::sqrt(estimate.variance + square(kLeastRelativeError * light));
+                kConfidence * std::sqrt(noise * estimate.share + square(kLeastRelativeError * light));
             low = std::max(low, light - error);
             high = std::min(high, light + error);
             if (low > high) break;
@@ -131,10 +162,10 @@ class Interpolator {
         return {texel % atlas_.sizeTexels.x, texel / atlas_.sizeTexels.x};
     }
 
-    /// Adds the nodes around a texel. `valueOf(level, node, split)` gives what counts, or null; split: there
-    /// are finer nodes in the same group.
-    template <typename ValueOf>
-    void gather(uint32_t texel, float radius, PlaneFit& fit, const ValueOf& valueOf) const {
+    /// Calls add(level, node, split, weight, offset) for the nodes around a texel; split: there are finer
+    /// nodes in the same group; the offset is in radii.
+    template <typename Add>
+    void gather(uint32_t texel, float radius, const Add& add) const {
         const glm::ivec2 center = placeOf(texel);
         const uint32_t chart = atlas_.chartAt(center);
         const glm::ivec2 low(atlas_.charts[chart].originTexel());
@@ -143,15 +174,13 @@ class Interpolator {
         const glm::ivec2 from = glm::max(center - reach, low) / int(kLevelSteps[0]);
         const glm::ivec2 to = glm::min(center + reach, high) / int(kLevelSteps[0]);
         const auto visit = [&](size_t level, uint32_t node, bool split) {
-            const glm::vec3* value = valueOf(level, node, split);
-            if (!value) return;
             const uint32_t other = levels_[level].texel[node];
             const glm::vec2 offset = glm::vec2(placeOf(other) - center) / radius;
             const float fall = 1.0f - glm::dot(offset, offset);
             if (fall <= 0.0f) return;
             const float cosine = glm::dot(points_.normal[texel], points_.normal[other]);
             const float alike = (cosine - kLeastNormalCosine) / (1.0f - kLeastNormalCosine);
-            if (alike > 0.0f) fit.add(fall * fall * alike, offset, *value);
+            if (alike > 0.0f) add(level, node, split, fall * fall * alike, offset);
         };
         for (int y = from.y; y <= to.y; ++y)
             for (int x = from.x; x <= to.x; ++x)
@@ -174,6 +203,7 @@ class Interpolator {
     const std::vector<IrradianceLevel>& levels_;
     const Atlas& atlas_;
     const TexelPoints& points_;
+    std::vector<std::vector<float>> noise_;       // [level][node], variance of the luminance
     std::vector<std::vector<glm::vec3>> smooth_;  // [level][node]
 };
 
