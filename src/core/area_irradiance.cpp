@@ -13,30 +13,43 @@ constexpr float kLeastRelativeError = 0.005f;
 // Normals farther apart than this are different surfaces to the eye, even in one chart.
 constexpr float kLeastNormalCosine = 0.9f;
 
-/// Mean of the 3x3 texels around, and its variance: an outlier is told from an edge by its surroundings, and a
-/// variance from a few rounds is too noisy to be used alone.
+/// Mean of the 3x3 texels around, and its variance: an outlier is told from an edge by its surroundings, and
+/// a variance from a few rounds is too noisy to be used alone.
 struct Guide3x3 {
     float luminance = 0;
     float variance = 0;
 };
 
 template <typename Visit>
-void forNeighbors(const Atlas& atlas, const TexelPoints& points, glm::ivec2 texel, int reach, const Visit& visit) {
+void forNeighbors(const Atlas& atlas, const std::vector<uint8_t>& wanted, glm::ivec2 texel, int reach,
+                  const Visit& visit) {
     const uint32_t chart = atlas.chartAt(texel);
     const glm::ivec2 low = glm::max(texel - reach, glm::ivec2(0));
     const glm::ivec2 high = glm::min(texel + reach, glm::ivec2(atlas.sizeTexels) - 1);
     for (int y = low.y; y <= high.y; ++y) {
         for (int x = low.x; x <= high.x; ++x) {
             const size_t index = size_t(y) * atlas.sizeTexels.x + x;
-            if (atlas.chartAt({x, y}) == chart && points.valid(index)) visit(glm::ivec2(x, y) - texel, index);
+            if (atlas.chartAt({x, y}) == chart && wanted[index]) visit(glm::ivec2(x, y) - texel, index);
         }
     }
 }
 
 }  // namespace
 
+std::vector<uint8_t> irradianceTexels(const Atlas& atlas, const TexelPoints& points) {
+    const auto chartOf = [&](size_t i) {
+        return atlas.chartAt({i % atlas.sizeTexels.x, i / atlas.sizeTexels.x});
+    };
+    std::vector<uint8_t> hasSurface(atlas.charts.size(), 0), wanted(points.state.size(), 0);
+    for (size_t i = 0; i < wanted.size(); ++i)
+        if (points.state[i] == TexelState::surface) hasSurface[chartOf(i)] = 1;
+    for (size_t i = 0; i < wanted.size(); ++i)
+        wanted[i] = points.valid(i) && (points.state[i] == TexelState::surface || !hasSurface[chartOf(i)]);
+    return wanted;
+}
+
 IrradianceMap filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
-                                   const TexelPoints& points) {
+                                   const TexelPoints& points, const std::vector<uint8_t>& wanted) {
     const size_t width = atlas.sizeTexels.x;
     IrradianceMap filtered(estimates.size(), glm::vec3(0));
     std::vector<Guide3x3> guide(estimates.size());
@@ -45,12 +58,12 @@ IrradianceMap filterAreaIrradiance(const std::vector<IrradianceEstimate>& estima
     const auto forValid = [&](const auto& body) {
         parallelRanges(estimates.size(), 8192, silent, [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; ++i)
-                if (points.valid(i)) body(i, glm::ivec2(i % width, i / width));
+                if (wanted[i]) body(i, glm::ivec2(i % width, i / width));
         });
     };
     forValid([&](size_t i, glm::ivec2 texel) {
         float sum = 0, variance = 0, count = 0;
-        forNeighbors(atlas, points, texel, 1, [&](glm::ivec2, size_t j) {
+        forNeighbors(atlas, wanted, texel, 1, [&](glm::ivec2, size_t j) {
             sum += luminance(estimates[j].value);
             variance += estimates[j].variance;
             count += 1;
@@ -61,12 +74,13 @@ IrradianceMap filterAreaIrradiance(const std::vector<IrradianceEstimate>& estima
     forValid([&](size_t i, glm::ivec2 texel) {
         glm::vec3 sum(0);
         float weights = 0;
-        forNeighbors(atlas, points, texel, kReach, [&](glm::ivec2 offset, size_t j) {
+        forNeighbors(atlas, wanted, texel, kReach, [&](glm::ivec2 offset, size_t j) {
             if (glm::dot(points.normal[i], points.normal[j]) < kLeastNormalCosine) return;
             const float difference = guide[i].luminance - guide[j].luminance;
             const float noise = square(kNoiseSigmas) * (guide[i].variance + guide[j].variance);
             const float tent = (kReach + 1 - std::abs(offset.x)) * (kReach + 1 - std::abs(offset.y));
-            const float weight = tent * (noise > 0.0f ? std::exp(-square(difference) / noise) : float(i == j));
+            const float weight =
+                tent * (noise > 0.0f ? std::exp(-square(difference) / noise) : float(i == j));
             sum += weight * estimates[j].value;
             weights += weight;
         });

@@ -88,8 +88,9 @@ void bakeAreaLight(const GatherInput& input, const BakeSettings& settings, Progr
     }
     ProgressStage stage(progress, "soft shadows",
                         2 * input.atlas.texelCount());  // all texels, then the hard ones
-    const IrradianceMap irradiance = filterAreaIrradiance(
-        gatherAreaIrradiance(input, settings, progress, journal, rays), input.atlas, input.points);
+    const IrradianceMap irradiance =
+        filterAreaIrradiance(gatherAreaIrradiance(input, settings, progress, journal, rays), input.atlas,
+                             input.points, input.irradianceTexels);
     out.areaIrradiance = packIrradiance(irradiance);
 }
 
@@ -109,7 +110,8 @@ Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, 
     result.points = buildTexelPoints(scene, result.atlas);
     markCoveredTexels(result.points, result.atlas, rays, progress);
     const std::vector<Frame> frames = blockFrames(result.atlas, result.points);
-    const GatherInput input{rays, lights, result.atlas, result.points, frames, photons, index};
+    const std::vector<uint8_t> wanted = irradianceTexels(result.atlas, result.points);
+    const GatherInput input{rays, lights, result.atlas, result.points, frames, photons, index, wanted};
 
     std::atomic<uint64_t> rayCount = 0;
     bakeAreaLight(input, settings, progress, journal, rayCount, result.phatexture);
@@ -138,7 +140,7 @@ uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings) {
         texels = 1.5 * area / (double(settings.atlas.texelSizeMeters) * settings.atlas.texelSizeMeters);
     }
     // Texel points, directions and their density, area layer and irradiance, guides, and the written file.
-    const double bytesPerTexel = 53 + 28 + 12 + 3 + 24.0 * settings.layers;
+    const double bytesPerTexel = 53 + 28 + 12 + 3 + 4 + 24.0 * settings.layers;
     // A photon meets about five surfaces before it is absorbed at albedo .8; the kd-tree adds an index.
     const double photonBytes = 5.0 * double(settings.photons.count) * (sizeof(Photon) + 16);
     // Embree's tree and copies of the geometry, the unwrapper's topology.

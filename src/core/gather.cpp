@@ -78,7 +78,7 @@ std::vector<uint8_t> hardTexels(const GatherInput& input, const std::vector<Irra
                 const glm::ivec2 p = glm::ivec2(x, y) + glm::ivec2(i % 3 - 1, i / 3 - 1);
                 if (i == 4 || p.x < 0 || p.y < 0 || p.x >= size.x || p.y >= size.y) continue;
                 const size_t neighbor = size_t(p.y) * size.x + p.x;
-                if (!input.points.valid(neighbor)) continue;
+                if (!input.irradianceTexels[neighbor]) continue;
                 shadowed |= first[neighbor].partlyShadowed;
                 light += luminance(first[neighbor].value);
                 variance += first[neighbor].variance;
@@ -145,7 +145,7 @@ std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, c
     const auto estimate = [&](GatherStage stage, int rounds, const auto& wanted) {
         std::vector<IrradianceEstimate> estimates(input.atlas.texelCount());
         fillParts(estimates, uint64_t(stage), progress, journal, rayCount, [&](size_t texel, uint64_t& rays) {
-            if (!input.points.valid(texel) || !wanted(texel)) return;
+            if (!input.irradianceTexels[texel] || !wanted(texel)) return;
             estimates[texel] = areaIrradiance(
                 input.rays, input.lights, input.points.position[texel], input.points.normal[texel],
                 samplesPerRound, rounds, Rng(hashOf(settings.seed + 0x17, uint64_t(stage), texel)), rays);

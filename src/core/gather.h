@@ -19,6 +19,7 @@ struct GatherInput {
     const std::vector<Frame>& frames;
     const PhotonMap& photons;
     const PhotonIndex& index;
+    const std::vector<uint8_t>& irradianceTexels;  // [y][x], as the function of that name
 };
 
 /// Unit normal of a valid texel's flat triangle, on the chart's side.

@@ -168,7 +168,7 @@ IrradianceLevel refine(const Gatherer& gatherer, const IrradianceLevel& coarse, 
     const Atlas& atlas = gatherer.input.atlas;
     const std::vector<uint8_t> split = groupsToSplit(coarse, atlas);
     const uint32_t ratio = coarse.step / step;
-    IrradianceLevel level = makeLevel(atlas, gatherer.input.points, step, [&](glm::uvec2 group) {
+    IrradianceLevel level = makeLevel(atlas, gatherer.input.irradianceTexels, step, [&](glm::uvec2 group) {
         const glm::uvec2 around = group / ratio;
         const size_t index = size_t(around.y) * coarse.size.x + around.x;
         return coarse.node[index] != kNoNode && split[index] != 0;
@@ -194,7 +194,8 @@ IrradianceMap gatherIndirectIrradiance(const GatherInput& input, const std::vect
     const Gatherer gatherer{input, areaIrradiance, settings};
     const uint32_t width = input.atlas.sizeTexels.x;
     std::vector<IrradianceLevel> levels;
-    levels.push_back(makeLevel(input.atlas, input.points, kLevelSteps[0], [](glm::uvec2) { return true; }));
+    levels.push_back(
+        makeLevel(input.atlas, input.irradianceTexels, kLevelSteps[0], [](glm::uvec2) { return true; }));
     IrradianceLevel& coarse = levels.front();
     {
         std::vector<NodeRays> nodes(coarse.texel.size());

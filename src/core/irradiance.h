@@ -12,10 +12,14 @@ namespace phat {
 /// chart, so that bilinear lookups inside a chart never meet a hole.
 using IrradianceMap = std::vector<glm::vec3>;
 
+/// 1 for the texels that stand for their place: those on the surface, and in charts that have none of them
+/// the gutters. Other gutters float past an edge, often behind a wall, and take their irradiance from these.
+std::vector<uint8_t> irradianceTexels(const Atlas& atlas, const TexelPoints& points);
+
 /// Removes the noise of area-light estimates and keeps their shadow edges: each texel averages those of its
 /// 7x7 neighbours in the chart that differ from it by no more than both estimates' standard errors explain.
-/// Invalid texels are filled from valid ones.
+/// `wanted`: irradianceTexels; the others are filled from them.
 IrradianceMap filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
-                                   const TexelPoints& points);
+                                   const TexelPoints& points, const std::vector<uint8_t>& wanted);
 
 }  // namespace phat

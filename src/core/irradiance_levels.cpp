@@ -6,8 +6,8 @@
 namespace phat {
 namespace {
 
-// Radii of the neighbourhood: from the least that holds a plane and some rays, in steps of the node's level, by
-// this ratio to the largest, in steps again and in texels.
+// Radii of the neighbourhood: from the least that holds a plane and some rays, in steps of the node's level,
+// by this ratio to the largest, in steps again and in texels.
 constexpr float kMinRadiusSteps = 3.0f;
 constexpr float kRadiusRatio = 1.5f;
 constexpr float kMaxRadiusSteps = 12.0f;
@@ -85,7 +85,9 @@ class Interpolator {
             [&](const IrradianceLevel& level, uint32_t node) { return smoothed(level, node); });
     }
 
-    /// pre: a valid texel.
+    /// Whether the texel's group of the coarsest level has a node.
+    bool hasNode(uint32_t texel) const { return nodeAt(0, texel) != kNoNode; }
+    /// pre: hasNode(texel).
     glm::vec3 at(uint32_t texel) const {
         size_t own = 0;
         while (own + 1 < levels_.size() && nodeAt(own + 1, texel) != kNoNode) ++own;
@@ -209,7 +211,7 @@ class Interpolator {
 
 }  // namespace
 
-IrradianceLevel makeLevel(const Atlas& atlas, const TexelPoints& points, uint32_t step,
+IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradianceTexels, uint32_t step,
                           const std::function<bool(glm::uvec2 group)>& wanted) {
     IrradianceLevel level;
     level.step = step;
@@ -223,10 +225,9 @@ IrradianceLevel makeLevel(const Atlas& atlas, const TexelPoints& points, uint32_
                 const glm::uvec2 within(i % step, i / step);
                 const glm::uvec2 texel = glm::uvec2(x, y) * step + within;
                 const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
-                if (!points.valid(index)) continue;
+                if (!irradianceTexels[index]) continue;
                 const glm::vec2 off = glm::vec2(within) - 0.5f * float(step - 1);
-                const float cost =
-                    glm::dot(off, off) + (points.state[index] == TexelState::gutter ? 1e3f : 0.0f);
+                const float cost = glm::dot(off, off);
                 if (cost >= bestCost) continue;
                 bestCost = cost;
                 best = uint32_t(index);
@@ -247,7 +248,7 @@ IrradianceMap interpolateLevels(const std::vector<IrradianceLevel>& levels, cons
     SilentProgress silent;
     parallelRanges(map.size(), 4096, silent, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
-            if (!points.valid(i)) continue;
+            if (!points.valid(i) || !interpolator.hasNode(uint32_t(i))) continue;
             map[i] = interpolator.at(uint32_t(i));
             known[i] = 1;
         }

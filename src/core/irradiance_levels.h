@@ -12,8 +12,8 @@ inline constexpr uint32_t kNoNode = ~0u;
 /// Texels between nodes. Groups of so many never mix charts: tiles are larger.
 inline constexpr uint32_t kLevelSteps[] = {4, 2, 1};
 
-/// One node a group of step x step texels, where the group is wanted and has a valid texel: the one nearest
-/// its middle, and none of the gutter unless there is no other.
+/// One node a group of step x step texels, where the group is wanted and has one of irradianceTexels: the one
+/// nearest its middle.
 struct IrradianceLevel {
     uint32_t step = 1;
     glm::uvec2 size{0};                 // in groups
@@ -27,7 +27,7 @@ struct IrradianceLevel {
     }
 };
 
-IrradianceLevel makeLevel(const Atlas& atlas, const TexelPoints& points, uint32_t step,
+IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradianceTexels, uint32_t step,
                           const std::function<bool(glm::uvec2 group)>& wanted);
 
 /// Smooths the nodes and interpolates between them: local linear fits [Cleveland 1979] over neighbourhoods

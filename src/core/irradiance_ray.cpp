@@ -19,7 +19,7 @@ SurfacePoint withoutDiffuse(SurfacePoint point) {
 
 }  // namespace
 
-std::optional<uint32_t> texelOfHit(const Atlas& atlas, const TexelPoints& points, const Hit& hit) {
+std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t>& wanted, const Hit& hit) {
     uint32_t chart = atlas.triangleChart[hit.triangle];
     if (chart == kNoChart) return {};
     const auto& corner = atlas.triangleTexels[hit.triangle];
@@ -32,14 +32,14 @@ std::optional<uint32_t> texelOfHit(const Atlas& atlas, const TexelPoints& points
         chart = other;
     }
     const glm::ivec2 center(place), last = glm::ivec2(atlas.sizeTexels) - 1;
-    // At contacts the texel's own centre may be covered. The middle first.
+    // At edges and contacts the texel's own centre may be off the surface or covered. The middle first.
     constexpr int kOrder[9] = {4, 1, 3, 5, 7, 0, 2, 6, 8};
     for (const int i : kOrder) {
         const glm::ivec2 texel = center + glm::ivec2(i % 3 - 1, i / 3 - 1);
         if (glm::any(glm::lessThan(texel, glm::ivec2(0))) || glm::any(glm::greaterThan(texel, last)))
             continue;
         const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
-        if (points.valid(index) && atlas.chartAt(texel) == chart) return uint32_t(index);
+        if (wanted[index] && atlas.chartAt(texel) == chart) return uint32_t(index);
     }
     return {};
 }
@@ -60,7 +60,7 @@ IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t
     for (int bounce = 0; bounce < maxBounces; ++bounce) {
         const glm::vec3 towardEyeLocal = point.shading.toLocal(towardEye);
         if (maxComponent(reflectance(point.brdf, towardEyeLocal)) <= 0.0f) return found;
-        const std::optional<uint32_t> texel = texelOfHit(input.atlas, input.points, hit);
+        const std::optional<uint32_t> texel = texelOfHit(input.atlas, input.irradianceTexels, hit);
         if (!texel) {
             found.light += throughput *
                            traceReflected(rays, lights, point, towardEye, maxBounces - bounce, rng, rayCount);

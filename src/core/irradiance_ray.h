@@ -10,8 +10,8 @@ namespace phat {
 
 inline constexpr uint32_t kNoTexel = ~0u;
 
-/// Valid texel under a hit, or one beside it; none where the surface has no texels on that side.
-std::optional<uint32_t> texelOfHit(const Atlas& atlas, const TexelPoints& points, const Hit& hit);
+/// The wanted texel under a hit, or one beside it; none where the surface has no texels on that side.
+std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t>& wanted, const Hit& hit);
 
 /// Radiance that a ray brings back, without what lamps send straight along it:
 /// light + weight * indirect irradiance of `texel`.
