@@ -13,7 +13,7 @@ namespace {
 constexpr uint32_t kRays = 64, kFineRays = 32;
 // Between nodes s texels apart the irradiance is a plane to within some (s / distance)^2 / 8: 1 %, with as
 // much again by the smoothing, where the distance of what is seen is this many steps.
-constexpr float kSplitBelowSteps = 4.0f;
+constexpr float kSplitBelowSteps = 6.0f;
 // Bounces of a closed room of albedo .8 converge to a thousandth in thirty; the setting is mostly lower.
 constexpr float kConverged = 1e-4f;
 

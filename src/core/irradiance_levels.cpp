@@ -8,10 +8,13 @@ namespace {
 
 // Radii of the neighbourhood: from the least that holds a plane and some rays, in steps of the node's level,
 // by this ratio to the largest, in steps again and in texels.
-constexpr float kMinRadiusSteps = 3.0f;
+constexpr float kMinRadiusSteps = 2.0f;
 constexpr float kRadiusRatio = 1.5f;
 constexpr float kMaxRadiusSteps = 12.0f;
 constexpr float kMaxRadiusTexels = 32.0f;
+// Nor beyond this share of the largest harmonic mean distance in that neighbourhood: a plane over irradiance
+// that bends as quickly as what it sees is near then misses by (1/4)^2 / 8, under 1 %.
+constexpr float kMaxRadiusOverDistance = 0.25f;
 // Between smooth nodes: at least two in each direction.
 constexpr float kBetweenSteps = 1.7f;
 // Half the width of the confidence intervals that must meet, standard errors.
@@ -136,12 +139,22 @@ class Interpolator {
         return sum / weights;
     }
 
+    float largestDistanceAround(const IrradianceLevel& level, uint32_t node, float radius) const {
+        float largest = 0;
+        gather(level.texel[node], radius, [&](size_t l, uint32_t n, bool, float, glm::vec2) {
+            largest = std::max(largest, levels_[l].distanceTexels[n]);
+        });
+        return largest;
+    }
+
     /// The widest fit that agrees with all narrower ones: the confidence intervals of all still have a place
     /// in common. source: Katkovnik 1999, "A new method for varying adaptive bandwidth selection".
     glm::vec3 smoothed(const IrradianceLevel& level, uint32_t node) const {
         const float step = float(level.step);
-        const float widest = std::min(kMaxRadiusSteps * step, kMaxRadiusTexels);
-        const float noise = noiseAround(level, node, widest);
+        const float around = std::min(kMaxRadiusSteps * step, kMaxRadiusTexels);
+        const float noise = noiseAround(level, node, around);
+        const float widest = std::clamp(kMaxRadiusOverDistance * largestDistanceAround(level, node, around),
+                                        kMinRadiusSteps * step, around);
         glm::vec3 best = level.value[node];
         float low = -1e30f, high = 1e30f;
         for (float radius = kMinRadiusSteps * step; radius <= widest; radius *= kRadiusRatio) {

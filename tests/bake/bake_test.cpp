@@ -144,7 +144,12 @@ std::pair<double, double> tracedIrradiance(const RayScene& rays, const LightSamp
 // Against paths, in a room with a lamp, a point light, a metal wall and a box on the floor: at texels
 // anywhere, those beside walls included.
 TEST(Bake, IndirectIrradianceIsThatOfPaths) {
-    Scene scene = litRoom();
+    Scene scene;
+    addRoom(scene, lambert(0.6f), {1, 1, 1});
+    scene.materials[0].baseColor = {0.8f, 0.2f, 0.2f, 1};
+    // Off the ceiling by more than a few texels: narrower gaps are below the resolution.
+    addQuad(scene, emitter(glm::vec3(4), 0.5f), {0.3f, 0.85f, 0.3f}, {0.4f, 0, 0}, {0, 0, 0.4f});
+    scene.lights = {pointLight(glm::vec3(0.5f), {0.3f, 0.5f, 0.6f})};
     scene.materials[1].metallic = 1;
     scene.materials[1].roughness = 0.4f;
     const glm::vec3 low(0.55f, 0, 0.5f), x(0.25f, 0, 0), y(0, 0.3f, 0), z(0, 0, 0.25f);
