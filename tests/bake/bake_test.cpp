@@ -243,23 +243,29 @@ TEST(Bake, SplatsNeedPhotons) {
     }
 }
 
-// What the PHATexels say the texels receive: the mean of L cos / p, whatever chose the directions.
+// What the PHATexels say the texels receive on average: pi times the mean of L weighed by a = cos / p, or, of
+// splats, whose value is a density estimate and no radiance, the mean of a L.
 double irradianceOfPhatexels(const Scene& scene, const BakeSettings& settings) {
     const Bake result = bakeQuietly(scene, settings);
     const Phatexture& p = result.phatexture;
     const uint32_t width = result.atlas.sizeTexels.x;
-    return overTexels(result.points,
-                      [&](size_t i) {
-                          const Phatexel phatexel = phatexelAt(p.indirect[0], p.indirectGuides, result.atlas,
-                                                               {i % width, i / width});
-                          if (!phatexel.valid) return 0.0f;
-                          return luminance(phatexel.radiance) * phatexel.directionBlock.z / phatexel.pdf;
-                      })
-        .mean;
+    double light = 0, weights = 0, count = 0;
+    for (uint32_t i = 0; i < result.points.state.size(); ++i) {
+        if (result.points.state[i] != TexelState::surface) continue;
+        count += 1;
+        const Phatexel phatexel =
+            phatexelAt(p.indirect[0], p.indirectGuides, result.atlas, {i % width, i / width});
+        if (!phatexel.valid) continue;
+        const double a = phatexel.directionBlock.z / phatexel.pdf;
+        light += a * luminance(phatexel.radiance);
+        weights += a;
+    }
+    return settings.radiance == RadianceSource::splat ? light / count : double(kPi) * light / weights;
 }
 
 // All combinations estimate the same light. What is unbiased agrees within its noise; density estimation
-// darkens corners and edges (no photons beyond), and photon directions leave holes where none came from.
+// darkens corners and edges (no photons beyond), by less than 5 % here. Photon directions leave out where
+// none came from, which is where it is darker: a mean of radiance is 5 to 6 % too bright.
 TEST(Bake, MethodsAgreeOnDiffuseLight) {
     const Scene scene = litRoom();
     BakeSettings settings = smallBake(6000, 100'000);
@@ -274,9 +280,11 @@ TEST(Bake, MethodsAgreeOnDiffuseLight) {
             settings.directions = directions;
             settings.radiance = source;
             const double mean = irradianceOfPhatexels(scene, settings);
-            const bool unbiased = source == RadianceSource::path && !choosesPhotons(directions);
-            EXPECT_NEAR(mean, truth, (unbiased ? 0.01 : 0.05) * truth)
-                << int(directions) << ' ' << int(source);
+            const bool splat = source == RadianceSource::splat;
+            const double tolerance = choosesPhotons(directions) && !splat ? 0.1
+                                     : source == RadianceSource::path     ? 0.01
+                                                                          : 0.05;
+            EXPECT_NEAR(mean, truth, tolerance * truth) << int(directions) << ' ' << int(source);
         }
     }
 }
