@@ -139,8 +139,9 @@ uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings) {
         // Packing and gutters take up to half as much again.
         texels = 1.5 * area / (double(settings.atlas.texelSizeMeters) * settings.atlas.texelSizeMeters);
     }
-    // Texel points, directions and their density, area layer and irradiance, guides, and the written file.
-    const double bytesPerTexel = 53 + 28 + 12 + 3 + 4 + 24.0 * settings.layers;
+    // Texel points, directions and their density, area layer and irradiance, guides, and the written file; of
+    // the nodes' rays (33) and maps (24) of indirect irradiance, what the directions' room does not hold.
+    const double bytesPerTexel = 53 + 28 + 12 + 3 + 29 + 24.0 * settings.layers;
     // A photon meets about five surfaces before it is absorbed at albedo .8; the kd-tree adds an index.
     const double photonBytes = 5.0 * double(settings.photons.count) * (sizeof(Photon) + 16);
     // Embree's tree and copies of the geometry, the unwrapper's topology.
