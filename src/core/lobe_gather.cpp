@@ -1,0 +1,99 @@
+#include "core/lobe_gather.h"
+
+#include <algorithm>
+
+#include "core/hemisphere_map.h"
+
+namespace phat {
+namespace {
+
+// A neighbour that sees so much less far in a direction has something in the way: 1.3 for the parallax of the
+// neighbours that vouch for it, 3 cm for surfaces that touch. From a design study; between none and 1.6 and 6
+// cm the errors of tabletop, cornell-glossy and gallery change by less than 2 %.
+constexpr float kFartherShare = 1.3f;
+constexpr float kFartherMeters = 0.03f;
+
+// Solid angles change with distance squared and with the far surface's tilt, which is not stored. Where the
+// ratio is far from 1 so is the tilt: a clamp. The exponents 0, 1, 2 and 3 differ by less than 1 % in error.
+constexpr float kMostJacobian = 4.0f;
+
+}  // namespace
+
+float GatherLobe::value(glm::vec3 towardLight) const {
+    const float nDotV = glm::dot(normal, towardEye);
+    const float nDotL = glm::dot(normal, towardLight);
+    if (nDotV <= 0.0f || nDotL <= 0.0f) return 0.0f;
+    const glm::vec3 h = glm::normalize(towardEye + towardLight);
+    const float m = std::clamp(1.0f - glm::dot(towardEye, h), 0.0f, 1.0f);
+    const float fresnel = f0 + (f90 - f0) * (m * m * m * m * m);
+    return ggxD(std::min(glm::dot(normal, h), 1.0f), alpha) * smithV(nDotL, nDotV, alpha) * fresnel * nDotL;
+}
+
+SeenPhatexel reconnect(const WorldPhatexel& phatexel, glm::vec3 to) {
+    if (phatexel.distance >= kFarDistance) return unmoved(phatexel);
+    const glm::vec3 way = phatexel.end - to;
+    const float distance = glm::length(way);
+    if (distance <= 0.0f) return {};
+    const float jacobian = square(phatexel.distance / distance);
+    return {way / distance, distance, std::clamp(jacobian, 1.0f / kMostJacobian, kMostJacobian)};
+}
+
+SeenPhatexel unmoved(const WorldPhatexel& phatexel) {
+    if (phatexel.distance >= kFarDistance) return {phatexel.end, kFarDistance, 1.0f};
+    return {(phatexel.end - phatexel.origin) / phatexel.distance, phatexel.distance, 1.0f};
+}
+
+int LocalDepth::cellOf(glm::vec3 direction) const {
+    const glm::vec3 local = frame_.toLocal(direction);
+    if (local.z < 0.0f) return -1;
+    const glm::ivec2 cell = glm::clamp(glm::ivec2(hemisphereToSquare(local) * float(kSize)), 0, kSize - 1);
+    return cell.y * kSize + cell.x;
+}
+
+void LocalDepth::add(glm::vec3 direction, float distance, float weight) {
+    const int cell = cellOf(direction);
+    if (cell >= 0) looks_.push_back({cell, distance, weight});
+}
+
+void LocalDepth::finish() {
+    std::stable_sort(looks_.begin(), looks_.end(),
+                     [](const Look& a, const Look& b) { return a.cell < b.cell; });
+    first_.fill(0);
+    for (const Look& look : looks_) ++first_[size_t(look.cell) + 1];
+    for (size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+}
+
+float LocalDepth::visibility(glm::vec3 direction, float distance) const {
+    const int cell = cellOf(direction);
+    if (cell < 0) return 1.0f;
+    float all = 0, open = 0;
+    for (uint32_t i = first_[size_t(cell)]; i < first_[size_t(cell) + 1]; ++i) {
+        const Look& look = looks_[i];
+        all += look.weight;
+        if (distance <= kFartherShare * look.distance + kFartherMeters) open += look.weight;
+    }
+    return all > 0.0f ? open / all : 1.0f;
+}
+
+void LobeSums::add(float weight, float value, const WorldPhatexel& phatexel, float distance) {
+    const double ka = double(weight) * value;
+    k += weight;
+    a += ka;
+    aSquared += ka * value;
+    squaredWeights += ka * ka;
+    nearness += ka / distance;
+    light += ka * glm::dvec3(phatexel.radiance);
+    product += ka * value * glm::dvec3(phatexel.radiance);
+}
+
+glm::vec3 LobeSums::regressed(float albedo) const {
+    const double unit = a / k;
+    const glm::dvec3 meanLight = light / k;
+    const double variance = aSquared / k - unit * unit;
+    const glm::dvec3 covariance = product / k - unit * meanLight;
+    if (variance <= 1e-6 * unit * unit) return mean();
+    const glm::dvec3 slope = glm::clamp(covariance / variance, glm::dvec3(0), meanLight / unit);
+    return glm::vec3(glm::max(meanLight - slope * (unit - double(albedo)), glm::dvec3(0)) / double(albedo));
+}
+
+}  // namespace phat
