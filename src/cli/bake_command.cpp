@@ -14,6 +14,7 @@
 #include "cli/bake_report.h"
 #include "cli/bake_stages.h"
 #include "cli/commands.h"
+#include "cli/count_option.h"
 #include "cli/interrupt.h"
 #include "cli/progress_bar.h"
 #include "io/atomic_file.h"
@@ -49,22 +50,6 @@ struct BakeOptions {
     bool quiet = false;
     bool json = false;
 };
-
-// 250000, 500k, 1.5M
-uint64_t parseCount(const CLI::Option* option, double low, double high) {
-    const auto text = option->as<std::string>();
-    char* end = nullptr;
-    double value = std::strtod(text.c_str(), &end);
-    const std::string unit = end;
-    if (unit == "k" || unit == "K") value *= 1e3;
-    if (unit == "M") value *= 1e6;
-    const bool known = unit.empty() || unit == "k" || unit == "K" || unit == "M";
-    if (end == text.c_str() || !known || !(value >= low && value <= high) || value != std::floor(value))
-        throw CLI::ValidationError(
-            option->get_name(),
-            fmt::format("\"{}\" is not a count from {:.0f} to {:.0f} (1500, 500k, 2M)", text, low, high));
-    return uint64_t(value);
-}
 
 std::string defaultOutput(const std::string& input) {
     std::filesystem::path path(input);

@@ -9,8 +9,6 @@
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
 #include "gl/gl_context.h"
-#include "io/baked_file.h"
-#include "io/file_error.h"
 
 namespace phat {
 namespace {
@@ -26,30 +24,11 @@ std::filesystem::path shaderFolder() {
                                                              : std::filesystem::path(PHAT_SHADER_DIR);
 }
 
-// A scene that is not baked yet is baked as `phat bake` would without flags.
-BakedScene loadBaked(const RenderOptions& options, Progress& progress) {
-    if (isBakedFile(options.input)) {
-        if (!options.environment.empty())
-            throw CLI::ValidationError("--environment", "the bake has its own; bake again to change it");
-        return readBakedFile(options.input);
-    }
-    BakedScene baked;
-    baked.loaded = loadGltf(options.input);
-    if (!options.environment.empty()) baked.loaded.scene.environment = loadEnvironment(options.environment);
-    if (baked.loaded.scene.triangles.empty()) throw FileError(options.input, "has no triangles to bake");
-    Bake result = bake(baked.loaded.scene, BakeSettings(), progress);
-    baked.atlas = std::move(result.atlas);
-    baked.points = std::move(result.points);
-    baked.phatexture = std::move(result.phatexture);
-    return baked;
-}
-
 }  // namespace
 
 std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) {
-    BakedScene baked = loadBaked(options, progress);
-    Scene& scene = baked.loaded.scene;
-    editScene(options, scene);
+    const BakedScene baked = loadBaked(options, progress);
+    const Scene& scene = baked.loaded.scene;
     const std::vector<View> views = chooseViews(options, scene);
 
     const HeadlessContext context;

@@ -9,6 +9,7 @@
 
 #include "cli/bake_stages.h"
 #include "cli/commands.h"
+#include "cli/count_option.h"
 #include "cli/interrupt.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
@@ -113,8 +114,9 @@ void addRenderCommand(CLI::App& app) {
     CLI::Option* target = option("--target", "X,Y,Z", "What it looks at");
     CLI::Option* fov = option("--fov", "DEGREES", "Vertical field of view")->check(CLI::Range(0.1, 179.0));
     CLI::Option* size = option("--size", "WxH", "Default: 960 wide, the height from the camera");
-    CLI::Option* spp = option("--spp", "N", "Samples a pixel; default: 4 when drawn, 64 when traced")
-                           ->check(CLI::Range(1, kMaxTracedSamples));
+    CLI::Option* spp =
+        option("--spp", "N", "Samples a pixel; default: 4; path: 64; phat-gather and photons-gather: 1")
+            ->check(CLI::Range(1, kMaxTracedSamples));
     CLI::Option* time =
         option("--time", "SECONDS", "Traced methods: as many samples as fit, instead of --spp")
             ->check(CLI::Range(0.001, 1e6))
@@ -124,6 +126,20 @@ void addRenderCommand(CLI::App& app) {
     CLI::Option* threads = option("--threads", "T", "Default: all cores")->check(CLI::Range(1, 1024));
     CLI::Option* variance =
         option("--variance", "FILE", "Traced methods: the variance of each pixel's mean, .exr");
+    CLI::Option* photons =
+        option("--photons", "N", "photons-direct, photons-gather: photons to emit; default: 500k");
+    CLI::Option* neighbors = option("--gather-neighbors", "K", "The same: photons in a density estimate")
+                                 ->check(CLI::Range(1, 10'000))
+                                 ->default_val(DensityEstimate().neighbors);
+    CLI::Option* gatherRays = option("--gather-rays", "N", "photons-gather: rays a sample of a pixel")
+                                  ->check(CLI::Range(1, 65'536))
+                                  ->default_val(PhotonRendererSettings().gatherRays);
+    CLI::Option* radius = option("--radius", "METERS",
+                                 "phat-gather: the paper's filter of this radius; default: by what is seen")
+                              ->check(CLI::Range(1e-4, 1e3));
+    CLI::Option* traceVisibility =
+        command->add_flag("--trace-visibility")
+            ->description("phat-gather: ask the scene, not neighbouring PHATexels, what is in the way");
     CLI::Option* component =
         option("--component", "NAME", "all, direct, indirect, glossy-indirect or diffuse-indirect")
             ->check(CLI::IsMember(kComponents))
@@ -160,10 +176,25 @@ void addRenderCommand(CLI::App& app) {
             if (*spp && spp->as<int>() > kMaxDrawnSamples)
                 throw CLI::ValidationError("--spp", fmt::format("at most {} when drawn", kMaxDrawnSamples));
         }
+        const std::string_view name = options.method.name;
+        const auto onlyFor = [&](std::initializer_list<const CLI::Option*> given, bool fits) {
+            for (const CLI::Option* one : given)
+                if (!fits && one->count() > 0)
+                    throw CLI::ValidationError(one->get_name(),
+                                               fmt::format("means nothing to --method {}", name));
+        };
+        onlyFor({photons, neighbors}, options.method.readsPhotons);
+        onlyFor({gatherRays}, name == "photons-gather");
+        onlyFor({radius, traceVisibility}, name == "phat-gather");
         options.samplesPerPixel = *spp ? spp->as<int>() : options.method.samplesPerPixel;
         if (*time) options.seconds = time->as<double>();
         if (*seed) options.seed = seed->as<uint64_t>();
         if (*threads) options.threads = threads->as<int>();
+        if (*photons) options.photons = parseCount(photons, 1, 0x1p32);
+        options.photonRenderer.density.neighbors = neighbors->as<uint32_t>();
+        options.photonRenderer.gatherRays = gatherRays->as<int>();
+        if (*radius) options.gather.radiusMeters = radius->as<float>();
+        options.gather.traceVisibility = traceVisibility->count() > 0;
         if (*variance) options.varianceOutput = variance->as<std::string>();
         options.component = kComponents.at(component->as<std::string>());
         if (*environment) options.environment = environment->as<std::string>();

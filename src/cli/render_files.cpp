@@ -6,8 +6,9 @@
 #include <filesystem>
 
 #include "cli/material_edit.h"
+#include "core/bake.h"
 #include "io/atomic_file.h"
-#include "io/baked_file.h"
+#include "io/file_error.h"
 #include "io/image_file.h"
 
 namespace phat {
@@ -47,6 +48,26 @@ Scene loadScene(const RenderOptions& options) {
     if (!options.environment.empty()) scene.environment = loadEnvironment(options.environment);
     editScene(options, scene);
     return scene;
+}
+
+BakedScene loadBaked(const RenderOptions& options, Progress& progress) {
+    BakedScene baked;
+    if (isBakedFile(options.input)) {
+        if (!options.environment.empty())
+            throw CLI::ValidationError("--environment", "the bake has its own; bake again to change it");
+        baked = readBakedFile(options.input);
+    } else {
+        baked.loaded = loadGltf(options.input);
+        Scene& scene = baked.loaded.scene;
+        if (!options.environment.empty()) scene.environment = loadEnvironment(options.environment);
+        if (scene.triangles.empty()) throw FileError(options.input, "has no triangles to bake");
+        Bake result = bake(scene, BakeSettings(), progress);
+        baked.atlas = std::move(result.atlas);
+        baked.points = std::move(result.points);
+        baked.phatexture = std::move(result.phatexture);
+    }
+    editScene(options, baked.loaded.scene);
+    return baked;
 }
 
 void editScene(const RenderOptions& options, Scene& scene) {

@@ -3,13 +3,18 @@
 
 #include "cli/render_camera.h"
 #include "cli/render_options.h"
+#include "core/progress.h"
 #include "core/scene.h"
+#include "io/baked_file.h"
 
 namespace phat {
 
 /// The scene of a plain or a baked file, with the options' environment and edits.
 /// Throws FileError, and CLI::ValidationError for wrong edits.
 Scene loadScene(const RenderOptions& options);
+
+/// The same with its bake. A scene that is not baked yet is baked as `phat bake` would without flags.
+BakedScene loadBaked(const RenderOptions& options, Progress& progress);
 
 /// Applies --set. Throws CLI::ValidationError.
 void editScene(const RenderOptions& options, Scene& scene);

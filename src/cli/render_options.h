@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/phat_gather.h"
+#include "core/photon_renderer.h"
 #include "core/picture.h"
 #include "gl/renderer.h"
 
@@ -13,14 +15,22 @@ namespace phat {
 /// A way to make a picture.
 struct RenderMethod {
     const char* name;
-    bool traced = false;      // on the CPU, by rays; else drawn by OpenGL
-    bool needsBake = true;    // a scene that is not baked is baked first
-    int samplesPerPixel = 4;  // unless told
+    bool traced = false;        // on the CPU, by rays; else drawn by OpenGL
+    bool needsBake = true;      // a scene that is not baked is baked first
+    int samplesPerPixel = 4;    // unless told
+    bool readsPhotons = false;  // of a photon map made for the picture
 };
 
 inline constexpr RenderMethod kRenderMethods[] = {
     {"phat"},
     {"phat-pyramid"},
+    {.name = "phat-gather", .traced = true, .samplesPerPixel = 1},
+    {.name = "photons-direct", .traced = true, .needsBake = false, .readsPhotons = true},
+    {.name = "photons-gather",
+     .traced = true,
+     .needsBake = false,
+     .samplesPerPixel = 1,
+     .readsPhotons = true},
     {.name = "path", .traced = true, .needsBake = false, .samplesPerPixel = 64},
 };
 
@@ -39,6 +49,9 @@ struct RenderOptions {
     double seconds = 0;  // traced methods; > 0: instead of samplesPerPixel
     uint64_t seed = 1;
     std::optional<int> threads;
+    uint64_t photons = PhotonSettings().count;  // photons-direct, photons-gather
+    PhotonRendererSettings photonRenderer;      // the same
+    PhatGatherSettings gather;                  // phat-gather
     Component component = Component::all;
     std::vector<std::string> edits;
     float exposureStops = 0;

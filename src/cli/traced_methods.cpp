@@ -5,7 +5,7 @@
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
-#include "core/path_tracer.h"
+#include "cli/traced_scene.h"
 #include "io/image_file.h"
 
 namespace phat {
@@ -13,11 +13,8 @@ namespace phat {
 using nlohmann::json;
 
 std::vector<json> renderTraced(const RenderOptions& options, Progress& progress) {
-    const Scene scene = loadScene(options);
-    const std::vector<View> views = chooseViews(options, scene);
-    const RayScene rays(scene);
-    const LightSampler lights(scene);
-    const Integrator integrator = pathTracer(rays, lights, options.component);
+    const TracedScene traced(options, progress);
+    const std::vector<View> views = chooseViews(options, traced.scene);
 
     std::vector<json> reports;
     for (const View& view : views) {
@@ -29,7 +26,7 @@ std::vector<json> renderTraced(const RenderOptions& options, Progress& progress)
         settings.seconds = options.seconds;
         settings.seed = options.seed;
         const auto start = std::chrono::steady_clock::now();
-        const TracedPicture picture = tracePicture(settings, integrator, progress);
+        const TracedPicture picture = tracePicture(settings, traced.integrator, progress);
         const double seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 

@@ -77,6 +77,7 @@ struct Visible {
     const SurfacePoint& point;
     glm::vec3 towardEye;
     AtlasPlace place;
+    uint64_t& rayCount;
     std::vector<uint32_t> tiles;  // the neighbourhood at its largest
 };
 
@@ -91,7 +92,7 @@ class PhatGather {
                               scene.points, frames);
     }
 
-    glm::vec3 radianceAlong(const CameraRay& ray) const;
+    glm::vec3 radianceAlong(const CameraRay& ray, uint64_t& rayCount) const;
 
   private:
     bool showsDirect() const { return phat::showsDirect(settings_.component); }
@@ -106,7 +107,7 @@ class PhatGather {
                      float radius, const LocalDepth& depth) const;
     LocalDepth depthAround(const Visible& visible) const;
     void findTiles(Visible& visible) const;
-    glm::vec3 punctual(const SurfacePoint& point, glm::vec3 towardEye) const;
+    glm::vec3 punctual(const SurfacePoint& point, glm::vec3 towardEye, uint64_t& rayCount) const;
 
     template <typename Visit>
     void forNeighbors(const Visible& visible, const TiledPhatexels& source, float radius,
@@ -160,10 +161,12 @@ LobeSums PhatGather::sumOver(const Visible& visible, const TiledPhatexels& sourc
             reconnects() ? reconnect(phatexel, visible.point.position) : unmoved(phatexel);
         float a = lobe.value(seen.direction) * seen.jacobian * phatexel.inversePdf;
         if (a > 0.0f && reconnects()) {
-            if (settings_.traceVisibility)
+            if (settings_.traceVisibility) {
+                ++visible.rayCount;
                 a *= scene_.rays.anyHit(origin, seen.direction, kShortOfEnd * seen.distance) ? 0.0f : 1.0f;
-            else
+            } else {
                 a *= depth.visibility(seen.direction, seen.distance);
+            }
         }
         sums.add(cone, a, phatexel, seen.distance);
     });
@@ -237,7 +240,7 @@ glm::vec3 PhatGather::diffuse(const Visible& visible) const {
     return albedo * irradiance / kPi;
 }
 
-glm::vec3 PhatGather::punctual(const SurfacePoint& point, glm::vec3 towardEye) const {
+glm::vec3 PhatGather::punctual(const SurfacePoint& point, glm::vec3 towardEye, uint64_t& rayCount) const {
     glm::vec3 sum(0);
     for (size_t i = 0; i < scene_.rays.scene().lights.size(); ++i) {
         const LightSample light = scene_.lights.samplePunctual(i, point.position);
@@ -246,6 +249,7 @@ glm::vec3 PhatGather::punctual(const SurfacePoint& point, glm::vec3 towardEye) c
             light.radiance * evaluateBrdf(point.brdf, point.shading.toLocal(towardEye),
                                           point.shading.toLocal(light.towardLight));
         if (maxComponent(reflected) <= 0.0f) continue;
+        ++rayCount;
         if (!scene_.rays.anyHit(offsetOrigin(point.position, point.normalGeometric), light.towardLight,
                                 light.distance * (1.0f - 1e-4f)))
             sum += reflected;
@@ -253,13 +257,13 @@ glm::vec3 PhatGather::punctual(const SurfacePoint& point, glm::vec3 towardEye) c
     return sum;
 }
 
-glm::vec3 PhatGather::radianceAlong(const CameraRay& ray) const {
-    const Hit hit = scene_.rays.closestHit(ray.origin, ray.direction);
+glm::vec3 PhatGather::radianceAlong(const CameraRay& ray, uint64_t& rayCount) const {
+    const Hit hit = visibleHit(scene_.rays, ray, rayCount);
     if (!hit) return showsDirect() ? scene_.lights.environmentRadiance(ray.direction) : glm::vec3(0);
     const SurfacePoint point = surfaceAt(scene_.rays.scene(), hit, ray.direction);
     glm::vec3 radiance(0);
-    if (showsDirect()) radiance += point.emission + punctual(point, -ray.direction);
-    Visible visible{point, -ray.direction, placeOf(scene_.atlas, hit), {}};
+    if (showsDirect()) radiance += point.emission + punctual(point, -ray.direction, rayCount);
+    Visible visible{point, -ray.direction, placeOf(scene_.atlas, hit), rayCount, {}};
     if (visible.place.chart == kNoChart || !reflects(point.brdf)) return radiance;
     return radiance + diffuse(visible) + glossy(visible);
 }
@@ -268,7 +272,9 @@ glm::vec3 PhatGather::radianceAlong(const CameraRay& ray) const {
 
 Integrator phatGather(const PhatGatherScene& scene, const PhatGatherSettings& settings) {
     const auto gather = std::make_shared<const PhatGather>(scene, settings);
-    return [gather](const CameraRay& ray, Rng&) { return gather->radianceAlong(ray); };
+    return [gather](const CameraRay& ray, PixelSample& sample) {
+        return gather->radianceAlong(ray, sample.rays);
+    };
 }
 
 }  // namespace phat

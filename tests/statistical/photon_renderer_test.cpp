@@ -29,8 +29,8 @@ struct World {
     Mean meanOf(const Integrator& integrator, const CameraRay& ray, int count) const {
         double sum = 0, squares = 0;
         for (int i = 0; i < count; ++i) {
-            Rng rng(hashOf(7, uint64_t(i)));
-            const double x = double(luminance(integrator(ray, rng)));
+            PixelSample sample{Rng(hashOf(7, uint64_t(i)))};
+            const double x = double(luminance(integrator(ray, sample)));
             sum += x;
             squares += x * x;
         }
@@ -40,12 +40,12 @@ struct World {
 
     /// Light along the ray after at least one reflection before the visible surface.
     Integrator pathIndirect() const {
-        return [this](const CameraRay& ray, Rng& rng) {
+        return [this](const CameraRay& ray, PixelSample& sample) {
             const Hit hit = rays.closestHit(ray.origin, ray.direction);
             const SurfacePoint point = surfaceAt(scene, hit, ray.direction);
-            uint64_t rayCount = 0;
-            const glm::vec3 all = traceReflected(rays, lights, point, -ray.direction, 17, rng, rayCount);
-            return all - traceReflected(rays, lights, point, -ray.direction, 1, rng, rayCount);
+            const glm::vec3 all =
+                traceReflected(rays, lights, point, -ray.direction, 17, sample.rng, sample.rays);
+            return all - traceReflected(rays, lights, point, -ray.direction, 1, sample.rng, sample.rays);
         };
     }
 
@@ -111,12 +111,11 @@ TEST(PhotonRenderer, GatheringConvergesToThePathTracer) {
 TEST(PhotonRenderer, GatherRaysFindDirectLightByThemselves) {
     const World world(room(), 1'000, 0);
     const Integrator gather = photonsGather(world.photons(), settingsFor(Component::indirect));
-    const Integrator twoBounces = [&](const CameraRay& ray, Rng& rng) {
+    const Integrator twoBounces = [&](const CameraRay& ray, PixelSample& sample) {
         const Hit hit = world.rays.closestHit(ray.origin, ray.direction);
         const SurfacePoint point = surfaceAt(world.scene, hit, ray.direction);
-        uint64_t rayCount = 0;
-        return traceReflected(world.rays, world.lights, point, -ray.direction, 2, rng, rayCount) -
-               traceReflected(world.rays, world.lights, point, -ray.direction, 1, rng, rayCount);
+        return traceReflected(world.rays, world.lights, point, -ray.direction, 2, sample.rng, sample.rays) -
+               traceReflected(world.rays, world.lights, point, -ray.direction, 1, sample.rng, sample.rays);
     };
     for (const CameraRay& ray : {kAtWall, kAtMetal}) {
         const Mean expected = world.meanOf(twoBounces, ray, 40'000);
@@ -149,8 +148,8 @@ TEST(PhotonRenderer, ComponentsAddUp) {
     scene.materials[scene.surfaces[0].material] = coated;
     const World world(scene, 50'000);
     const auto value = [&](Component component, const CameraRay& ray) {
-        Rng rng(5);
-        return photonsDirect(world.photons(), settingsFor(component))(ray, rng).x;
+        PixelSample sample{Rng(5)};
+        return photonsDirect(world.photons(), settingsFor(component))(ray, sample).x;
     };
     for (const CameraRay& ray : {kAtWall, kAtMetal}) {
         const float indirect = value(Component::indirect, ray);
@@ -185,9 +184,9 @@ TEST(PhotonRenderer, RaysThatLeaveSeeTheSky) {
     scene.environment = Environment{Image(8, 4, glm::vec3(3))};
     const World world(scene, 1'000);
     const CameraRay up{{0, 1, 0}, {0, 1, 0}};
-    Rng rng(1);
-    EXPECT_NEAR(photonsGather(world.photons(), settingsFor(Component::all))(up, rng).x, 3, 1e-5f);
-    EXPECT_EQ(photonsGather(world.photons(), settingsFor(Component::indirect))(up, rng).x, 0);
+    PixelSample sample{Rng(1)};
+    EXPECT_NEAR(photonsGather(world.photons(), settingsFor(Component::all))(up, sample).x, 3, 1e-5f);
+    EXPECT_EQ(photonsGather(world.photons(), settingsFor(Component::indirect))(up, sample).x, 0);
 }
 
 }  // namespace

@@ -1,0 +1,56 @@
+#include "cli/traced_scene.h"
+
+#include <string_view>
+
+#include "cli/render_files.h"
+#include "core/path_tracer.h"
+
+namespace phat {
+namespace {
+
+BakedScene load(const RenderOptions& options, Progress& progress) {
+    if (options.method.needsBake) return loadBaked(options, progress);
+    BakedScene plain;
+    plain.loaded.scene = loadScene(options);
+    return plain;
+}
+
+PhotonMap photonsFor(const TracedScene& traced, const RenderOptions& options, Progress& progress) {
+    if (!options.method.readsPhotons) return {};
+    const PhotonSettings settings{.count = options.photons, .seed = options.seed};
+    return tracePhotons(traced.rays, traced.lights, settings, progress);
+}
+
+Integrator integratorFor(const TracedScene& traced, const RenderOptions& options) {
+    const std::string_view name = options.method.name;
+    if (name == "phat-gather") {
+        PhatGatherSettings settings = options.gather;
+        settings.component = options.component;
+        return phatGather({traced.rays, traced.lights, traced.baked.atlas, traced.baked.points,
+                           traced.baked.phatexture, traced.irradiance},
+                          settings);
+    }
+    if (options.method.readsPhotons) {
+        PhotonRendererSettings settings = options.photonRenderer;
+        settings.component = options.component;
+        const PhotonScene scene{traced.rays, traced.lights, traced.photons, traced.index};
+        return name == "photons-direct" ? photonsDirect(scene, settings) : photonsGather(scene, settings);
+    }
+    return pathTracer(traced.rays, traced.lights, options.component);
+}
+
+}  // namespace
+
+TracedScene::TracedScene(const RenderOptions& options, Progress& progress)
+    : baked(load(options, progress)),
+      scene(baked.loaded.scene),
+      rays(scene),
+      lights(scene),
+      photons(photonsFor(*this, options, progress)),
+      index(photons.photons) {
+    if (options.method.needsBake)
+        irradiance = filterIndirectIrradiance(baked.phatexture, baked.atlas, baked.points, progress);
+    integrator = integratorFor(*this, options);
+}
+
+}  // namespace phat

@@ -1,0 +1,29 @@
+#pragma once
+// What the traced methods of `phat render` trace.
+
+#include <memory>
+
+#include "cli/render_options.h"
+#include "core/progress.h"
+#include "io/baked_file.h"
+
+namespace phat {
+
+/// A scene with an integrator and all that it reads. Not movable: the integrator refers to its neighbours.
+struct TracedScene {
+    /// Loads, and bakes or traces photons where the method needs it.
+    TracedScene(const RenderOptions& options, Progress& progress);
+    TracedScene(const TracedScene&) = delete;
+    TracedScene& operator=(const TracedScene&) = delete;
+
+    BakedScene baked;  // of methods without a bake the scene alone
+    const Scene& scene;
+    RayScene rays;
+    LightSampler lights;
+    PhotonMap photons;
+    PhotonIndex index;
+    IrradianceMap irradiance;
+    Integrator integrator;
+};
+
+}  // namespace phat
