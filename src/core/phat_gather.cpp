@@ -21,6 +21,8 @@ constexpr float kRadiusOverDistance = 1.0f;
 // 16 and 32 give .162, .153, .151 and .150 on tabletop.
 constexpr double kLeastSamples = 16.0;
 constexpr float kGrowth = 1.4f;
+// Samples beyond which a wider radius would cost time and gain nothing.
+constexpr double kPlentyOfSamples = 64.0;
 // Tiles that face elsewhere are of another part of the surface.
 constexpr float kLeastNormalCosine = 0.5f;
 // Distances are stored in steps of 5.6 %: a ray to where the light came from must stop short of it.
@@ -184,9 +186,11 @@ glm::vec3 PhatGather::lobeRadiance(const Visible& visible, const GatherLobe& lob
     const float most = kLargestRadius * texelSize();
     float radius = kFirstRadius * texelSize();
     LobeSums sums = sumOver(visible, source, lobe, radius, depth);
-    const float wanted = std::clamp(kRadiusOverDistance * sums.distance(), kLeastRadius * texelSize(), most);
     if (sums.a > 0.0) {
-        radius = wanted;
+        // Samples grow with the radius squared.
+        const float enough = radius * std::sqrt(float(kPlentyOfSamples / sums.effectiveSamples()));
+        const float clear = kRadiusOverDistance * sums.distance();
+        radius = std::clamp(std::min(clear, enough), kLeastRadius * texelSize(), most);
         sums = sumOver(visible, source, lobe, radius, depth);
     }
     while (sums.effectiveSamples() < kLeastSamples && radius < most) {
