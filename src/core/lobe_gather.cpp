@@ -56,23 +56,25 @@ void LocalDepth::add(glm::vec3 direction, float distance, float weight) {
 }
 
 void LocalDepth::finish() {
-    std::stable_sort(looks_.begin(), looks_.end(),
-                     [](const Look& a, const Look& b) { return a.cell < b.cell; });
+    std::stable_sort(looks_.begin(), looks_.end(), [](const Look& a, const Look& b) {
+        return a.cell != b.cell ? a.cell < b.cell : a.distance > b.distance;
+    });
     first_.fill(0);
     for (const Look& look : looks_) ++first_[size_t(look.cell) + 1];
     for (size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+    for (size_t i = 1; i < looks_.size(); ++i)
+        if (looks_[i].cell == looks_[i - 1].cell) looks_[i].weight += looks_[i - 1].weight;
 }
 
 float LocalDepth::visibility(glm::vec3 direction, float distance) const {
     const int cell = cellOf(direction);
     if (cell < 0) return 1.0f;
-    float all = 0, open = 0;
-    for (uint32_t i = first_[size_t(cell)]; i < first_[size_t(cell) + 1]; ++i) {
-        const Look& look = looks_[i];
-        all += look.weight;
-        if (distance <= kFartherShare * look.distance + kFartherMeters) open += look.weight;
-    }
-    return all > 0.0f ? open / all : 1.0f;
+    const auto begin = looks_.begin() + first_[size_t(cell)], end = looks_.begin() + first_[size_t(cell) + 1];
+    if (begin == end) return 1.0f;
+    const auto blocked = std::partition_point(begin, end, [&](const Look& look) {
+        return distance <= kFartherShare * look.distance + kFartherMeters;
+    });
+    return blocked == begin ? 0.0f : std::prev(blocked)->weight / std::prev(end)->weight;
 }
 
 void LobeSums::add(float weight, float value, const WorldPhatexel& phatexel, float distance) {

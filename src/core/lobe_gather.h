@@ -50,13 +50,13 @@ class LocalDepth {
     struct Look {
         int cell;
         float distance;
-        float weight;
+        float weight;  // after finish() with those of all before it in the cell
     };
 
     int cellOf(glm::vec3 direction) const;  // -1 below the horizon
 
     Frame frame_;
-    std::vector<Look> looks_;                                  // by cell
+    std::vector<Look> looks_;                                  // by cell, the farthest first
     std::array<uint32_t, size_t(kSize) * kSize + 1> first_{};  // [cell] in looks_
 };
 

@@ -20,7 +20,7 @@ constexpr float kRadiusOverDistance = 1.0f;
 // Samples that a lobe must have, or the radius grows. The PHATexels' own noise is averaged with them: 2, 8,
 // 16 and 32 give .162, .153, .151 and .150 on tabletop.
 constexpr double kLeastSamples = 16.0;
-constexpr float kGrowth = 1.4f;
+constexpr float kGrowth = 1.4f;  // at least
 // Samples beyond which a wider radius would cost time and gain nothing.
 constexpr double kPlentyOfSamples = 64.0;
 // Tiles that face elsewhere are of another part of the surface.
@@ -194,7 +194,8 @@ glm::vec3 PhatGather::lobeRadiance(const Visible& visible, const GatherLobe& lob
         sums = sumOver(visible, source, lobe, radius, depth);
     }
     while (sums.effectiveSamples() < kLeastSamples && radius < most) {
-        radius = std::min(kGrowth * radius, most);
+        const double missing = kLeastSamples / std::max(sums.effectiveSamples(), 1.0);
+        radius = std::min(std::max(float(std::sqrt(missing)), kGrowth) * radius, most);
         sums = sumOver(visible, source, lobe, radius, depth);
     }
     return result(sums);
