@@ -17,8 +17,8 @@ constexpr float kLeastRadius = 4.0f;
 constexpr float kLargestRadius = 64.0f;
 // Of the distance of what the lobe sees. Measured: .25, .5 and 1 give .158, .153 and .149 on tabletop.
 constexpr float kRadiusOverDistance = 1.0f;
-// Samples that a lobe must have, or the radius grows. The PHATexels' own noise is averaged with them: 2, 8,
-// 16 and 32 give .162, .153, .151 and .150 on tabletop.
+// Samples that a lobe must have, or the radius grows. The PHATexels' own noise is averaged with them: 2, 8
+// and 24 give .160, .152 and .153 on tabletop.
 constexpr double kLeastSamples = 16.0;
 constexpr float kGrowth = 1.4f;  // at least
 // Samples beyond which a wider radius would cost time and gain nothing.
