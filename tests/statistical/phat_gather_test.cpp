@@ -122,8 +122,8 @@ TEST(PhatGather, FurnaceIsExact) {
     }
 }
 
-// Of 60,000 texels of 2 cm each lobe has some tens of samples, each of 8 paths: single places are off by a
-// tenth, the mean of 64 by a few per cent.
+// Each lobe has at least 16 samples, and each of those the noise of 8 paths; neighbouring places share
+// samples, so the mean of 64 places gains less than a factor of 8.
 TEST(PhatGather, GlossyFloorMatchesThePathTracer) {
     for (const float roughness : {0.25f, 0.5f}) {
         const World world(room(metal(roughness), lambert(0.6f)));
