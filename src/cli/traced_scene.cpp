@@ -27,7 +27,7 @@ Integrator integratorFor(const TracedScene& traced, const RenderOptions& options
         PhatGatherSettings settings = options.gather;
         settings.component = options.component;
         return phatGather({traced.rays, traced.lights, traced.baked.atlas, traced.baked.points,
-                           traced.baked.phatexture, traced.irradiance},
+                           traced.baked.phatexture},
                           settings);
     }
     if (options.method.readsPhotons) {
@@ -48,8 +48,6 @@ TracedScene::TracedScene(const RenderOptions& options, Progress& progress)
       lights(scene),
       photons(photonsFor(*this, options, progress)),
       index(photons.photons) {
-    if (options.method.needsBake)
-        irradiance = filterIndirectIrradiance(baked.phatexture, baked.atlas, baked.points, progress);
     integrator = integratorFor(*this, options);
 }
 

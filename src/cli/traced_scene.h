@@ -22,7 +22,6 @@ struct TracedScene {
     LightSampler lights;
     PhotonMap photons;
     PhotonIndex index;
-    IrradianceMap irradiance;
     Integrator integrator;
 };
 

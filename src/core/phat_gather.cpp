@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/lobe_gather.h"
+#include "core/path_vertex.h"
 #include "core/visible_lobe.h"
 
 namespace phat {
@@ -94,7 +95,7 @@ class PhatGather {
                               scene.points, frames);
     }
 
-    glm::vec3 radianceAlong(const CameraRay& ray, uint64_t& rayCount) const;
+    glm::vec3 radianceAlong(const CameraRay& ray, PixelSample& sample) const;
 
   private:
     bool showsDirect() const { return phat::showsDirect(settings_.component); }
@@ -109,7 +110,6 @@ class PhatGather {
                      float radius, const LocalDepth& depth) const;
     LocalDepth depthAround(const Visible& visible) const;
     void findTiles(Visible& visible) const;
-    glm::vec3 punctual(const SurfacePoint& point, glm::vec3 towardEye, uint64_t& rayCount) const;
 
     template <typename Visit>
     void forNeighbors(const Visible& visible, const TiledPhatexels& source, float radius,
@@ -235,40 +235,25 @@ glm::vec3 PhatGather::diffuse(const Visible& visible) const {
     const glm::vec3 albedo = clearcoatTransmission(point.brdf, eyeLocal) *
                              diffuseWeight(point.brdf, eyeLocal.z) * point.brdf.diffuseColor;
     glm::vec3 irradiance(0);
-    if (showsDiffuseIndirect(settings_.component))
-        irradiance += bilinear(scene_.atlas, visible.place,
-                               [&](size_t texel) { return scene_.indirectIrradiance[texel]; });
-    if (showsDirect() && !scene_.phatexture.areaIrradiance.empty())
-        irradiance += bilinear(scene_.atlas, visible.place, [&](size_t texel) {
-            return unpackRgb9e5(scene_.phatexture.areaIrradiance[texel]);
-        });
+    const auto add = [&](const std::vector<uint32_t>& map) {
+        if (map.empty()) return;
+        irradiance +=
+            bilinear(scene_.atlas, visible.place, [&](size_t texel) { return unpackRgb9e5(map[texel]); });
+    };
+    if (showsDiffuseIndirect(settings_.component)) add(scene_.phatexture.indirectIrradiance);
+    if (showsDirect()) add(scene_.phatexture.areaIrradiance);
     return albedo * irradiance / kPi;
 }
 
-glm::vec3 PhatGather::punctual(const SurfacePoint& point, glm::vec3 towardEye, uint64_t& rayCount) const {
-    glm::vec3 sum(0);
-    for (size_t i = 0; i < scene_.rays.scene().lights.size(); ++i) {
-        const LightSample light = scene_.lights.samplePunctual(i, point.position);
-        if (light.pdf <= 0.0f || glm::dot(light.towardLight, point.normalGeometric) <= 0.0f) continue;
-        const glm::vec3 reflected =
-            light.radiance * evaluateBrdf(point.brdf, point.shading.toLocal(towardEye),
-                                          point.shading.toLocal(light.towardLight));
-        if (maxComponent(reflected) <= 0.0f) continue;
-        ++rayCount;
-        if (!scene_.rays.anyHit(offsetOrigin(point.position, point.normalGeometric), light.towardLight,
-                                light.distance * (1.0f - 1e-4f)))
-            sum += reflected;
-    }
-    return sum;
-}
-
-glm::vec3 PhatGather::radianceAlong(const CameraRay& ray, uint64_t& rayCount) const {
-    const Hit hit = visibleHit(scene_.rays, ray, rayCount);
+glm::vec3 PhatGather::radianceAlong(const CameraRay& ray, PixelSample& sample) const {
+    const Hit hit = visibleHit(scene_.rays, ray, sample.rays);
     if (!hit) return showsDirect() ? scene_.lights.environmentRadiance(ray.direction) : glm::vec3(0);
     const SurfacePoint point = surfaceAt(scene_.rays.scene(), hit, ray.direction);
     glm::vec3 radiance(0);
-    if (showsDirect()) radiance += point.emission + punctual(point, -ray.direction, rayCount);
-    Visible visible{point, -ray.direction, placeOf(scene_.atlas, hit), rayCount, {}};
+    if (showsDirect())
+        radiance += point.emission +
+                    punctualLight(scene_.rays, scene_.lights, point, -ray.direction, sample.rng, sample.rays);
+    Visible visible{point, -ray.direction, placeOf(scene_.atlas, hit), sample.rays, {}};
     if (visible.place.chart == kNoChart || !reflects(point.brdf)) return radiance;
     return radiance + diffuse(visible) + glossy(visible);
 }
@@ -277,9 +262,7 @@ glm::vec3 PhatGather::radianceAlong(const CameraRay& ray, uint64_t& rayCount) co
 
 Integrator phatGather(const PhatGatherScene& scene, const PhatGatherSettings& settings) {
     const auto gather = std::make_shared<const PhatGather>(scene, settings);
-    return [gather](const CameraRay& ray, PixelSample& sample) {
-        return gather->radianceAlong(ray, sample.rays);
-    };
+    return [gather](const CameraRay& ray, PixelSample& sample) { return gather->radianceAlong(ray, sample); };
 }
 
 }  // namespace phat

@@ -3,7 +3,6 @@
 // matter. source: Hensley et al. 2003, section 4.2; everything beyond its cone filter is ours
 // (docs/pipeline.md).
 
-#include "core/irradiance.h"
 #include "core/lights.h"
 #include "core/phatexture.h"
 #include "core/picture.h"
@@ -17,7 +16,6 @@ struct PhatGatherScene {
     const Atlas& atlas;
     const TexelPoints& points;
     const Phatexture& phatexture;
-    const IrradianceMap& indirectIrradiance;  // filterIndirectIrradiance
 };
 
 struct PhatGatherSettings {

@@ -20,13 +20,12 @@ struct World {
         settings.atlas.texelBudget = texels;
         settings.photons.count = 100'000;
         baked = bake(scene, settings, silent);
-        irradiance = filterIndirectIrradiance(baked.phatexture, baked.atlas, baked.points, silent);
     }
     World(const World&) = delete;
     World& operator=(const World&) = delete;
 
     Integrator gather(const PhatGatherSettings& settings) const {
-        return phatGather({rays, lights, baked.atlas, baked.points, baked.phatexture, irradiance}, settings);
+        return phatGather({rays, lights, baked.atlas, baked.points, baked.phatexture}, settings);
     }
     Integrator gather(Component component) const {
         PhatGatherSettings settings;
@@ -39,7 +38,6 @@ struct World {
     const LightSampler lights;
     SilentProgress silent;
     Bake baked;
-    IrradianceMap irradiance;
 };
 
 Material metal(float roughness) {
