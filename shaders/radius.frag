@@ -13,7 +13,6 @@ uniform sampler2DArray statistics;
 uniform int lobeIndex;
 uniform sampler2D tileLight;  // rgb: the brightest radiance around, a: share of the solid angle with area lights
 uniform int areaLights;       // 1: a lobe of the area lights
-uniform float texelSizeMeters;
 
 layout(location = 0) out vec4 radiusBrightest;
 
@@ -66,7 +65,7 @@ void main() {
     }
     // A cone's effective area is (sum k)^2 / sum k^2 = pi R^2 (1/3)^2 / (1/6) = 2/3 pi R^2.
     float perSample = sqrt(texels / samples * 1.5 / 3.14159265);
-    float distanceTexels = weight / max(perMeter, 1e-20 * weight + 1e-30) / texelSizeMeters;
+    float distanceTexels = weight / max(perMeter, 1e-20 * weight + 1e-30) / texelSizeOfTile(tile);
     float wanted = perSample * sqrt(kWantedSamples);
     float least = perSample * sqrt(kLeastSamples);
     radiusBrightest.r = clamp(max(min(wanted, kRadiusPerDistance * distanceTexels), least), kMinRadius, kMaxRadius);

@@ -17,6 +17,7 @@
 #include "cli/count_option.h"
 #include "cli/interrupt.h"
 #include "cli/progress_bar.h"
+#include "core/glossy_density.h"
 #include "io/atomic_file.h"
 #include "io/bake_journal.h"
 #include "io/baked_file.h"
@@ -51,6 +52,16 @@ struct BakeOptions {
     bool json = false;
 };
 
+// Texels of a size that was asked for are of that size, unless the densities were asked for as well.
+float glossyDensityOf(const CLI::Option& option, bool texelSizeGiven) {
+    if (!option) return texelSizeGiven ? 1.0f : AtlasSettings().glossyDensity;
+    const auto density = option.as<float>();
+    if (!(density >= 1 && density <= kMostGlossyDensity))  // CLI::Range lets nan pass
+        throw CLI::ValidationError(
+            option.get_name(), fmt::format("{} is not a density from 1 to {}", density, kMostGlossyDensity));
+    return density;
+}
+
 std::string defaultOutput(const std::string& input) {
     std::filesystem::path path(input);
     path.replace_extension();
@@ -72,6 +83,7 @@ std::string describe(const BakeSettings& s, const std::string& directions, const
                  {"gatherNeighbors", s.density.neighbors},
                  {"paths", s.pathsPerPhatexel},
                  {"gutter", s.atlas.gutterTexels},
+                 {"glossyDensity", s.atlas.glossyDensity},
                  {"seed", s.seed}};
     if (s.atlas.texelSizeMeters > 0)
         line["texelSize"] = s.atlas.texelSizeMeters;
@@ -182,6 +194,9 @@ void addBakeCommand(CLI::App& app) {
     CLI::Option* resolution = option("--resolution", "N", "About so many texels in the whole atlas")
                                   ->default_str("1048576")
                                   ->excludes(texelSize);
+    CLI::Option* glossyDensity = option("--glossy-density", "F",
+                                        "Texels of glossy surfaces may be up to F times finer, 1 to 8; "
+                                        "default: 3, with --texel-size 1");
     CLI::Option* samples = option("--samples", "K", "PHATexels per texel")
                                ->check(CLI::Range(1, 64))
                                ->default_val(defaults.layers);
@@ -229,6 +244,7 @@ void addBakeCommand(CLI::App& app) {
         if (*environment) options.environment = environment->as<std::string>();
         BakeSettings& settings = options.settings;
         if (*texelSize) settings.atlas.texelSizeMeters = texelSize->as<float>();
+        settings.atlas.glossyDensity = glossyDensityOf(*glossyDensity, texelSize->count() > 0);
         if (*resolution) settings.atlas.texelBudget = parseCount(resolution, 64, 0x1p32);
         if (*photons) settings.photons.count = parseCount(photons, 1, 0x1p32);
         if (*useUv) settings.atlas.useUvSet = useUv->as<int>();

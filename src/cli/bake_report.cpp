@@ -26,6 +26,7 @@ json reportOf(const std::string& output, const Bake& result, size_t resumedParts
              {{"width", result.atlas.sizeTexels.x},
               {"height", result.atlas.sizeTexels.y},
               {"texelSize", result.atlas.texelSizeMeters},
+              {"finestTexelSize", result.atlas.finestTexelSizeMeters()},
               {"charts", stats.atlas.chartCount},
               {"coverage", stats.atlas.coverage},
               {"areaWithinStretch15", stats.atlas.areaWithinStretch15},
@@ -42,10 +43,12 @@ json reportOf(const std::string& output, const Bake& result, size_t resumedParts
 void printReport(const json& report) {
     const json& atlas = report["atlas"];
     fmt::print("{}: {:.1f} MB\n", report["output"].get<std::string>(), report["bytes"].get<double>() * 1e-6);
-    fmt::print("  atlas       {} x {} texels of {:.4g} mm, {} charts, {:.0f} % covered\n",
-               atlas["width"].get<uint32_t>(), atlas["height"].get<uint32_t>(),
-               atlas["texelSize"].get<double>() * 1e3, atlas["charts"].get<uint32_t>(),
-               atlas["coverage"].get<double>() * 100);
+    const double size = atlas["texelSize"].get<double>() * 1e3,
+                 finest = atlas["finestTexelSize"].get<double>() * 1e3;
+    const std::string glossy = finest < size ? fmt::format(" (glossy: down to {:.4g} mm)", finest) : "";
+    fmt::print("  atlas       {} x {} texels of {:.4g} mm{}, {} charts, {:.0f} % covered\n",
+               atlas["width"].get<uint32_t>(), atlas["height"].get<uint32_t>(), size, glossy,
+               atlas["charts"].get<uint32_t>(), atlas["coverage"].get<double>() * 100);
     fmt::print("  photons     {} emitted, {} stored\n", report["photons"]["emitted"].get<uint64_t>(),
                report["photons"]["stored"].get<uint64_t>());
     fmt::print("  PHATexels   {} valid, {} rays\n", report["phatexels"]["valid"].get<uint64_t>(),

@@ -86,6 +86,7 @@ Json describeBake(const BakedScene& baked) {
             {"atlas",
              {{"size", {atlas.sizeTexels.x, atlas.sizeTexels.y}},
               {"texelSizeMeters", atlas.texelSizeMeters},
+              {"finestTexelSizeMeters", atlas.finestTexelSizeMeters()},
               {"charts", atlas.charts.size()},
               {"blocks", atlas.blockCount},
               {"coverage", double(withSurface) / double(std::max<size_t>(1, atlas.texelCount()))}}},
@@ -155,10 +156,13 @@ void printLayers(const char* label, const Json& part) {
 
 void printBake(const Json& bake) {
     const Json& atlas = bake["atlas"];
-    printLine("atlas", fmt::format("{} x {} texels of {:.3g} mm, {} charts, {:.1f} % covered",
-                                   atlas["size"][0].get<uint32_t>(), atlas["size"][1].get<uint32_t>(),
-                                   1000 * atlas["texelSizeMeters"].get<double>(),
-                                   atlas["charts"].get<size_t>(), 100 * atlas["coverage"].get<double>()));
+    const double size = 1000 * atlas["texelSizeMeters"].get<double>(),
+                 finest = 1000 * atlas["finestTexelSizeMeters"].get<double>();
+    const std::string glossy = finest < size ? fmt::format(" (glossy: down to {:.3g} mm)", finest) : "";
+    printLine("atlas",
+              fmt::format("{} x {} texels of {:.3g} mm{}, {} charts, {:.1f} % covered",
+                          atlas["size"][0].get<uint32_t>(), atlas["size"][1].get<uint32_t>(), size, glossy,
+                          atlas["charts"].get<size_t>(), 100 * atlas["coverage"].get<double>()));
     printLayers("indirect", bake["indirect"]);
     if (bake["area"]["layers"] != 0) printLayers("area lights", bake["area"]);
     printLine("guides", megabytes(bake["guideBytes"]));

@@ -2,9 +2,11 @@
 
 #include <cassert>
 #include <cmath>
+#include <stdexcept>
 
 #include "core/atlas_pack.h"
 #include "core/atlas_raster.h"
+#include "core/glossy_density.h"
 #include "core/mesh_topology.h"
 #include "core/unwrap.h"
 
@@ -15,6 +17,7 @@ namespace {
 struct Side {
     uint32_t flat;
     bool back;
+    double density = 1;  // texels along a length, over those of rough surfaces
 };
 
 std::vector<Side> chooseSides(const Scene& scene, const std::vector<FlatChart>& flats,
@@ -34,6 +37,19 @@ std::vector<Side> chooseSides(const Scene& scene, const std::vector<FlatChart>& 
     return sides;
 }
 
+void chooseDensities(const Scene& scene, const std::vector<FlatChart>& flats, const AtlasSettings& settings,
+                     std::vector<Side>& sides) {
+    const std::vector<float> ofSurface = glossyDensities(scene, settings.glossyDensity);
+    std::vector<double> area, density;
+    for (const Side& side : sides) {
+        const FlatChart& flat = flats[side.flat];
+        area.push_back(flat.area);
+        density.push_back(double(ofSurface[scene.triangleSurface[flat.triangles[0]]]));
+    }
+    if (settings.texelSizeMeters <= 0) keepBudget(area, density);
+    for (size_t i = 0; i < sides.size(); ++i) sides[i].density = density[i];
+}
+
 // Where a chart's low corner sits in its rectangle: centred, edges on texel borders; a chart narrower than a
 // texel on a texel's centre, so that it has surface texels at all.
 double offsetOf(double sizeTexels, uint32_t roomTexels) {
@@ -43,7 +59,7 @@ double offsetOf(double sizeTexels, uint32_t roomTexels) {
 
 void placeTriangles(Atlas& atlas, const FlatChart& flat, uint32_t chartIndex, bool turned) {
     const Chart& chart = atlas.charts[chartIndex];
-    const double scale = 1.0 / atlas.texelSizeMeters;
+    const double scale = 1.0 / chart.texelSizeMeters;
     const glm::dvec2 size =
         scale * (turned ? glm::dvec2(flat.sizeMeters.y, flat.sizeMeters.x) : flat.sizeMeters);
     const glm::dvec2 low =
@@ -82,6 +98,7 @@ Atlas placeCharts(const Scene& scene, const std::vector<FlatChart>& flats, const
         Chart chart;
         chart.originTile = packing.originTile[c];
         chart.sizeTiles = packing.chartTiles[c];
+        chart.texelSizeMeters = float(packing.texelSizeMeters / sides[c].density);
         chart.surface = scene.triangleSurface[flats[flat].triangles[0]];
         chart.back = sides[c].back;
         const bool second = c > 0 && sides[c - 1].flat == flat;
@@ -148,6 +165,8 @@ void numberBlocks(Atlas& atlas) {
 
 Atlas buildAtlas(const Scene& scene, const std::vector<Sides>& componentSides, const AtlasSettings& settings,
                  Progress& progress, AtlasStats* stats) {
+    if (!(settings.glossyDensity >= 1 && settings.glossyDensity <= kMostGlossyDensity))
+        throw std::invalid_argument("the density of glossy surfaces must be from 1 to 8");
     progress.begin("unwrap", scene.triangles.size());
     const MeshTopology topology = buildTopology(scene);
     const double texelSize = guessTexelSize(topology, settings);
@@ -157,11 +176,12 @@ Atlas buildAtlas(const Scene& scene, const std::vector<Sides>& componentSides, c
                                : unwrapScene(scene, topology, settings.maxNormalConeDegrees,
                                              settings.gutterTexels * texelSize, progress);
 
-    const std::vector<Side> sides = chooseSides(scene, flats, componentSides);
+    std::vector<Side> sides = chooseSides(scene, flats, componentSides);
+    chooseDensities(scene, flats, settings, sides);
     std::vector<PackBox> boxes;
     for (size_t i = 0; i < sides.size(); ++i) {
         const bool second = i > 0 && sides[i - 1].flat == sides[i].flat;
-        boxes.push_back({flats[sides[i].flat].sizeMeters, second});
+        boxes.push_back({sides[i].density * flats[sides[i].flat].sizeMeters, second});
     }
     Packing packing = packCharts(boxes, settings, progress);
     if (boxes.empty() && !scene.triangles.empty()) {

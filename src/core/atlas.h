@@ -4,6 +4,7 @@
 // Charts are connected, near-isometric and own whole tiles of 8x8 texels, so that nothing that works on
 // tiles ever mixes two charts. Texel (x, y) has its centre at (x + .5, y + .5); row 0 is uv.v = 0.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -23,10 +24,11 @@ inline constexpr uint32_t kNoChart = ~0u;
 struct Chart {
     glm::uvec2 originTile{0};  // in tiles
     glm::uvec2 sizeTiles{0};
+    float texelSizeMeters = 0;  // side of its texels on the surface
     uint32_t surface = 0;       // Scene::surfaces
     uint32_t firstBlock = 0;    // blocks are numbered row by row within a chart
     bool back = false;          // texels face away from the triangles' front
-    uint32_t otherSide = kNoChart;  // the chart of the same triangles' opposite side, same size, if it exists
+    uint32_t otherSide = kNoChart;  // the same triangles' opposite side, of the same sizes, if it has texels
 
     glm::uvec2 originTexel() const { return originTile * kTileSize; }
     glm::uvec2 sizeTexels() const { return sizeTiles * kTileSize; }
@@ -35,14 +37,19 @@ struct Chart {
 };
 
 struct Atlas {
-    glm::uvec2 sizeTexels{0};  // multiples of kTileSize
-    float texelSizeMeters = 0;
+    glm::uvec2 sizeTexels{0};   // multiples of kTileSize
+    float texelSizeMeters = 0;  // of rough surfaces; charts of glossy ones have finer texels, none coarser
     std::vector<Chart> charts;
-    std::vector<uint32_t> triangleChart;                     // per triangle; kNoChart: degenerate
-    std::vector<std::array<glm::vec2, 3>> triangleTexels;    // per triangle corner, in texels of that chart
-    std::vector<uint32_t> tileChart;                         // [tileY][tileX], kNoChart where empty
+    std::vector<uint32_t> triangleChart;                   // per triangle; kNoChart: degenerate
+    std::vector<std::array<glm::vec2, 3>> triangleTexels;  // per triangle corner, in texels of that chart
+    std::vector<uint32_t> tileChart;                       // [tileY][tileX], kNoChart where empty
     uint32_t blockCount = 0;
 
+    float finestTexelSizeMeters() const {
+        float finest = texelSizeMeters;
+        for (const Chart& chart : charts) finest = std::min(finest, chart.texelSizeMeters);
+        return finest;
+    }
     glm::uvec2 sizeTiles() const { return sizeTexels / kTileSize; }
     size_t texelCount() const { return size_t(sizeTexels.x) * sizeTexels.y; }
     uint32_t chartAt(glm::uvec2 texel) const {
@@ -60,19 +67,20 @@ struct Atlas {
 enum class Sides : uint8_t { front, back, both };
 
 struct AtlasSettings {
-    float texelSizeMeters = 0;          // 0: from texelBudget
-    uint64_t texelBudget = 1 << 20;     // about how many texels the whole atlas may have
-    float maxNormalConeDegrees = 40;    // charts stop growing where normals leave this cone
-    uint32_t gutterTexels = 4;          // at least so many texels around every chart
-    uint32_t maxSizeTexels = 16384;     // per side
-    int useUvSet = -1;                  // >= 0: take the charts of this UV set instead of unwrapping
+    float texelSizeMeters = 0;        // of rough surfaces; 0: from texelBudget
+    uint64_t texelBudget = 1 << 20;   // about how many texels the whole atlas may have
+    float glossyDensity = 3;          // texels of glossy surfaces are up to so much finer; 1..8, 1: nowhere
+    float maxNormalConeDegrees = 40;  // charts stop growing where normals leave this cone
+    uint32_t gutterTexels = 4;        // at least so many texels around every chart
+    uint32_t maxSizeTexels = 16384;   // per side
+    int useUvSet = -1;                // >= 0: take the charts of this UV set instead of unwrapping
 };
 
 /// Facts for the log and for tests.
 struct AtlasStats {
     uint32_t chartCount = 0;
-    float coverage = 0;              // texels with a surface under their centre / all texels
-    float areaWithinStretch15 = 0;   // share of the surface area whose L2-independent stretch is <= 1.5
+    float coverage = 0;             // texels with a surface under their centre / all texels
+    float areaWithinStretch15 = 0;  // share of the surface area whose L2-independent stretch is <= 1.5
     uint32_t degenerateTriangles = 0;
 };
 
@@ -81,7 +89,9 @@ struct AtlasStats {
 std::vector<uint32_t> connectedComponents(const Scene& scene);
 
 /// Unwraps and packs. `componentSides` is per connected component (empty: front everywhere).
-/// Throws std::runtime_error with the reason when a requested UV set cannot serve.
+/// With a texel budget, finer texels on glossy surfaces make the others' at most a quarter larger.
+/// Throws std::runtime_error with the reason when a requested UV set cannot serve, std::invalid_argument if
+/// glossyDensity is out of range.
 Atlas buildAtlas(const Scene& scene, const std::vector<Sides>& componentSides, const AtlasSettings& settings,
                  Progress& progress, AtlasStats* stats = nullptr);
 
@@ -114,8 +124,8 @@ struct TexelPoints {
 /// store it. States are unused, surface or gutter.
 TexelPoints buildTexelPoints(const Scene& scene, const Atlas& atlas);
 
-/// Marks as covered the texels of which at least half the hemisphere is the dark side of something (a side of a
-/// triangle without texels), those that something is pressed against, and the gutters that reach through
+/// Marks as covered the texels of which at least half the hemisphere is the dark side of something (a side of
+/// a triangle without texels), those that something is pressed against, and the gutters that reach through
 /// geometry. `rays` must be of the atlas's scene.
 void markCoveredTexels(TexelPoints& points, const Atlas& atlas, const RayScene& rays, Progress& progress);
 

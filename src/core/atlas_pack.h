@@ -10,12 +10,12 @@ namespace phat {
 
 /// A chart's bounding box. A twin has the size of the box before it and is laid the same way.
 struct PackBox {
-    glm::dvec2 sizeMeters{0};  // x >= y
+    glm::dvec2 sizeMeters{0};  // x >= y; magnified by the chart's density where its texels are finer
     bool twin = false;
 };
 
 struct Packing {
-    double texelSizeMeters = 0;
+    double texelSizeMeters = 0;  // of charts of density 1
     glm::uvec2 sizeTiles{0};
     std::vector<glm::uvec2> originTile;  // per chart
     std::vector<glm::uvec2> chartTiles;  // per chart: size, gutter included

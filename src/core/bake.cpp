@@ -5,6 +5,7 @@
 
 #include "core/directions.h"
 #include "core/gather.h"
+#include "core/glossy_density.h"
 #include "core/irradiance.h"
 #include "core/lights.h"
 
@@ -132,10 +133,14 @@ Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, 
 uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings) {
     double texels = double(settings.atlas.texelBudget);
     if (settings.atlas.texelSizeMeters > 0.0f) {
-        double area = 0;
-        for (const glm::uvec3& t : scene.triangles)
-            area += 0.5 * glm::length(glm::cross(scene.positions[t.y] - scene.positions[t.x],
-                                                 scene.positions[t.z] - scene.positions[t.x]));
+        const std::vector<float> density = glossyDensities(scene, settings.atlas.glossyDensity);
+        double area = 0;  // as if all texels were of the given size
+        for (size_t i = 0; i < scene.triangles.size(); ++i) {
+            const glm::uvec3& t = scene.triangles[i];
+            area += 0.5 * square(density[scene.triangleSurface[i]]) *
+                    glm::length(glm::cross(scene.positions[t.y] - scene.positions[t.x],
+                                           scene.positions[t.z] - scene.positions[t.x]));
+        }
         // Packing and gutters take up to half as much again.
         texels = 1.5 * area / (double(settings.atlas.texelSizeMeters) * settings.atlas.texelSizeMeters);
     }

@@ -137,10 +137,13 @@ void solve(IrradianceLevel& level, const std::vector<NodeRays>& nodes, uint32_t 
     }
 }
 
-void setDistances(IrradianceLevel& level, float texelSizeMeters, const std::vector<float>& nearness) {
+void setDistances(IrradianceLevel& level, const Atlas& atlas, const std::vector<float>& nearness) {
     level.distanceTexels.clear();
-    for (const float near : nearness)
-        level.distanceTexels.push_back(1.0f / std::max(near * texelSizeMeters, 1e-30f));
+    for (size_t node = 0; node < nearness.size(); ++node) {
+        const uint32_t texel = level.texel[node], width = atlas.sizeTexels.x;
+        const float texelSize = atlas.charts[atlas.chartAt({texel % width, texel / width})].texelSizeMeters;
+        level.distanceTexels.push_back(1.0f / std::max(nearness[node] * texelSize, 1e-30f));
+    }
 }
 
 /// Whether a group's node or one beside it, in the same chart, is near to what it sees.
@@ -182,7 +185,7 @@ IrradianceLevel refine(const Gatherer& gatherer, const IrradianceLevel& coarse, 
         level.value.push_back(sum.irradiance);
         nearness.push_back(sum.nearness);
     }
-    setDistances(level, atlas.texelSizeMeters, nearness);
+    setDistances(level, atlas, nearness);
     return level;
 }
 
@@ -205,7 +208,7 @@ IrradianceMap gatherIndirectIrradiance(const GatherInput& input, const std::vect
                   [&](size_t node, uint64_t& rays) { nodes[node] = gatherer.keepRays(coarse, node, rays); });
         std::vector<float> nearness;
         for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
-        setDistances(coarse, input.atlas.texelSizeMeters, nearness);
+        setDistances(coarse, input.atlas, nearness);
         solve(coarse, nodes, width, settings.maxBounces - 1, progress);
         // The last bounce takes the irradiance of the very texel that is hit.
         const IrradianceMap map = interpolateLevels(levels, input.atlas, input.points);

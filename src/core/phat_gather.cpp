@@ -100,7 +100,9 @@ class PhatGather {
   private:
     bool showsDirect() const { return phat::showsDirect(settings_.component); }
     bool reconnects() const { return settings_.radiusMeters <= 0.0f; }
-    float texelSize() const { return scene_.atlas.texelSizeMeters; }
+    float texelSizeAt(const Visible& visible) const {
+        return scene_.atlas.charts[visible.place.chart].texelSizeMeters;
+    }
 
     glm::vec3 diffuse(const Visible& visible) const;
     glm::vec3 glossy(Visible& visible) const;
@@ -131,7 +133,7 @@ class PhatGather {
 };
 
 void PhatGather::findTiles(Visible& visible) const {
-    const float radius = reconnects() ? kLargestRadius * texelSize() : settings_.radiusMeters;
+    const float radius = reconnects() ? kLargestRadius * texelSizeAt(visible) : settings_.radiusMeters;
     tiles_.near(visible.point.position, radius, visible.tiles);
     const Chart& own = scene_.atlas.charts[visible.place.chart];
     std::erase_if(visible.tiles, [&](uint32_t tile) {
@@ -144,7 +146,7 @@ void PhatGather::findTiles(Visible& visible) const {
 LocalDepth PhatGather::depthAround(const Visible& visible) const {
     LocalDepth depth(frameFromNormal(visible.point.normalGeometric));
     for (const TiledPhatexels* source : {&indirect_, &area_}) {
-        forNeighbors(visible, *source, kDepthRadius * texelSize(),
+        forNeighbors(visible, *source, kDepthRadius * texelSizeAt(visible),
                      [&](const WorldPhatexel& phatexel, float cone) {
                          const SeenPhatexel seen = reconnect(phatexel, visible.point.position);
                          depth.add(seen.direction, seen.distance, cone);
@@ -183,14 +185,14 @@ glm::vec3 PhatGather::lobeRadiance(const Visible& visible, const GatherLobe& lob
         return area ? sums.regressed(albedo) : sums.mean();
     };
     if (!reconnects()) return result(sumOver(visible, source, lobe, settings_.radiusMeters, depth));
-    const float most = kLargestRadius * texelSize();
-    float radius = kFirstRadius * texelSize();
+    const float texelSize = texelSizeAt(visible), most = kLargestRadius * texelSize;
+    float radius = kFirstRadius * texelSize;
     LobeSums sums = sumOver(visible, source, lobe, radius, depth);
     if (sums.a > 0.0) {
         // Samples grow with the radius squared.
         const float enough = radius * std::sqrt(float(kPlentyOfSamples / sums.effectiveSamples()));
         const float clear = kRadiusOverDistance * sums.distance();
-        radius = std::clamp(std::min(clear, enough), kLeastRadius * texelSize(), most);
+        radius = std::clamp(std::min(clear, enough), kLeastRadius * texelSize, most);
         sums = sumOver(visible, source, lobe, radius, depth);
     }
     while (sums.effectiveSamples() < kLeastSamples && radius < most) {

@@ -32,7 +32,9 @@ bool sideLit(const Atlas& atlas, uint32_t triangle, bool backFace) {
     return atlas.charts[chart].back == backFace || atlas.charts[chart].otherSide != kNoChart;
 }
 
-bool surroundedByDark(const TexelPoints& points, const Atlas& atlas, const RayScene& rays, size_t i) {
+// `texelSizeMeters` here and below: of the texel's chart.
+bool surroundedByDark(const TexelPoints& points, const Atlas& atlas, float texelSizeMeters,
+                      const RayScene& rays, size_t i) {
     const Frame frame = frameFromNormalAndTangent(points.normal[i], points.tangent[i]);
     const glm::vec3 origin = offsetOrigin(points.position[i], points.normal[i]);
     Rng rng(hashOf(i));
@@ -47,13 +49,13 @@ bool surroundedByDark(const TexelPoints& points, const Atlas& atlas, const RaySc
         sky += local.z;
         if (!hit) continue;
         dead += !sideLit(atlas, hit.triangle, hit.backFace);
-        if (hit.distance * local.z < kPressedTexels * atlas.texelSizeMeters) blocked += local.z;
+        if (hit.distance * local.z < kPressedTexels * texelSizeMeters) blocked += local.z;
     }
     return dead >= kMaxDeadRays || blocked >= kMaxBlocked * sky;
 }
 
 // Whether the way from the surface's edge to an extrapolated point leads through something.
-bool behindGeometry(const TexelPoints& points, const Atlas& atlas, const RayScene& rays, size_t i) {
+bool behindGeometry(const TexelPoints& points, float texelSizeMeters, const RayScene& rays, size_t i) {
     const Scene& scene = rays.scene();
     const glm::uvec3& v = scene.triangles[points.triangle[i]];
     // Clamping the weights is not the nearest point of the triangle, but one of it, and near enough.
@@ -63,7 +65,7 @@ bool behindGeometry(const TexelPoints& points, const Atlas& atlas, const RayScen
     const glm::vec3 edge = weights.x * scene.positions[v[0]] + weights.y * scene.positions[v[1]] +
                            weights.z * scene.positions[v[2]];
 
-    const glm::vec3 lift = kGutterLiftTexels * atlas.texelSizeMeters * points.normal[i];
+    const glm::vec3 lift = kGutterLiftTexels * texelSizeMeters * points.normal[i];
     const glm::vec3 from = edge + lift, to = points.position[i] + lift;
     const float distance = glm::distance(from, to);
     if (!(distance > 0)) return false;
@@ -79,9 +81,10 @@ void markCoveredTexels(TexelPoints& points, const Atlas& atlas, const RayScene& 
         for (uint32_t x = 0; x < points.sizeTexels.x; ++x) {
             const size_t i = size_t(y) * points.sizeTexels.x + x;
             if (!points.valid(i)) continue;
+            const float texelSize = atlas.charts[atlas.chartAt({x, y})].texelSizeMeters;
             const bool gutter = points.state[i] == TexelState::gutter;
-            if ((gutter && behindGeometry(points, atlas, rays, i)) ||
-                surroundedByDark(points, atlas, rays, i))
+            if ((gutter && behindGeometry(points, texelSize, rays, i)) ||
+                surroundedByDark(points, atlas, texelSize, rays, i))
                 points.state[i] = TexelState::covered;
         }
         progress.advance(1);

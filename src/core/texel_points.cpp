@@ -164,16 +164,16 @@ glm::vec3 normalAt(const Scene& scene, uint32_t triangle, glm::vec2 clamped, glm
 
 // Everything about one texel of a chart once its triangle is known. `frontTexel` is its centre in the layout
 // of the triangle's own chart.
-void fillPoint(TexelPoints& points, size_t i, const Scene& scene, const Atlas& atlas, uint32_t triangle,
-               glm::dvec2 frontTexel, bool back) {
+void fillPoint(TexelPoints& points, size_t i, const Scene& scene, const Atlas& atlas, const Chart& chart,
+               uint32_t triangle, glm::dvec2 frontTexel) {
     const TexelTriangle flat = texelTriangle(scene, atlas, triangle);
     glm::dvec2 barycentric = flat.barycentricAt(frontTexel);
     const glm::dvec2 clamped = nearestBarycentric(flat, frontTexel);
     glm::dvec3 position = flat.positionAt(barycentric);
     // Clamp: triangles of a hundredth of a texel carry the rounding of their corners; extrapolating one over
     // several texels can go anywhere. The map is near-isometric (stretch 1.5), so twice the way is too far.
-    const double reach = 2 * atlas.texelSizeMeters * glm::distance(flat.texelAt(clamped), frontTexel);
-    if (!(glm::distance(position, flat.positionAt(clamped)) <= reach + 1e-4 * atlas.texelSizeMeters)) {
+    const double reach = 2 * chart.texelSizeMeters * glm::distance(flat.texelAt(clamped), frontTexel);
+    if (!(glm::distance(position, flat.positionAt(clamped)) <= reach + 1e-4 * chart.texelSizeMeters)) {
         barycentric = clamped;
         position = flat.positionAt(clamped);
     }
@@ -184,7 +184,7 @@ void fillPoint(TexelPoints& points, size_t i, const Scene& scene, const Atlas& a
     const glm::dvec2 alongX = flat.barycentricFromTexel[0];
     const glm::vec3 tangent = alongX.x * e1 + alongX.y * e2;
     points.position[i] = position;
-    points.normal[i] = back ? -normal : normal;
+    points.normal[i] = chart.back ? -normal : normal;
     points.tangent[i] = frameFromNormalAndTangent(normal, tangent / glm::length(tangent)).tangent;
     points.triangle[i] = triangle;
     points.barycentric[i] = barycentric;
@@ -236,8 +236,8 @@ TexelPoints buildTexelPoints(const Scene& scene, const Atlas& atlas) {
                     const glm::uvec2 texel = target.originTexel() + glm::uvec2(x, y);
                     const size_t i = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
                     points.state[i] = claims.distance[claim] == 0 ? TexelState::surface : TexelState::gutter;
-                    fillPoint(points, i, scene, atlas, claims.triangle[claim],
-                              glm::dvec2(claims.origin) + glm::dvec2(x + 0.5, y + 0.5), target.back);
+                    fillPoint(points, i, scene, atlas, target, claims.triangle[claim],
+                              glm::dvec2(claims.origin) + glm::dvec2(x + 0.5, y + 0.5));
                 }
             }
         };

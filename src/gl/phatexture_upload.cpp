@@ -2,6 +2,8 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include <bit>
+
 #include "core/octahedral.h"
 #include "core/shading.h"
 #include "gl/gl_error.h"
@@ -55,16 +57,17 @@ GpuPhatexels uploadPhatexels(const std::vector<PhatexelLayer>& layers, const std
 
 GlTexture uploadTileTable(const Atlas& atlas) {
     const glm::uvec2 tiles = atlas.sizeTiles();
-    std::vector<glm::uvec2> table(atlas.tileChart.size());
+    std::vector<glm::uvec4> table(atlas.tileChart.size());
     for (uint32_t y = 0; y < tiles.y; ++y) {
         for (uint32_t x = 0; x < tiles.x; ++x) {
             const uint32_t chart = atlas.tileChart[size_t(y) * tiles.x + x];
             const uint32_t block = chart == kNoChart ? kNoChart : atlas.blockAt(glm::uvec2(x, y) * kTileSize);
-            table[size_t(y) * tiles.x + x] = {chart, block};
+            const float texelSize = chart == kNoChart ? 0.0f : atlas.charts[chart].texelSizeMeters;
+            table[size_t(y) * tiles.x + x] = {chart, block, std::bit_cast<uint32_t>(texelSize), 0};
         }
     }
-    GlTexture texture = createTexture2D(GL_RG32UI, tiles);
-    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(tiles.x), GLsizei(tiles.y), GL_RG_INTEGER,
+    GlTexture texture = createTexture2D(GL_RGBA32UI, tiles);
+    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(tiles.x), GLsizei(tiles.y), GL_RGBA_INTEGER,
                         GL_UNSIGNED_INT, table.data());
     return texture;
 }
@@ -178,7 +181,6 @@ GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& 
     requireSizes(atlas, points, phatexture);
     GpuAtlas gpu;
     gpu.sizeTexels = atlas.sizeTexels;
-    gpu.texelSizeMeters = atlas.texelSizeMeters;
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     gpu.tileTable = uploadTileTable(atlas);
     gpu.tileLight = uploadTileLight(scene, atlas, phatexture);

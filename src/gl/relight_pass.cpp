@@ -124,7 +124,6 @@ void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas) {
     radius.bind("pyramid", 1, lobes);
     radius.bind("statistics", 2, statistics);
     radius.bind("tileLight", 3, atlas.tileLight.name());
-    radius.set("texelSizeMeters", atlas.texelSizeMeters);
     for (int lobe = 0; lobe < pass.lobeCount; ++lobe) {
         radius.set("lobeIndex", lobe);
         radius.set("areaLights", lobe % int(atlas.sources.size()) == 1 ? 1 : 0);

@@ -38,7 +38,7 @@ void addAtlas(Payloads& payloads, const Atlas& atlas, const TexelPoints& points,
     std::vector<ChartRecord> records;
     for (const Chart& chart : atlas.charts)
         records.push_back({chart.originTile.x, chart.originTile.y, chart.sizeTiles.x, chart.sizeTiles.y,
-                           chart.surface, chart.back, chart.otherSide});
+                           chart.surface, chart.back, chart.otherSide, chart.texelSizeMeters});
     add(payloads, "/atlas/charts", records);
     add(payloads, "/atlas/tiles", atlas.tileChart);
     add(payloads, "/atlas/triangles", atlas.triangleChart);

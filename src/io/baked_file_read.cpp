@@ -62,8 +62,12 @@ void checkChart(const Atlas& atlas, const Chart& chart, size_t surfaceCount) {
             chart.sizeTiles[axis] > tiles[axis] - chart.originTile[axis])
             fail("a chart lies outside the atlas");
     if (chart.surface >= surfaceCount) fail("a chart belongs to no surface");
+    if (!(chart.texelSizeMeters > 0 && chart.texelSizeMeters <= atlas.texelSizeMeters))
+        fail("a chart's texel size is not positive, or larger than the atlas's");
     if (chart.otherSide == kNoChart) return;
-    if (chart.otherSide >= atlas.charts.size() || atlas.charts[chart.otherSide].sizeTiles != chart.sizeTiles)
+    if (chart.otherSide >= atlas.charts.size() ||
+        atlas.charts[chart.otherSide].sizeTiles != chart.sizeTiles ||
+        atlas.charts[chart.otherSide].texelSizeMeters != chart.texelSizeMeters)
         fail("a chart's other side does not fit it");
 }
 
@@ -79,6 +83,7 @@ void readCharts(Reader& reader, const json& object, size_t surfaceCount, Atlas& 
         chart.surface = r.surface;
         chart.back = r.back != 0;
         chart.otherSide = r.otherSide;
+        chart.texelSizeMeters = r.texelSizeMeters;
         atlas.charts.push_back(chart);
     }
     uint64_t blocks = 0;

@@ -8,7 +8,7 @@
 
 namespace phat {
 
-inline constexpr uint64_t kBakedFormatVersion = 1;
+inline constexpr uint64_t kBakedFormatVersion = 2;
 // A chart owns tiles, and 16 bits count those of a side with room to spare.
 inline constexpr uint64_t kMaxAtlasSide = 1 << 16;
 inline constexpr uint64_t kMaxEnvironmentSide = 1 << 15;
@@ -19,6 +19,7 @@ struct ChartRecord {
     uint32_t surface;
     uint32_t back;  // 0 or 1
     uint32_t otherSide;
+    float texelSizeMeters;
 };
 
 /// Steps of one unit in the last place from a to b. pre: both finite and >= 0.

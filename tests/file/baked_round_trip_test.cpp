@@ -23,6 +23,7 @@ void expectSame(const Atlas& a, const Atlas& b) {
     for (size_t i = 0; i < a.charts.size(); ++i) {
         EXPECT_EQ(a.charts[i].originTile, b.charts[i].originTile);
         EXPECT_EQ(a.charts[i].sizeTiles, b.charts[i].sizeTiles);
+        EXPECT_EQ(a.charts[i].texelSizeMeters, b.charts[i].texelSizeMeters);
         EXPECT_EQ(a.charts[i].surface, b.charts[i].surface);
         EXPECT_EQ(a.charts[i].firstBlock, b.charts[i].firstBlock);
         EXPECT_EQ(a.charts[i].back, b.charts[i].back);

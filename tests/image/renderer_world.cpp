@@ -12,10 +12,14 @@ void addChart(RendererWorld& world, uint32_t surfaceIndex, uint32_t tiles) {
     Chart chart;
     chart.originTile = {surfaceIndex * tiles, 0};
     chart.sizeTiles = glm::uvec2(tiles);
+    const glm::uvec3 first = world.scene.triangles[surface.firstTriangle];
+    const float side = glm::distance(world.scene.positions[first.x], world.scene.positions[first.y]);
+    const float inner = float(tiles * kTileSize) - 2 * kGutter;
+    chart.texelSizeMeters = side / inner;
     chart.surface = surfaceIndex;
+    world.atlas.texelSizeMeters = std::max(world.atlas.texelSizeMeters, chart.texelSizeMeters);
     world.atlas.charts.push_back(chart);
     const glm::vec2 low = glm::vec2(chart.originTexel()) + kGutter;
-    const float inner = float(tiles * kTileSize) - 2 * kGutter;
     for (uint32_t t = 0; t < surface.triangleCount; ++t) {
         const glm::uvec3 triangle = world.scene.triangles[surface.firstTriangle + t];
         world.atlas.triangleChart.push_back(surfaceIndex);
@@ -63,8 +67,6 @@ RendererWorld worldOfQuads(Scene scene, uint32_t tiles) {
         for (uint32_t x = 0; x < count * tiles; ++x)
             atlas.tileChart[size_t(y) * count * tiles + x] = x / tiles;
     numberBlocks(atlas);
-    const glm::vec3 edge = world.scene.positions[1] - world.scene.positions[0];
-    atlas.texelSizeMeters = glm::length(edge) / (float(tiles * kTileSize) - 2 * kGutter);
 
     const size_t texels = atlas.texelCount();
     world.points.sizeTexels = atlas.sizeTexels;

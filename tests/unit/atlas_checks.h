@@ -22,15 +22,16 @@ inline double texelAreaOf(const Atlas& atlas, uint32_t triangle) {
     return 0.5 * (e1.x * e2.y - e1.y * e2.x);
 }
 
-/// The 2x2 metric of the map texels -> metres, by its singular values.
+/// The 2x2 metric of the map texels -> metres, over the chart's texel size, by its singular values.
 inline glm::dvec2 singularValues(const Scene& scene, const Atlas& atlas, uint32_t triangle) {
     const glm::uvec3& v = scene.triangles[triangle];
     const auto& t = atlas.triangleTexels[triangle];
+    const double texelSize = double(atlas.charts[atlas.triangleChart[triangle]].texelSizeMeters);
     const glm::dmat2 inverse = glm::inverse(glm::dmat2(glm::dvec2(t[1] - t[0]), glm::dvec2(t[2] - t[0])));
     const glm::dvec3 e1 = scene.positions[v[1]] - scene.positions[v[0]],
                      e2 = scene.positions[v[2]] - scene.positions[v[0]];
-    const glm::dvec3 dx = (inverse[0][0] * e1 + inverse[0][1] * e2) / double(atlas.texelSizeMeters);
-    const glm::dvec3 dy = (inverse[1][0] * e1 + inverse[1][1] * e2) / double(atlas.texelSizeMeters);
+    const glm::dvec3 dx = (inverse[0][0] * e1 + inverse[0][1] * e2) / texelSize;
+    const glm::dvec3 dy = (inverse[1][0] * e1 + inverse[1][1] * e2) / texelSize;
     const double a = glm::dot(dx, dx), b = glm::dot(dx, dy), c = glm::dot(dy, dy);
     const double mean = 0.5 * (a + c), spread = std::sqrt(0.25 * (a - c) * (a - c) + b * b);
     return {std::sqrt(std::max(0.0, mean - spread)), std::sqrt(mean + spread)};
@@ -45,6 +46,8 @@ inline void expectSoundAtlas(const Scene& scene, const Atlas& atlas, const Atlas
     for (uint32_t c = 0; c < atlas.charts.size(); ++c) {
         const Chart& chart = atlas.charts[c];
         EXPECT_EQ(chart.firstBlock, blocks);
+        EXPECT_LE(chart.texelSizeMeters, atlas.texelSizeMeters);
+        EXPECT_GE(chart.texelSizeMeters * settings.glossyDensity, 0.9999f * atlas.texelSizeMeters);
         blocks += chart.blocksWide() * chart.blocksHigh();
         for (uint32_t y = 0; y < chart.sizeTiles.y; ++y) {
             for (uint32_t x = 0; x < chart.sizeTiles.x; ++x) {
