@@ -38,7 +38,7 @@ struct Chart {
 
 struct Atlas {
     glm::uvec2 sizeTexels{0};   // multiples of kTileSize
-    float texelSizeMeters = 0;  // of rough surfaces; charts of glossy ones have finer texels, none coarser
+    float texelSizeMeters = 0;  // of the coarsest charts; those of glossy surfaces have finer ones
     std::vector<Chart> charts;
     std::vector<uint32_t> triangleChart;                   // per triangle; kNoChart: degenerate
     std::vector<std::array<glm::vec2, 3>> triangleTexels;  // per triangle corner, in texels of that chart

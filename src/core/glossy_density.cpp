@@ -84,6 +84,9 @@ std::vector<float> glossyDensities(const Scene& scene, float maxDensity) {
 }
 
 void keepBudget(std::span<const double> area, std::span<double> density) {
+    if (density.empty()) return;
+    const double least = *std::min_element(density.begin(), density.end());
+    for (double& d : density) d /= least;
     // Of the pieces' excess g = density - 1: sum A (1 + s g)^2 <= kMostCoarsening^2 sum A, for the largest s.
     double total = 0, linear = 0, quadratic = 0;
     for (size_t i = 0; i < area.size(); ++i) {

@@ -15,8 +15,8 @@ inline constexpr float kMostGlossyDensity = 8;
 /// [1, maxDensity]. Follows from the material's reflectance and roughness, textures included.
 std::vector<float> glossyDensities(const Scene& scene, float maxDensity);
 
-/// Brings densities nearer to 1 so far that a fixed number of texels, spread over pieces of these areas,
-/// makes the texels of density 1 at most a quarter larger than if all were of density 1.
+/// Densities for pieces of these areas that share a fixed number of texels: relative to the least of them, and
+/// nearer to 1 where the coarsest texels would else be more than a quarter larger than texels of one size.
 void keepBudget(std::span<const double> area, std::span<double> density);
 
 }  // namespace phat

@@ -2,6 +2,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "baked_scene.h"
@@ -127,6 +128,23 @@ TEST_F(BakedDamage, SizesThatDoNotAgreeAreRefused) {
     EXPECT_TRUE(refuses([](auto& e) { e["surfaces"].push_back(e["surfaces"][0]); }));
     EXPECT_TRUE(refuses([](auto& e) { e["texCoord"] = 0; }));
     EXPECT_TRUE(refuses([](auto& e) { e.erase("area"); }));
+}
+
+TEST_F(BakedDamage, TexelSizesThatCannotBeAreRefused) {
+    const LoadedScene loaded = loadGltf(source);
+    const Bake sound = test::randomBake(loaded.scene, 1, false, 3);
+    ASSERT_NE(sound.atlas.charts[0].otherSide, kNoChart);
+    const float size = sound.atlas.charts[0].texelSizeMeters;
+    for (const float wrong : {0.0f, -size, 1.5f * size, INFINITY, NAN}) {
+        Bake bake = sound;
+        for (Chart& chart : bake.atlas.charts) chart.texelSizeMeters = wrong;
+        writeBakedFile(target, source, loaded.scene, bake, test::someRecord());
+        EXPECT_NE(reasonOf(target).find("texel size"), std::string::npos) << wrong << reasonOf(target);
+    }
+    Bake bake = sound;
+    bake.atlas.charts[0].texelSizeMeters = 0.5f * size;
+    writeBakedFile(target, source, loaded.scene, bake, test::someRecord());
+    EXPECT_NE(reasonOf(target).find("other side"), std::string::npos) << reasonOf(target);
 }
 
 // 100 MB of zeros are 100 kB of zlib stream: what they claim must not be allocated for them.

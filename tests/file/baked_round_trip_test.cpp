@@ -17,6 +17,7 @@ bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
 }
 
 void expectSame(const Atlas& a, const Atlas& b) {
+    EXPECT_LT(a.finestTexelSizeMeters(), a.texelSizeMeters);
     EXPECT_EQ(a.sizeTexels, b.sizeTexels);
     EXPECT_EQ(a.texelSizeMeters, b.texelSizeMeters);
     ASSERT_EQ(a.charts.size(), b.charts.size());

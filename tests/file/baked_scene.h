@@ -17,7 +17,9 @@ inline GltfBuilder hardScene() {
     gltf.json["extensionsUsed"] = {"KHR_mesh_quantization", "KHR_lights_punctual"};
     gltf.json["extensionsRequired"] = {"KHR_mesh_quantization"};
     gltf.json["extras"] = {{"kept", "as it is"}};
-    gltf.push("materials", {{"name", "paint"}, {"doubleSided", true}});
+    gltf.push("materials", {{"name", "paint"},
+                            {"doubleSided", true},
+                            {"pbrMetallicRoughness", {{"roughnessFactor", .3}}}});  // finer texels
 
     // Six faces; a vertex is position (3 shorts, padded to 8 bytes) and normal (3 bytes, padded to 4).
     std::vector<int8_t> vertices;
