@@ -111,9 +111,11 @@ TEST(ConductBake, NamesTheFileAndTheReasonInOneLine) {
 TEST(ConductBake, RefusesWrongUsage) {
     const TemporaryFolder folder;
     const std::vector<std::vector<std::string>> wrong = {
-        {"--samples", "0"},     {"--texel-size", "-1"},  {"--resolution", "12x"}, {"--directions", "up"},
-        {"--photons", "nan"},   {"--memory-limit", "0"}, {"--threads", "0"},      {"--gutter", "x"},
-        {"--texel-size", ".1"}, {"--no-such-flag"},      {"--use-uv", "7"},       {"--seed", "-1"}};
+        {"--samples", "0"},          {"--texel-size", "-1"},    {"--resolution", "12x"},
+        {"--directions", "up"},      {"--photons", "nan"},      {"--memory-limit", "0"},
+        {"--threads", "0"},          {"--gutter", "x"},         {"--texel-size", ".1"},
+        {"--no-such-flag"},          {"--use-uv", "7"},         {"--seed", "-1"},
+        {"--glossy-density", "0.5"}, {"--glossy-density", "9"}, {"--glossy-density", "nan"}};
     for (const auto& arguments : wrong) {  // --texel-size beside --resolution
         const auto result = runPhat(smallBake(folder.file("out.glb"), arguments));
         EXPECT_EQ(result.exitCode, 2) << arguments[0] << result.err;

@@ -69,6 +69,9 @@ TEST_F(BakedFileCommands, InfoCountsWhatWasBaked) {
     const size_t texels = baked.atlas.texelCount();
     EXPECT_EQ(bake["atlas"]["size"][0], baked.atlas.sizeTexels.x);
     EXPECT_EQ(bake["atlas"]["charts"], baked.atlas.charts.size());
+    EXPECT_EQ(bake["atlas"]["texelSizeMeters"], baked.atlas.texelSizeMeters);
+    // The scene's sharpest metal, of roughness .2, takes all that the settings allow.
+    EXPECT_EQ(bake["atlas"]["finestTexelSizeMeters"], baked.atlas.texelSizeMeters / 3);
     EXPECT_EQ(bake["indirect"]["layers"], 2);
     EXPECT_EQ(bake["indirect"]["phatexels"], 2 * texels);
     EXPECT_EQ(bake["indirect"]["bytes"], 2 * texels * 8);
