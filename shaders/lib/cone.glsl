@@ -67,3 +67,11 @@ float coneRadius(sampler2DArray radii, int lobeIndex, vec2 center, uint chart) {
     }
     return weights > 0.0 ? sum / weights : 0.0;
 }
+
+// sum a L, sum w of a lobe around a texel, in the cone that radius.frag chose; farther where that holds nothing.
+vec4 lobeSum(sampler2DArray pyramid, sampler2DArray radii, int lobeIndex, vec2 center, uint chart) {
+    float radius = coneRadius(radii, lobeIndex, center, chart);
+    vec4 sum = coneSum(pyramid, lobeIndex, center, max(radius, kMinRadius), chart);
+    if (!(sum.a > 0.0)) sum = coneSum(pyramid, lobeIndex, center, kMaxRadius, chart);
+    return sum;
+}

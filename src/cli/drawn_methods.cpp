@@ -24,6 +24,10 @@ std::filesystem::path shaderFolder() {
                                                              : std::filesystem::path(PHAT_SHADER_DIR);
 }
 
+Method methodOf(const RenderOptions& options) {
+    return std::string_view(options.method.name) == "phat-pyramid" ? Method::phatPyramid : Method::phat;
+}
+
 }  // namespace
 
 std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) {
@@ -39,6 +43,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
         const Image picture = renderer.render({.width = view.width,
                                                .height = view.height,
                                                .camera = view.camera,
+                                               .method = methodOf(options),
                                                .component = options.component,
                                                .samplesPerPixel = options.samplesPerPixel});
         progress.throwIfStopped();

@@ -106,21 +106,31 @@ void drawDepth(const DisplayPass& pass, const DisplayInput& input, const CameraM
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
+void bindCamera(const ShaderProgram& program, const CameraMatrices& camera, const FrameSettings& settings) {
+    program.set("clipFromWorld", camera.clipFromWorld);
+    const Eye eye = eyeOf(settings.camera);
+    program.set("eyeWorld", eye.place);
+    program.set("eyeAtInfinity", eye.atInfinity ? 1.0f : 0.0f);
+}
+
+// A display program's tables, and where its glossy light is: pictures that were looked up, or the pyramid.
 void bindShared(const ShaderProgram& program, const DisplayInput& input, const CameraMatrices& camera,
-                const FrameSettings& settings) {
-    program.bind("relit", 0, input.relit.lobes.name());
-    program.bind("radii", 1, input.relit.radii.name());
+                const FrameSettings& settings, const LookupTargets* looked) {
+    if (looked) {
+        program.bind("glossy", 0, looked->glossy.name());
+        program.bind("tileLight", 1, input.atlas.tileLight.name());
+    } else {
+        program.bind("relit", 0, input.relit.lobes.name());
+        program.bind("radii", 1, input.relit.radii.name());
+    }
     program.bind("tileTable", 2, input.atlas.tileTable.name());
     program.bind("irradiance", 3, input.atlas.irradiance.name());
     program.bind("splitSumTable", 4, input.scene.splitSum.name());
     program.bind("lightTable", 5, input.shadows.lightTable.name());
     program.bind("shadowMaps", 6, input.shadows.depth.name());
     program.set("lightCount", input.shadows.lightCount);
-    program.set("clipFromWorld", camera.clipFromWorld);
-    const Eye eye = eyeOf(settings.camera);
-    program.set("eyeWorld", eye.place);
-    program.set("eyeAtInfinity", eye.atInfinity ? 1.0f : 0.0f);
     program.set("show", shownParts(settings.component));
+    bindCamera(program, camera, settings);
     program.use();
 }
 
@@ -133,11 +143,14 @@ void drawSurface(const ShaderProgram& program, const DisplayInput& input, const 
 
 // Behind what was drawn already: back to front, by the surfaces' middles; a surface's own back before its
 // front.
-void drawBlended(DisplayPass& pass, const DisplayInput& input, const Camera& camera) {
+void drawBlended(DisplayPass& pass, const DisplayInput& input, const CameraMatrices& matrices,
+                 const FrameSettings& settings) {
     pass.blendOrder.clear();
     for (uint32_t i = 0; i < input.scene.draws.size(); ++i)
         if (input.materials[input.scene.draws[i].material].alphaMode == AlphaMode::blend)
             pass.blendOrder.push_back(i);
+    if (pass.blendOrder.empty()) return;
+    const Camera& camera = settings.camera;
     const glm::vec3 eye(camera.worldFromCamera[3]), backward(camera.worldFromCamera[2]);
     const auto depth = [&](uint32_t i) {
         const glm::vec3 toward = eye - input.scene.draws[i].center;
@@ -146,6 +159,7 @@ void drawBlended(DisplayPass& pass, const DisplayInput& input, const Camera& cam
     std::stable_sort(pass.blendOrder.begin(), pass.blendOrder.end(),
                      [&](uint32_t a, uint32_t b) { return depth(a) > depth(b); });
 
+    bindShared(pass.displayProgram, input, matrices, settings, nullptr);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     glDepthFunc(GL_LESS);
@@ -163,8 +177,32 @@ void drawBlended(DisplayPass& pass, const DisplayInput& input, const Camera& cam
     glDisable(GL_BLEND);
 }
 
+void drawOpaque(const ShaderProgram& program, const DisplayInput& input) {
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_EQUAL);
+    glDepthMask(GL_FALSE);
+    glBindVertexArray(input.scene.vertexArray.name());
+    program.use();
+    for (size_t i = 0; i < input.scene.draws.size(); ++i) {
+        const Material& material = input.materials[input.scene.draws[i].material];
+        if (material.alphaMode == AlphaMode::blend) continue;
+        setCulling(material);
+        program.set("surfaceIndex", int(i));
+        drawSurface(program, input, input.scene.draws[i]);
+    }
+}
+
+void lookUp(const DisplayInput& input, const CameraMatrices& camera, const FrameSettings& settings,
+            const LookupTargets& targets, uint32_t seed) {
+    const ShaderProgram& program = input.lookupPass.lookupProgram;
+    beginLookup(input.lookupPass, input.atlas, input.lookup, targets, seed);
+    bindCamera(program, camera, settings);
+    drawOpaque(program, input);
+    poolDraws(input.lookupPass, input.atlas, input.relit, targets);
+}
+
 void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
-                 const FrameTargets& targets, glm::vec2 jitter) {
+                 const FrameTargets& targets, glm::vec2 jitter, uint32_t seed) {
     const CameraMatrices camera = matricesOf(settings.camera, targets.size, input.scene.bounds, jitter);
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
     glViewport(0, 0, GLsizei(targets.size.x), GLsizei(targets.size.y));
@@ -173,16 +211,16 @@ void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettin
 
     glBindVertexArray(input.scene.vertexArray.name());
     drawDepth(pass, input, camera);
-    glDepthFunc(GL_EQUAL);
-    glDepthMask(GL_FALSE);
-    bindShared(pass.displayProgram, input, camera, settings);
-    for (const DrawRange& draw : input.scene.draws) {
-        const Material& material = input.materials[draw.material];
-        if (material.alphaMode == AlphaMode::blend) continue;
-        setCulling(material);
-        drawSurface(pass.displayProgram, input, draw);
+    const LookupTargets* looked = settings.method == Method::phat ? &targets.lookup : nullptr;
+    if (looked) {
+        glDepthMask(GL_FALSE);  // clearing the pictures must leave the depth
+        lookUp(input, camera, settings, *looked, seed);
+        glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
     }
-    drawBlended(pass, input, settings.camera);
+    const ShaderProgram& program = looked ? pass.lookedUpProgram : pass.displayProgram;
+    bindShared(program, input, camera, settings, looked);
+    drawOpaque(program, input);
+    drawBlended(pass, input, camera, settings);
     glDepthMask(GL_TRUE);
 }
 
@@ -202,7 +240,7 @@ void accumulate(const DisplayPass& pass, const FrameTargets& targets, float weig
 
 }  // namespace
 
-FrameTargets createFrameTargets(glm::uvec2 size) {
+FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup) {
     FrameTargets targets;
     targets.size = size;
     targets.picture = createTexture2D(GL_RGBA32F, size);
@@ -210,6 +248,7 @@ FrameTargets createFrameTargets(glm::uvec2 size) {
     targets.sum = createTexture2D(GL_RGBA32F, size);
     targets.pictureTarget = createFramebuffer({{targets.picture.name()}}, targets.depth.name());
     targets.sumTarget = createFramebuffer({{targets.sum.name()}});
+    if (lookup) targets.lookup = createLookupTargets(*lookup, size, targets.depth.name());
     checkGl("creating the frame's targets");
     return targets;
 }
@@ -220,6 +259,8 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, 
     if (clearcoat) defines.push_back("CLEARCOAT");
     DisplayPass pass;
     pass.displayProgram = ShaderProgram(folder, "surface.vert", "display.frag", defines);
+    defines.push_back("LOOKUP");
+    pass.lookedUpProgram = ShaderProgram(folder, "surface.vert", "display.frag", defines);
     pass.depthProgram = ShaderProgram(folder, "surface.vert", "depth.frag");
     pass.backgroundProgram = ShaderProgram(folder, "fullscreen.vert", "background.frag");
     pass.accumulateProgram = ShaderProgram(folder, "fullscreen.vert", "accumulate.frag");
@@ -236,7 +277,7 @@ void display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& 
     const GLfloat black[4] = {0, 0, 0, 0};
     glClearBufferfv(GL_COLOR, 0, black);
     for (int i = 0; i < count; ++i) {
-        drawPicture(pass, input, settings, targets, jitterOf(i, count));
+        drawPicture(pass, input, settings, targets, jitterOf(i, count), uint32_t(i));
         accumulate(pass, targets, 1.0f / float(count));
     }
 }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "gl/lookup_pass.h"
 #include "gl/relight_pass.h"
 #include "gl/renderer.h"
 #include "gl/scene_upload.h"
@@ -15,11 +16,13 @@ struct FrameTargets {
     glm::uvec2 size{0};
     GlTexture picture, depth, sum;
     GlFramebuffer pictureTarget, sumTarget;
+    LookupTargets lookup;  // empty when nothing is looked up
 };
-FrameTargets createFrameTargets(glm::uvec2 size);
+/// `lookup` null: nothing is looked up.
+FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup);
 
 struct DisplayPass {
-    ShaderProgram displayProgram, depthProgram, backgroundProgram, accumulateProgram;
+    ShaderProgram displayProgram, lookedUpProgram, depthProgram, backgroundProgram, accumulateProgram;
     GlVertexArray noVertices;
     std::vector<uint32_t> blendOrder;  // reused from frame to frame
 };
@@ -31,10 +34,14 @@ struct DisplayInput {
     const GpuAtlas& atlas;
     const RelightPass& relit;
     const ShadowMaps& shadows;
+    const GpuLookup& lookup;
+    const LookupPass& lookupPass;
     const std::vector<Material>& materials;
 };
 
-/// Draws `settings.samplesPerPixel` jittered pictures and leaves their mean in `targets.sum`.
+/// Draws `settings.samplesPerPixel` jittered pictures and leaves their mean in `targets.sum`. Blended
+/// surfaces take their glossy light from the pyramid with either method, for a pixel of the lookup holds one
+/// surface.
 void display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
              const FrameTargets& targets);
 

@@ -80,8 +80,8 @@ void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const std::v
     drawFullscreen(pass, program, pass.brdfTarget, atlas.sizeTexels);
 }
 
-void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, const Eye& eye) {
-    for (size_t s = 0; s < atlas.sources.size(); ++s) {
+void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, const Eye& eye, bool indirect) {
+    for (size_t s = indirect ? 0 : 1; s < atlas.sources.size(); ++s) {
         const GpuPhatexels& source = atlas.sources[s];
         const ShaderProgram& program = pass.relightPrograms[s];
         program.bind("tileTable", 0, atlas.tileTable.name());
@@ -102,7 +102,8 @@ void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, co
     }
 }
 
-void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas) {
+void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas, bool indirect) {
+    const auto skipped = [&](int lobe) { return !indirect && lobe % int(atlas.sources.size()) == 0; };
     const GLuint lobes = pass.lobes.name(), statistics = pass.statistics.name();
     const ShaderProgram& pyramid = pass.pyramidProgram;
     pyramid.bind("finerLobe", 0, lobes);
@@ -111,6 +112,7 @@ void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas) {
         exposeLevels(lobes, level - 1);
         exposeLevels(statistics, level - 1);
         for (int lobe = 0; lobe < pass.lobeCount; ++lobe) {
+            if (skipped(lobe)) continue;
             pyramid.set("lobeIndex", lobe);
             drawFullscreen(pass, pyramid, pass.pyramidTargets[lobe][level - 1],
                            atlas.sizeTexels >> uint32_t(level));
@@ -125,6 +127,7 @@ void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas) {
     radius.bind("statistics", 2, statistics);
     radius.bind("tileLight", 3, atlas.tileLight.name());
     for (int lobe = 0; lobe < pass.lobeCount; ++lobe) {
+        if (skipped(lobe)) continue;
         radius.set("lobeIndex", lobe);
         radius.set("areaLights", lobe % int(atlas.sources.size()) == 1 ? 1 : 0);
         drawFullscreen(pass, radius, pass.radiusTargets[lobe], atlas.sizeTexels / kTileSize);

@@ -15,6 +15,11 @@
 namespace phat {
 namespace {
 
+bool anyBlended(const std::vector<Material>& materials) {
+    return std::any_of(materials.begin(), materials.end(),
+                       [](const Material& m) { return m.alphaMode == AlphaMode::blend; });
+}
+
 bool anyClearcoat(const std::vector<Material>& materials) {
     return std::any_of(materials.begin(), materials.end(), [](const Material& m) { return m.clearcoat > 0; });
 }
@@ -66,7 +71,9 @@ struct Renderer::State {
     std::vector<PunctualLight> lights;
     GpuScene scene;
     GpuAtlas atlas;
+    GpuLookup lookup;
     RelightPass relight;
+    LookupPass lookupPass;
     DisplayPass display;
     ShadowMaps shadows;
     FrameTargets targets;
@@ -77,6 +84,8 @@ struct Renderer::State {
     void createPasses() {
         const bool clearcoat = anyClearcoat(materials);
         relight = createRelightPass(shaderFolder, atlas, clearcoat);
+        if (lookup.guideCount > 0) lookupPass = createLookupPass(shaderFolder, atlas, lookup, clearcoat);
+        targets = {};
         display = createDisplayPass(shaderFolder, atlas, clearcoat);
         materialsChanged = true;
     }
@@ -91,15 +100,25 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->scene = uploadScene(input.scene, input.atlas);
     state_->atlas =
         uploadAtlas(input.scene, input.atlas, input.points, input.phatexture);
+    SilentProgress silent;
+    const std::vector<Frame> frames = blockFrames(input.atlas, input.points);
+    state_->lookup =
+        uploadLookup(buildLookupTables(input.phatexture.indirect, input.phatexture.indirectGuides,
+                                       input.atlas, input.points, frames, silent),
+                     input.atlas, frames);
     state_->createPasses();
 }
 
 Renderer::~Renderer() = default;
 
-Image Renderer::render(const FrameSettings& settings) {
+Image Renderer::render(const FrameSettings& wanted) {
     State& s = *state_;
+    FrameSettings settings = wanted;
+    const bool canLookUp = s.lookup.guideCount > 0;
+    if (!canLookUp) settings.method = Method::phatPyramid;
+    const bool pyramidOfIndirect = settings.method == Method::phatPyramid || anyBlended(s.materials);
     const glm::uvec2 size(std::max(settings.width, 1), std::max(settings.height, 1));
-    if (s.targets.size != size) s.targets = createFrameTargets(size);
+    if (s.targets.size != size) s.targets = createFrameTargets(size, canLookUp ? &s.lookupPass : nullptr);
 
     // A query needs a complete framebuffer; a context without a window has none of its own.
     glBindFramebuffer(GL_FRAMEBUFFER, s.targets.sumTarget.name());
@@ -121,14 +140,15 @@ Image Renderer::render(const FrameSettings& settings) {
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
     s.relightTimer.start();
-    relight(s.relight, s.atlas, s.scene.splitSum.name(), eyeOf(settings.camera));
+    relight(s.relight, s.atlas, s.scene.splitSum.name(), eyeOf(settings.camera), pyramidOfIndirect);
     s.relightTimer.stop();
     s.pyramidTimer.start();
-    buildPyramid(s.relight, s.atlas);
+    buildPyramid(s.relight, s.atlas, pyramidOfIndirect);
     s.pyramidTimer.stop();
 
     s.displayTimer.start();
-    phat::display(s.display, {s.scene, s.atlas, s.relight, s.shadows, s.materials}, settings, s.targets);
+    phat::display(s.display, {s.scene, s.atlas, s.relight, s.shadows, s.lookup, s.lookupPass, s.materials},
+                  settings, s.targets);
     s.displayTimer.stop();
 
     Image image = readPicture(s.targets);

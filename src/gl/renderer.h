@@ -1,5 +1,6 @@
 #pragma once
-// The OpenGL 4.5 renderer: relight, pyramid, display. source: Hensley et al. 2003, section 6.
+// The OpenGL 4.5 renderer: lookup, or relight and pyramid; then display. source: Hensley et al. 2003, section
+// 6; the lookup is ours.
 //
 // Needs a current context (HeadlessContext, or the viewer's window). Draws what phat render writes and what
 // the viewer shows; holds no light transport of its own.
@@ -16,12 +17,18 @@
 
 namespace phat {
 
+/// Where indirect light on glossy surfaces comes from.
+enum class Method : uint8_t {
+    phat,         // looked up by the pixel: draws from the BRDF, answered by PHATexels around
+    phatPyramid,  // the paper's passes: the BRDF on every PHATexel, a pyramid, a cone
+};
 enum class ToneMap : uint8_t { linear, agx, aces };
 
 struct FrameSettings {
     int width = 640;
     int height = 360;
     Camera camera;
+    Method method = Method::phat;  // phatPyramid takes its place where directions follow no invertible layout
     Component component = Component::all;
     /// Anti-aliasing: this many whole pictures, shifted inside the pixel, are averaged (a box filter of one
     /// pixel, over edges, textures and highlights alike). 1 turns it off.
@@ -33,7 +40,7 @@ struct FrameTimes {
     double relight = 0;
     double pyramid = 0;
     double shadows = 0;  // first frame only
-    double display = 0;
+    double display = 0;  // with the lookup
 };
 
 /// What the renderer needs of a bake. Everything is uploaded in the constructor; the CPU's copies may go.

@@ -1,0 +1,34 @@
+// Which texel of a block holds the sample of a place in its unit square.
+// twin: stratifiedSquare in src/core/directions.h, of which this is the inverse; tests/shader compares the two.
+
+const int kBlockBits = 5;
+const int kBlockSize = 1 << kBlockBits;
+
+uint spreadBits(uint x) {
+    x = (x | (x << 4)) & 0x10f0fu;
+    x = (x | (x << 2)) & 0x33333u;
+    return (x | (x << 1)) & 0x55555u;
+}
+
+// Every other bit, from the lowest on; 10 bits in.
+uint gatherBits(uint x) {
+    x &= 0x155u;
+    x = (x | (x >> 1)) & 0x133u;
+    x = (x | (x >> 2)) & 0x10fu;
+    return (x | (x >> 4)) & 0x1fu;
+}
+
+uint reverse10(uint x) {
+    x = ((x & 0x155u) << 1) | ((x >> 1) & 0x155u);
+    return ((x & 0x3u) << 8) | ((x & 0xcu) << 4) | (x & 0x30u) | ((x >> 4) & 0xcu) | (x >> 8);
+}
+
+// The texel, in the block, of the aligned group of 2^bits texels a side at `corner` whose sample covers `square`.
+ivec2 texelHolding(vec2 square, ivec2 corner, int bits, uint scramble) {
+    uvec2 cell = min(uvec2(square * float(1 << bits)), uvec2((1 << bits) - 1));
+    uint code = (spreadBits(cell.x) | (spreadBits(cell.y) << 1)) << uint(2 * (kBlockBits - bits));
+    // The low bits belong to finer cells, which other groups' texels hold.
+    uint finer = (1u << uint(2 * (kBlockBits - bits))) - 1u;
+    uint place = reverse10((code ^ scramble) & ~finer);
+    return corner + ivec2(gatherBits(place), gatherBits(place >> 1));
+}

@@ -1,0 +1,73 @@
+// What a pixel of a drawn surface shows of it: material, textures, frame.
+#include "lib/slots.glsl"
+#include "lib/frame.glsl"
+
+in vec3 vPosition;
+in vec3 vNormal;
+in vec4 vTangent;
+in vec4 vTexel;
+flat in uvec2 vCharts;
+
+uniform sampler2D metallicRoughnessTexture;
+uniform sampler2D normalTexture;
+uniform sampler2D emissionTexture;
+uniform sampler2D specularTexture;
+uniform sampler2D specularColorTexture;
+uniform sampler2D clearcoatTexture;
+uniform sampler2D clearcoatRoughnessTexture;
+uniform sampler2D clearcoatNormalTexture;
+
+uniform vec3 eyeWorld;
+uniform float eyeAtInfinity;
+
+struct VisibleSurface {
+    vec3 towardEye;        // world
+    vec3 normalGeometric;  // world, of the flat triangle, on the eye's side
+    mat3 worldFromLocal;   // local z: the shading normal
+    vec3 towardEyeLocal;
+    Brdf brdf;
+    vec2 texel;            // place in the atlas, in texels
+    uint chart;
+};
+
+vec3 mappedNormal(sampler2D map, int slot, float scale, vec3 normal) {
+    if (!slotBound(slot) || dot(vTangent.xyz, vTangent.xyz) < 1e-8) return normal;
+    vec3 n = texture(map, slotUv(slot)).xyz * 2.0 - 1.0;
+    vec3 bitangent = vTangent.w * cross(normal, vTangent.xyz);
+    vec3 mapped = n.x * scale * vTangent.xyz + n.y * scale * bitangent + n.z * normal;
+    float size = length(mapped);
+    return size > 1e-6 ? mapped / size : normal;
+}
+
+VisibleSurface visibleSurface(MaterialFactors factors) {
+    VisibleSurface s;
+    float side = gl_FrontFacing ? 1.0 : -1.0;
+    s.towardEye = normalize(eyeWorld - vPosition * (1.0 - eyeAtInfinity));
+    vec3 vertexNormal = normalize(vNormal);
+    vec3 normal = side * mappedNormal(normalTexture, kSlotNormal, factors.normalScale, vertexNormal);
+    // Interpolated normals may face away from the eye at silhouettes; bend them back just over the edge.
+    const float kLeastCosine = 1e-3;
+    float cosine = dot(normal, s.towardEye);
+    if (cosine < kLeastCosine) normal = normalize(normal + (kLeastCosine - cosine) * s.towardEye);
+
+    vec4 metallicRoughness = texture(metallicRoughnessTexture, slotUv(kSlotMetallicRoughness));
+    MaterialTexels texels = MaterialTexels(
+        vColor.rgb * texture(baseColorTexture, slotUv(kSlotBaseColor)).rgb, metallicRoughness.g,
+        metallicRoughness.b, texture(specularTexture, slotUv(kSlotSpecular)).a,
+        texture(specularColorTexture, slotUv(kSlotSpecularColor)).rgb,
+        texture(clearcoatTexture, slotUv(kSlotClearcoat)).r,
+        texture(clearcoatRoughnessTexture, slotUv(kSlotClearcoatRoughness)).g);
+    s.worldFromLocal = frameFromNormal(normal);
+    vec3 coatNormal =
+        mappedNormal(clearcoatNormalTexture, kSlotClearcoatNormal, factors.clearcoatNormalScale, vertexNormal);
+    s.brdf = brdfFrom(factors, texels, side * coatNormal * s.worldFromLocal);
+    s.towardEyeLocal = s.towardEye * s.worldFromLocal;
+
+    // Derivatives give the flat triangle's plane without another attribute.
+    s.normalGeometric = normalize(cross(dFdx(vPosition), dFdy(vPosition)));
+    if (dot(s.normalGeometric, s.towardEye) < 0.0) s.normalGeometric = -s.normalGeometric;
+
+    s.chart = gl_FrontFacing ? vCharts.x : vCharts.y;
+    s.texel = gl_FrontFacing ? vTexel.xy : vTexel.zw;
+    return s;
+}

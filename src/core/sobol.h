@@ -1,0 +1,15 @@
+#pragma once
+// Low-discrepancy points.
+
+#include <cstdint>
+
+#include "core/math.h"
+
+namespace phat {
+
+/// Point `index` of Sobol's sequence in four dimensions (direction numbers of Joe and Kuo 2008),
+/// Owen-scrambled by `seed`: every aligned run of 2^k points is stratified. In [0, 1). source: Burley 2020,
+/// "Practical Hash-based Owen Scrambling".
+glm::vec4 sobol4(uint32_t index, uint32_t seed);
+
+}  // namespace phat

@@ -1,0 +1,52 @@
+#pragma once
+// Indirect light on glossy surfaces, looked up by the pixel: lookup.frag and pool.frag.
+
+#include "core/lookup_tables.h"
+#include "gl/gl_objects.h"
+#include "gl/phatexture_upload.h"
+#include "gl/relight_pass.h"
+#include "gl/shader_loader.h"
+
+namespace phat {
+
+/// What shaders/lib/lookup.glsl reads beside the PHATexels.
+struct GpuLookup {
+    GlTexture tiles;      // RGBA32UI [tileY][tileX]: chart, block, frame, scramble
+    GlTexture warps;      // RGBA8, 16x16 a guide
+    GlTexture probes;     // R8UI, 16x16 a probe
+    GlTexture scrambles;  // R16UI [block row][layer][block]
+    int guideCount = 0;   // 0: these PHATexels cannot be looked up
+    int layerCount = 0;
+};
+/// Throws GlError.
+GpuLookup uploadLookup(const LookupTables& tables, const Atlas& atlas, const std::vector<Frame>& frames);
+
+/// Pictures between the passes, of the frame's size.
+struct LookupTargets {
+    GlTexture seen, seenCoat;    // RGBA32F: sum g L, sum g
+    GlTexture surfaces, places;  // RGBA32F, see lookup.frag
+    GlTexture glossy;            // RGBA32F [lobe]: indirect, area lights, then their coats'
+    GlFramebuffer lookupTarget, poolTarget;
+};
+
+struct LookupPass {
+    ShaderProgram lookupProgram, poolProgram;
+    GlTexture draws;  // RGBA32F [rank][k]
+    GlVertexArray noVertices;
+    bool clearcoat = false;
+    bool areaLights = false;
+};
+
+/// Throws GlError.
+LookupPass createLookupPass(const std::string& shaderFolder, const GpuAtlas& atlas, const GpuLookup& lookup,
+                            bool clearcoat);
+LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth);
+
+/// Clears the targets, binds what the lookup of every surface shares, and reseeds the draws.
+void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
+                 const LookupTargets& targets, uint32_t seed);
+/// From the surfaces' draws to `targets.glossy`.
+void poolDraws(const LookupPass& pass, const GpuAtlas& atlas, const RelightPass& relit,
+               const LookupTargets& targets);
+
+}  // namespace phat
