@@ -36,8 +36,10 @@ const std::map<std::string, Directions> kDirections = {{"guided", Directions::gu
                                                        {"nearest-photon", Directions::nearestPhoton},
                                                        {"uniform", Directions::uniform},
                                                        {"cosine", Directions::cosine}};
-const std::map<std::string, RadianceSource> kRadiance = {
-    {"path", RadianceSource::path}, {"photons", RadianceSource::photons}, {"splat", RadianceSource::splat}};
+const std::map<std::string, RadianceSource> kRadiance = {{"texels", RadianceSource::texels},
+                                                         {"path", RadianceSource::path},
+                                                         {"photons", RadianceSource::photons},
+                                                         {"splat", RadianceSource::splat}};
 
 struct BakeOptions {
     std::string input;
@@ -208,13 +210,13 @@ void addBakeCommand(CLI::App& app) {
         option("--directions", "NAME", "guided, photons, nearest-photon, uniform or cosine")
             ->check(CLI::IsMember(kDirections))
             ->default_val("guided");
-    CLI::Option* radiance = option("--radiance", "NAME", "path, photons or splat")
+    CLI::Option* radiance = option("--radiance", "NAME", "texels, path, photons or splat")
                                 ->check(CLI::IsMember(kRadiance))
-                                ->default_val("path");
+                                ->default_val("texels");
     CLI::Option* bounces = option("--bounces,--max-bounces", "N", "Longest path, in reflections")
                                ->check(CLI::Range(1, 1000))
                                ->default_val(defaults.maxBounces);
-    CLI::Option* paths = option("--paths", "N", "Paths per PHATexel (--radiance path)")
+    CLI::Option* paths = option("--paths", "N", "Paths per PHATexel (--radiance texels: through glossy reflections; path)")
                              ->check(CLI::Range(1, 65'536))
                              ->default_val(defaults.pathsPerPhatexel);
     CLI::Option* environment = option("--environment", "FILE", "Sky: latitude-longitude .hdr or .exr");

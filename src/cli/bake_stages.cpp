@@ -14,13 +14,15 @@ std::vector<PlannedStage> bakeStages(const BakeSettings& settings) {
                                         {"directions", 2 * texels},
                                         {"area light", 3 * texels},
                                         {"soft shadows", 17 * texels},
+                                        {"diffuse light", 4 * texels},
+                                        {"diffuse contacts", texels},
+                                        {"diffuse contacts", texels},
                                         {"guides", 28 * texels}};
+    const double indirect = settings.radiance == RadianceSource::path ? 12.0 * settings.pathsPerPhatexel : 8.0;
     for (int layer = 0; layer < settings.layers; ++layer) {
         stages.push_back({"directions", 2 * texels});
-        stages.push_back({"indirect light", 12.0 * settings.pathsPerPhatexel * texels});
+        stages.push_back({"indirect light", indirect * texels});
     }
-    stages.push_back({"diffuse light", 4 * texels});
-    for (int level = 0; level < 2; ++level) stages.push_back({"diffuse contacts", texels});
     stages.push_back({"compress", 4 * texels * settings.layers});
     return stages;
 }

@@ -7,6 +7,7 @@
 #include "core/gather.h"
 #include "core/glossy_density.h"
 #include "core/irradiance.h"
+#include "core/irradiance_ray.h"
 #include "core/lights.h"
 
 namespace phat {
@@ -69,7 +70,8 @@ void bakeIndirect(const GatherInput& input, const BakeSettings& settings, Progre
             directionsFor(input, out.indirectGuides, isIndirectPhoton,
                           {settings.directions, settings.density, settings.seed, layer}, progress);
         ProgressStage stage(progress, "indirect light", input.atlas.texelCount());
-        out.indirect.push_back(gatherIndirect(input, chosen, layer, settings, progress, journal, rays));
+        out.indirect.push_back(gatherIndirect(input, chosen, {out.indirectIrradiance, out.areaIrradiance},
+                                              layer, settings, progress, journal, rays));
         const bool densityFromPhotons = !chosen.splatRadiance.empty();
         if (densityFromPhotons) out.indirect.back().pdf = std::move(chosen.pdf);
     }
@@ -116,9 +118,9 @@ Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, 
 
     std::atomic<uint64_t> rayCount = 0;
     bakeAreaLight(input, settings, progress, journal, rayCount, result.phatexture);
-    bakeIndirect(input, settings, progress, journal, rayCount, result.phatexture);
     result.phatexture.indirectIrradiance = packIrradiance(gatherIndirectIrradiance(
         input, result.phatexture.areaIrradiance, settings, progress, journal, rayCount));
+    bakeIndirect(input, settings, progress, journal, rayCount, result.phatexture);
 
     result.stats.photons = photons.stats;
     result.stats.texels = result.atlas.texelCount();

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "core/atlas.h"
-#include "core/photon_map.h"
 #include "core/phatexture.h"
+#include "core/photon_map.h"
 #include "core/progress.h"
 #include "core/scene.h"
 
@@ -14,7 +14,12 @@ namespace phat {
 /// How PHATexel directions are chosen.
 enum class Directions : uint8_t { guided, photons, nearestPhoton, uniform, cosine };
 /// Where the radiance of a PHATexel comes from.
-enum class RadianceSource : uint8_t { path, photons, splat };
+enum class RadianceSource : uint8_t {
+    texels,   // irradiance of the texels that the ray meets; glossy reflections on the way are followed
+    path,     // paths from there, unbiased
+    photons,  // the photons there: the paper's exact-solution analogue
+    splat,    // the chosen photon itself: the paper's approximate analogue
+};
 
 /// Whether a direction is a photon's, whose light RadianceSource::splat needs.
 inline bool choosesPhotons(Directions directions) {
@@ -26,9 +31,9 @@ struct BakeSettings {
     PhotonSettings photons;
     DensityEstimate density;  // for RadianceSource::photons
     Directions directions = Directions::guided;
-    RadianceSource radiance = RadianceSource::path;
+    RadianceSource radiance = RadianceSource::texels;
     int layers = 1;            // PHATexels per texel
-    int pathsPerPhatexel = 8;  // RadianceSource::path
+    int pathsPerPhatexel = 8;  // RadianceSource::path, and texels on glossy surfaces
     int maxBounces = 12;
     int irradianceSamples = 16;  // shadow rays a texel for area lights' diffuse part; four times in penumbrae
     uint64_t seed = 1;
@@ -37,9 +42,9 @@ struct BakeSettings {
 struct BakeStats {
     AtlasStats atlas;
     PhotonStats photons;
-    uint64_t texels = 0;         // in the atlas
+    uint64_t texels = 0;  // in the atlas
     uint64_t validPhatexels = 0;
-    uint64_t rays = 0;           // traced after the photons
+    uint64_t rays = 0;  // traced after the photons
     double seconds = 0;
 };
 
@@ -61,7 +66,8 @@ class BakeJournal {
 };
 
 /// Throws Interrupted when `progress` asks, std::invalid_argument for splats without photon directions.
-Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, BakeJournal* journal = nullptr);
+Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress,
+          BakeJournal* journal = nullptr);
 
 /// Upper estimate of the memory that bake() needs, in bytes, before anything is allocated.
 uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings);

@@ -1,6 +1,7 @@
 #include "core/gather.h"
 
 #include "core/gather_parts.h"
+#include "core/irradiance_ray.h"
 
 namespace phat {
 namespace {
@@ -45,13 +46,20 @@ IncidentRadiance photonIncident(const GatherInput& input, const TexelRay& ray,
     return incident;
 }
 
-IncidentRadiance incidentAt(const GatherInput& input, const ChosenDirections& chosen, const TexelRay& ray,
-                            size_t texel, int layer, const BakeSettings& settings) {
-    if (settings.radiance == RadianceSource::photons) return photonIncident(input, ray, settings.density);
-    if (settings.radiance == RadianceSource::path) {
-        const PathSettings path{settings.pathsPerPhatexel, settings.maxBounces};
-        return traceIncident(input.rays, input.lights, ray.origin, ray.direction, path,
-                             Rng(hashOf(settings.seed + 0x9a7, uint64_t(layer), texel)));
+IncidentRadiance incidentAt(const GatherInput& input, const ChosenDirections& chosen,
+                            const TexelIrradiance& irradiance, const TexelRay& ray, size_t texel, int layer,
+                            const BakeSettings& settings) {
+    const PathSettings path{settings.pathsPerPhatexel, settings.maxBounces};
+    const Rng rng(hashOf(settings.seed + 0x9a7, uint64_t(layer), texel));
+    switch (settings.radiance) {
+        case RadianceSource::texels:
+            return incidentFromTexels(input, irradiance, ray.origin, ray.direction, path, rng);
+        case RadianceSource::path:
+            return traceIncident(input.rays, input.lights, ray.origin, ray.direction, path, rng);
+        case RadianceSource::photons:
+            return photonIncident(input, ray, settings.density);
+        case RadianceSource::splat:
+            break;
     }
     // splat: the photon itself is the sample; the ray only tells how far it came.
     IncidentRadiance incident;
@@ -103,16 +111,17 @@ glm::vec3 flatNormalOf(const GatherInput& input, size_t texel) {
     return glm::normalize(back ? -normal : normal);
 }
 
-PhatexelLayer gatherIndirect(const GatherInput& input, const ChosenDirections& chosen, int layer,
-                             const BakeSettings& settings, Progress& progress, BakeJournal* journal,
-                             std::atomic<uint64_t>& rayCount) {
+PhatexelLayer gatherIndirect(const GatherInput& input, const ChosenDirections& chosen,
+                             const TexelIrradiance& irradiance, int layer, const BakeSettings& settings,
+                             Progress& progress, BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
     PhatexelLayer result;
     result.texels.resize(input.atlas.texelCount());
     fillParts(result.texels, hashOf(uint64_t(GatherStage::indirect), uint64_t(layer)), progress, journal,
               rayCount, [&](size_t texel, uint64_t& rays) {
                   const TexelRay ray = texelRay(input, chosen, texel);
                   if (!ray.valid) return;
-                  const IncidentRadiance incident = incidentAt(input, chosen, ray, texel, layer, settings);
+                  const IncidentRadiance incident =
+                      incidentAt(input, chosen, irradiance, ray, texel, layer, settings);
                   rays += incident.rays;
                   result.texels[texel] =
                       packPhatexel(makePhatexel(chosen, texel, incident.reflected, incident.distance));

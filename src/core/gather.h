@@ -10,6 +10,8 @@
 
 namespace phat {
 
+struct TexelIrradiance;
+
 /// What the gathering stages read.
 struct GatherInput {
     const RayScene& rays;
@@ -27,9 +29,10 @@ glm::vec3 flatNormalOf(const GatherInput& input, size_t texel);
 
 /// PHATexels of light that was reflected at least once: one ray each, its value by `settings.radiance`.
 /// A direction below its own texel's horizon (the block's frame is a mean) gives an invalid PHATexel.
-PhatexelLayer gatherIndirect(const GatherInput& input, const ChosenDirections& chosen, int layer,
-                             const BakeSettings& settings, Progress& progress, BakeJournal* journal,
-                             std::atomic<uint64_t>& rayCount);
+/// `irradiance` is what RadianceSource::texels reads.
+PhatexelLayer gatherIndirect(const GatherInput& input, const ChosenDirections& chosen,
+                             const TexelIrradiance& irradiance, int layer, const BakeSettings& settings,
+                             Progress& progress, BakeJournal* journal, std::atomic<uint64_t>& rayCount);
 
 /// PHATexels of light straight from emissive surfaces and the environment.
 PhatexelLayer gatherArea(const GatherInput& input, const ChosenDirections& chosen, Progress& progress,

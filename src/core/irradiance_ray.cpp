@@ -44,67 +44,132 @@ std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t
     return {};
 }
 
+namespace {
+
+/// A walk through mirrors and gloss until it ends in a texel. Each step returns whether it goes on.
+struct Walk {
+    const GatherInput& input;
+    const std::vector<uint32_t>& areaIrradiance;
+    Rng& rng;
+    uint64_t& rayCount;
+    Hit hit;
+    SurfacePoint point;
+    glm::vec3 towardEye;
+    glm::vec3 throughput{1};
+    IrradianceRay found;
+
+    glm::vec3 eyeLocal() const { return point.shading.toLocal(towardEye); }
+    bool ends(int bouncesLeft);
+    bool reflectsGlossily(int bounce);
+};
+
+// The diffuse part stops here, or the specular part goes on.
+bool Walk::ends(int bouncesLeft) {
+    if (maxComponent(reflectance(point.brdf, eyeLocal())) <= 0.0f) return true;
+    const std::optional<uint32_t> texel = texelOfHit(input.atlas, input.irradianceTexels, hit);
+    if (!texel) {
+        found.light += throughput *
+                       traceReflected(input.rays, input.lights, point, towardEye, bouncesLeft, rng, rayCount);
+        return true;
+    }
+    found.light += throughput * punctualLight(input.rays, input.lights, point, towardEye, rng, rayCount);
+    const glm::vec3 diffuse = diffuseAlbedo(point.brdf, eyeLocal());
+    if (!areaIrradiance.empty())
+        found.light += throughput * diffuse / kPi * unpackRgb9e5(areaIrradiance[*texel]);
+
+    const float specular = maxComponent(reflectance(withoutDiffuse(point).brdf, eyeLocal()));
+    const float follow = specular / (specular + maxComponent(diffuse));
+    if (rng.uniform() >= follow) {
+        found.texel = *texel;
+        found.weight = throughput * diffuse / (kPi * (1.0f - follow));
+        return true;
+    }
+    throughput /= follow;
+    return false;
+}
+
+bool Walk::reflectsGlossily(int bounce) {
+    const RayScene& rays = input.rays;
+    const SurfacePoint glossy = withoutDiffuse(point);
+    if (input.lights.hasArea())
+        found.light += throughput * areaLight(rays, input.lights, glossy, towardEye, rng, rayCount);
+    const float lobe = rng.uniform();
+    const BrdfSample sample = sampleBrdf(glossy.brdf, eyeLocal(), lobe, rng.uniform2());
+    if (sample.pdf <= 0.0f) return false;
+    const glm::vec3 direction = glm::normalize(point.shading.toWorld(sample.direction));
+    if (!leavesSurface(point, direction)) return false;
+    throughput *= sample.weight;
+    const float survival = survivalChance(bounce, throughput);
+    if (survival < 1.0f && rng.uniform() >= survival) return false;
+    throughput /= survival;
+
+    ++rayCount;
+    hit = rays.closestHit(originOn(point, direction), direction);
+    const float weight = sample.pdf / (sample.pdf + areaPdf(input.lights, point.position, hit, direction));
+    if (!hit) {
+        found.light += throughput * weight * input.lights.environmentRadiance(direction);
+        return false;
+    }
+    point = surfaceAt(rays.scene(), hit, direction);
+    found.light += throughput * weight * point.emission;
+    towardEye = -direction;
+    return true;
+}
+
+}  // namespace
+
 IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
                             glm::vec3 origin, glm::vec3 direction, int maxBounces, Rng& rng,
                             uint64_t& rayCount) {
-    const RayScene& rays = input.rays;
-    const LightSampler& lights = input.lights;
-    IrradianceRay found;
     ++rayCount;
-    Hit hit = rays.closestHit(origin, direction);
-    if (!hit) return found;
-    found.distance = hit.distance;
-    SurfacePoint point = surfaceAt(rays.scene(), hit, direction);
-    glm::vec3 towardEye = -direction, throughput(1);
+    const Hit hit = input.rays.closestHit(origin, direction);
+    if (!hit) return {};
+    Walk walk{input,      areaIrradiance, rng, rayCount, hit, surfaceAt(input.rays.scene(), hit, direction),
+              -direction, glm::vec3(1),   {}};
+    walk.found.distance = hit.distance;
+    for (int bounce = 0; bounce < maxBounces; ++bounce)
+        if (walk.ends(maxBounces - bounce) || !walk.reflectsGlossily(bounce)) break;
+    return walk.found;
+}
 
-    for (int bounce = 0; bounce < maxBounces; ++bounce) {
-        const glm::vec3 towardEyeLocal = point.shading.toLocal(towardEye);
-        if (maxComponent(reflectance(point.brdf, towardEyeLocal)) <= 0.0f) return found;
-        const std::optional<uint32_t> texel = texelOfHit(input.atlas, input.irradianceTexels, hit);
-        if (!texel) {
-            found.light += throughput *
-                           traceReflected(rays, lights, point, towardEye, maxBounces - bounce, rng, rayCount);
-            return found;
-        }
-        found.light += throughput * punctualLight(rays, lights, point, towardEye, rng, rayCount);
-        const glm::vec3 diffuse = diffuseAlbedo(point.brdf, towardEyeLocal);
-        if (!areaIrradiance.empty())
-            found.light += throughput * diffuse / kPi * unpackRgb9e5(areaIrradiance[*texel]);
+IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradiance& irradiance,
+                                    glm::vec3 origin, glm::vec3 direction, const PathSettings& settings,
+                                    Rng rng) {
+    IncidentRadiance incident;
+    incident.rays = 1;
+    const Hit hit = input.rays.closestHit(origin, direction);
+    if (!hit) return incident;
+    incident.distance = hit.distance;
+    const SurfacePoint point = surfaceAt(input.rays.scene(), hit, direction);
+    const glm::vec3 towardEye = -direction, eyeLocal = point.shading.toLocal(towardEye);
+    if (maxComponent(reflectance(point.brdf, eyeLocal)) <= 0.0f) return incident;
 
-        const SurfacePoint glossy = withoutDiffuse(point);
-        const float specular = maxComponent(reflectance(glossy.brdf, towardEyeLocal));
-        const float follow = specular / (specular + maxComponent(diffuse));
-        if (rng.uniform() >= follow) {
-            found.texel = *texel;
-            found.weight = throughput * diffuse / (kPi * (1.0f - follow));
-            return found;
-        }
-        throughput /= follow;
-        if (lights.hasArea())
-            found.light += throughput * areaLight(rays, lights, glossy, towardEye, rng, rayCount);
-
-        const float lobe = rng.uniform();
-        const BrdfSample sample = sampleBrdf(glossy.brdf, towardEyeLocal, lobe, rng.uniform2());
-        if (sample.pdf <= 0.0f) return found;
-        direction = glm::normalize(point.shading.toWorld(sample.direction));
-        if (!leavesSurface(point, direction)) return found;
-        throughput *= sample.weight;
-        const float survival = survivalChance(bounce, throughput);
-        if (survival < 1.0f && rng.uniform() >= survival) return found;
-        throughput /= survival;
-
-        ++rayCount;
-        hit = rays.closestHit(originOn(point, direction), direction);
-        const float weight = sample.pdf / (sample.pdf + areaPdf(lights, point.position, hit, direction));
-        if (!hit) {
-            found.light += throughput * weight * lights.environmentRadiance(direction);
-            return found;
-        }
-        point = surfaceAt(rays.scene(), hit, direction);
-        found.light += throughput * weight * point.emission;
-        towardEye = -direction;
+    const int paths = std::max(settings.pathsPerHit, 1);
+    const std::optional<uint32_t> texel = texelOfHit(input.atlas, input.irradianceTexels, hit);
+    if (!texel) {
+        for (int i = 0; i < paths; ++i)
+            incident.reflected += traceReflected(input.rays, input.lights, point, towardEye,
+                                                 settings.maxBounces, rng, incident.rays);
+        incident.reflected /= float(paths);
+        return incident;
     }
-    return found;
+    glm::vec3 arriving = unpackRgb9e5(irradiance.indirect[*texel]);
+    if (!irradiance.area.empty()) arriving += unpackRgb9e5(irradiance.area[*texel]);
+    incident.reflected = punctualLight(input.rays, input.lights, point, towardEye, rng, incident.rays) +
+                         diffuseAlbedo(point.brdf, eyeLocal) / kPi * arriving;
+    if (maxComponent(reflectance(withoutDiffuse(point).brdf, eyeLocal)) <= 0.0f) return incident;
+
+    glm::vec3 glossy(0);
+    for (int i = 0; i < paths; ++i) {
+        Walk walk{input, irradiance.area, rng, incident.rays, hit, point, towardEye, glm::vec3(1), {}};
+        for (int bounce = 0; bounce < settings.maxBounces; ++bounce)
+            if (!walk.reflectsGlossily(bounce) || walk.ends(settings.maxBounces - bounce - 1)) break;
+        glossy += walk.found.light;
+        if (walk.found.texel != kNoTexel)
+            glossy += walk.found.weight * unpackRgb9e5(irradiance.indirect[walk.found.texel]);
+    }
+    incident.reflected += glossy / float(paths);
+    return incident;
 }
 
 }  // namespace phat

@@ -30,4 +30,17 @@ IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t
                             glm::vec3 origin, glm::vec3 direction, int maxBounces, Rng& rng,
                             uint64_t& rayCount);
 
+/// What arrives at the texels, RGB9E5 [y][x], W/m2.
+struct TexelIrradiance {
+    const std::vector<uint32_t>& indirect;
+    const std::vector<uint32_t>& area;  // may be empty
+};
+
+/// What arrives along a ray, as traceIncident finds it, but with the irradiance of the texel that the ray
+/// hits in place of diffuse paths: all noise that is left is that of glossy reflections, which `pathsPerHit`
+/// walks sample. Emission is not looked for. pre: |direction| = 1.
+IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradiance& irradiance,
+                                    glm::vec3 origin, glm::vec3 direction, const PathSettings& settings,
+                                    Rng rng);
+
 }  // namespace phat

@@ -98,8 +98,7 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->materials = input.scene.materials;
     state_->lights = input.scene.lights;
     state_->scene = uploadScene(input.scene, input.atlas);
-    state_->atlas =
-        uploadAtlas(input.scene, input.atlas, input.points, input.phatexture);
+    state_->atlas = uploadAtlas(input.scene, input.atlas, input.points, input.phatexture);
     SilentProgress silent;
     const std::vector<Frame> frames = blockFrames(input.atlas, input.points);
     state_->lookup =
