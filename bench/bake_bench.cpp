@@ -4,6 +4,7 @@
 
 #include "bench_scene.h"
 #include "core/gather.h"
+#include "core/irradiance_ray.h"
 #include "core/parallel.h"
 
 namespace phat {
@@ -75,15 +76,17 @@ void gatherAgainstEmbree(benchmark::State& state) {
     settings.atlas.texelBudget = 50'000;
     settings.photons.count = 100'000;
     settings.pathsPerPhatexel = int(state.range(0));
+    settings.radiance = RadianceSource::path;
     GatherSetup setup(settings);
 
+    const std::vector<uint32_t> noIrradiance;
     double gatherSeconds = 0, embreeSeconds = 0;
     uint64_t rays = 0;
     for (auto _ : state) {
         std::atomic<uint64_t> rayCount = 0;
         gatherSeconds += secondsOf([&] {
-            benchmark::DoNotOptimize(
-                gatherIndirect(setup.input, setup.chosen, 0, settings, setup.progress, nullptr, rayCount));
+            benchmark::DoNotOptimize(gatherIndirect(setup.input, setup.chosen, {noIrradiance, noIrradiance},
+                                                    0, settings, setup.progress, nullptr, rayCount));
         });
         rays += rayCount;
         const std::vector<Ray> recorded = recordRays(setup, rayCount);

@@ -95,7 +95,8 @@ GpuLookup uploadLookup(const LookupTables& tables, const Atlas& atlas, const std
                 (glm::uvec2(x, y) - atlas.charts[chart].originTile) % (kBlockSize / kTileSize);
             const glm::uvec2 frame = packFrame(frames[block]);
             tiles[size_t(y) * size.x + x] = {
-                chart | packTexelSize(atlas.texelSizeMeters) << 22, block | (place.x << 28) | (place.y << 30),
+                chart | packTexelSize(atlas.charts[chart].texelSizeMeters) << 22,
+                block | (place.x << 28) | (place.y << 30),
                 frame.x | uint32_t(8 * std::log2(64.0f * float(chartTiles[chart]))) << 24,
                 frame.y | (uint32_t(tables.scrambles[0][block]) << 12)};
         }

@@ -14,7 +14,7 @@ namespace {
 
 std::vector<std::vector<std::string>> variants() {
     return {
-        {}, {"AREA"}, {"CLEARCOAT"}, {"AREA", "CLEARCOAT"}, {"TEXEL_PDF"}, {"EXPECTED_WEIGHT", "CLEARCOAT"}};
+        {}, {"AREA"}, {"CLEARCOAT"}, {"AREA", "CLEARCOAT"}, {"TEXEL_PDF"}, {"LOOKUP", "AREA", "CLEARCOAT"}, {"LAYERS", "CLEARCOAT"}};
 }
 
 TEST(Shaders, CompileInBothFlavors) {
@@ -40,11 +40,20 @@ TEST(Shaders, CompileInBothFlavors) {
 // WebGL 2 and OpenGL ES 3 promise 16 texture units a stage.
 TEST(Shaders, UseAtMostSixteenSamplers) {
     const HeadlessContext context;
-    for (const char* fragment : {"display.frag", "relight.frag", "radius.frag", "depth.frag"}) {
-        const bool fullscreen =
-            std::string(fragment) == "relight.frag" || std::string(fragment) == "radius.frag";
-        const ShaderProgram program(kShaderFolder, fullscreen ? "fullscreen.vert" : "surface.vert", fragment,
-                                    {"AREA", "CLEARCOAT"});
+    struct Program {
+        const char* vertex;
+        const char* fragment;
+        std::vector<std::string> defines;
+    };
+    const Program programs[] = {{"surface.vert", "display.frag", {"AREA", "CLEARCOAT"}},
+                                {"surface.vert", "display.frag", {"AREA", "CLEARCOAT", "LOOKUP"}},
+                                {"surface.vert", "lookup.frag", {"AREA", "CLEARCOAT", "LAYERS"}},
+                                {"fullscreen.vert", "pool.frag", {"AREA", "CLEARCOAT"}},
+                                {"fullscreen.vert", "relight.frag", {"AREA", "CLEARCOAT"}},
+                                {"fullscreen.vert", "radius.frag", {"AREA", "CLEARCOAT"}},
+                                {"surface.vert", "depth.frag", {}}};
+    for (const auto& [vertex, fragment, defines] : programs) {
+        const ShaderProgram program(kShaderFolder, vertex, fragment, defines);
         GLint uniforms = 0;
         glGetProgramiv(program.name(), GL_ACTIVE_UNIFORMS, &uniforms);
         const std::set<GLenum> kinds = {GL_SAMPLER_2D, GL_SAMPLER_2D_ARRAY, GL_SAMPLER_2D_ARRAY_SHADOW,

@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "core/brdf.h"
+#include "core/directions.h"
 #include "core/hemisphere_map.h"
 #include "core/phatexture.h"
 #include "core/random.h"
@@ -224,6 +225,60 @@ TEST_P(Twins, ToneMap) {
         const Image want = toneMap(image, operation, kStops);
         for (int i = 0; i < kRows; ++i) expectNear(glm::vec3(results[i]), want.at(i, 0), 1e-4f, 2e-5f, i);
     }
+}
+
+// Every cell of every group size is held by the texel whose sample stratifiedSquare puts there.
+TEST_P(Twins, BlockLayout) {
+    const auto rows = randomRows(11);
+    const auto there = run("lib/block_layout.glsl",
+                           "int bits = 2 + int(a.z * 3.999); int group = 1 << bits;"
+                           "ivec2 corner = ivec2(b.xy * float(kBlockSize / group)) * group;"
+                           "ivec2 texel = texelHolding(a.xy, corner, bits, uint(a.w * 1024.0));"
+                           "result = vec4(vec2(texel), vec2(corner));",
+                           rows);
+    for (int row = 0; row < kRows; ++row) {
+        const auto& [a, b, c, d] = rows[row];
+        const int bits = 2 + int(a.z * 3.999f), group = 1 << bits;
+        const glm::uvec2 texel(there[row].x, there[row].y), corner(there[row].z, there[row].w);
+        ASSERT_EQ(texel / uint32_t(group) * uint32_t(group), corner) << "row " << row;
+        const glm::vec2 held = stratifiedSquare(texel, uint32_t(a.w * 1024.0f), glm::vec2(0.5f));
+        EXPECT_EQ(glm::ivec2(held * float(group)), glm::ivec2(glm::vec2(a) * float(group))) << "row " << row;
+    }
+}
+
+TEST_P(Twins, VisibleNormals) {
+    const auto rows = randomRows(12);
+    const auto there = run("lib/visible_normal.glsl",
+                           "vec3 v = squareToHemisphere(a.zw);"
+                           "result = vec4(squareToVisibleNormal(a.xy, v, 0.01 + b.x), 0.0);",
+                           rows);
+    for (int row = 0; row < kRows; ++row) {
+        const auto& [a, b, c, d] = rows[row];
+        const glm::vec3 v = squareToHemisphere({a.z, a.w});
+        expectNear(there[row], squareToVisibleNormal(glm::vec2(a), v, 0.01f + b.x), 0, 1e-3f, row);
+    }
+}
+
+// Without growth the smoothed density is that of visible normals, reflected.
+TEST_P(Twins, SmoothedDensityOfNoSpread) {
+    const auto rows = randomRows(13);
+    const auto there = run("lib/visible_normal.glsl",
+                           "vec3 v = squareToHemisphere(a.zw);"
+                           "vec3 h = squareToVisibleNormal(a.xy, v, 0.1 + b.x);"
+                           "result = vec4(smoothedLobePdf(v, reflect(-v, h), 0.1 + b.x, 0.0));",
+                           rows);
+    int compared = 0;
+    for (int row = 0; row < kRows; ++row) {
+        const auto& [a, b, c, d] = rows[row];
+        const glm::vec3 v = squareToHemisphere({a.z, a.w});
+        const glm::vec3 h = squareToVisibleNormal(glm::vec2(a), v, 0.1f + b.x);
+        const float vDotH = glm::dot(v, h);
+        if (vDotH < 0.2f || v.z < 0.05f) continue;  // GLSL clamps foreshortening; float rounding at the horizon
+        const float pdf = squareToVisibleNormalPdf(h, v, 0.1f + b.x) / (4 * vDotH);
+        EXPECT_NEAR(there[row].x, pdf, 2e-3f * pdf + 1e-5f) << "row " << row;
+        ++compared;
+    }
+    EXPECT_GT(compared, kRows / 2);
 }
 
 }  // namespace
