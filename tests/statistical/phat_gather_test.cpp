@@ -161,7 +161,14 @@ TEST(PhatGather, PointLightIsExact) {
 
 // Over a fixed radius the paper's filter smears what is near; reconnected samples do not.
 TEST(PhatGather, ReconnectionBeatsTheFixedFilter) {
-    const World world(room(metal(0.25f), lambert(0.6f)));
+    Scene scene = room(metal(0.25f), lambert(0.6f));
+    // Stripes that stand on the floor, a hand's breadth apart.
+    for (int i = 0; i < 6; ++i) {
+        Material stripe = lambert(i % 2 == 0 ? 0.9f : 0.05f);
+        stripe.doubleSided = true;
+        addQuad(scene, stripe, {0.4f + 0.2f * float(i), 0, 0.45f}, {0.2f, 0, 0}, {0, 0.5f, 0});
+    }
+    const World world(scene);
     const Comparison fixed = compare(world, {0.4f, false, Component::glossyIndirect}, 400);
     const Comparison reconnected = compare(world, {0, false, Component::glossyIndirect}, 400);
     EXPECT_LT(reconnected.meanDifference, 0.8 * fixed.meanDifference);
