@@ -1,0 +1,244 @@
+// phat_peers: what PHATextures are compared with, and the small pictures that tools/figures.py needs.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "core/lights.h"
+#include "gaussian_lightmap.h"
+#include "gl/renderer.h"
+#include "io/baked_file.h"
+#include "io/file_error.h"
+#include "io/image_file.h"
+#include "peer_picture.h"
+#include "reflection_probe.h"
+
+namespace phat::peers {
+namespace {
+
+using nlohmann::json;
+
+struct Options {
+    std::string input, output, material, peer;
+    int width = 480, height = 270;
+    int samplesPerPixel = 4;
+    std::vector<float> roughness;
+    std::vector<float> place;  // the probe's; empty: the middle of the scene
+    std::string reading = "warped";
+    int raysPerTexel = GaussianSettings().raysPerTexel;
+    float exposureStops = 0;
+    int shrink = 1;
+    int zoom = 1;
+};
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// PHATexels on the surface of one material: what a peer may use as many bytes as.
+uint64_t phatexelBytes(const BakedScene& baked, uint32_t material) {
+    uint64_t count = 0;
+    for (size_t texel = 0; texel < baked.points.state.size(); ++texel)
+        if (baked.points.state[texel] == TexelState::surface &&
+            materialAt(baked.loaded.scene, baked.points.triangle[texel]) == material)
+            ++count;
+    return count * baked.phatexture.indirect.size() * sizeof(PackedPhatexel);
+}
+
+const Camera& firstCamera(const Scene& scene, const std::string& path) {
+    if (scene.cameras.empty()) throw FileError(path, "has no camera");
+    return scene.cameras.front();
+}
+
+void writeViews(const Options& options, const RayScene& rays, uint32_t material, const Shade& shade,
+                json& report) {
+    SilentProgress progress;
+    std::vector<float> all = options.roughness;
+    if (all.empty()) all.push_back(rays.scene().materials[material].roughness);
+    for (const float roughness : all) {
+        Scene edited = rays.scene();
+        edited.materials[material].roughness = roughness;
+        PictureSettings settings;
+        settings.width = options.width;
+        settings.height = options.height;
+        settings.camera = firstCamera(edited, options.input);
+        settings.samplesPerPixel = options.samplesPerPixel;
+        const auto start = std::chrono::steady_clock::now();
+        const TracedPicture picture =
+            tracePicture(settings, peerIntegrator(rays, edited, material, shade), progress);
+        const std::string path =
+            all.size() == 1 ? options.output : fmt::format(fmt::runtime(options.output), roughness);
+        writeExr(path, picture.mean);
+        report["pictures"].push_back(
+            {{"output", path}, {"roughness", roughness}, {"seconds", secondsSince(start)}});
+    }
+}
+
+void renderPeer(const Options& options) {
+    const BakedScene baked = readBakedFile(options.input);
+    const Scene& scene = baked.loaded.scene;
+    const uint32_t material = materialNamed(scene, options.material);
+    const RayScene rays(scene);
+    const LightSampler lights(scene);
+    SilentProgress progress;
+    const uint64_t allowed = phatexelBytes(baked, material);
+    json report{{"peer", options.peer}, {"phatexelBytes", allowed}};
+    const auto start = std::chrono::steady_clock::now();
+    if (options.peer == "probe") {
+        ProbeSettings settings;
+        settings.box = boundsOf(scene);
+        settings.position = options.place.empty()
+                                ? settings.box.center()
+                                : glm::vec3(options.place[0], options.place[1], options.place[2]);
+        settings.faceSize = probeFaceSize(allowed);
+        settings.paths.pathsPerHit = BakeSettings().pathsPerPhatexel;
+        const ReflectionProbe probe = bakeProbe(rays, lights, settings, progress);
+        report["bakeSeconds"] = secondsSince(start);
+        report["bytes"] = probeBytes(settings.faceSize);
+        report["faceSize"] = settings.faceSize;
+        writeViews(
+            options, rays, material,
+            [&](const Hit&, const SurfacePoint& point, glm::vec3 eye) {
+                return shadeByProbe(probe, point, eye);
+            },
+            report);
+    } else {
+        GaussianSettings settings;
+        // As many times fewer texels as each is larger.
+        settings.texelSizeMeters =
+            baked.atlas.texelSizeMeters *
+            std::sqrt(float(kGaussianTexelBytes) /
+                      float(sizeof(PackedPhatexel) * baked.phatexture.indirect.size()));
+        settings.raysPerTexel = options.raysPerTexel;
+        settings.paths.pathsPerHit = 1;
+        const GaussianLightmap lightmap = bakeGaussians(rays, lights, material, settings, progress);
+        report["bakeSeconds"] = secondsSince(start);
+        report["bytes"] = lightmap.texelCount * kGaussianTexelBytes;
+        report["raysPerTexel"] = settings.raysPerTexel;
+        const auto reading = options.reading == "exact" ? GaussianReading::exact : GaussianReading::warped;
+        writeViews(
+            options, rays, material,
+            [&](const Hit& hit, const SurfacePoint& point, glm::vec3 eye) {
+                return shadeByGaussians(lightmap, hit, point, eye, reading);
+            },
+            report);
+    }
+    fmt::print("{}\n", report.dump());
+}
+
+void writeMask(const Options& options) {
+    const Scene scene = loadGltf(options.input).scene;
+    const RayScene rays(scene);
+    writeExr(options.output, materialMask(rays, materialNamed(scene, options.material),
+                                          firstCamera(scene, options.input), options.width, options.height));
+}
+
+/// The material's largest chart, as its PHATexels' radiance; black where there is none.
+void writeChart(const Options& options) {
+    const BakedScene baked = readBakedFile(options.input);
+    const Scene& scene = baked.loaded.scene;
+    const uint32_t material = materialNamed(scene, options.material);
+    const Chart* largest = nullptr;
+    for (const Chart& chart : baked.atlas.charts) {
+        if (scene.surfaces[chart.surface].material != material) continue;
+        const auto area = [](const Chart& c) { return c.sizeTiles.x * c.sizeTiles.y; };
+        if (!largest || area(chart) > area(*largest)) largest = &chart;
+    }
+    if (!largest) throw FileError(options.input, "has no PHATexels on " + options.material);
+    const glm::uvec2 origin = largest->originTexel(), size = largest->sizeTexels();
+    Image picture(int(size.x), int(size.y));
+    for (uint32_t y = 0; y < size.y; ++y) {
+        for (uint32_t x = 0; x < size.x; ++x) {
+            const Phatexel phatexel =
+                phatexelAt(baked.phatexture.indirect.front(), baked.phatexture.indirectGuides, baked.atlas,
+                           origin + glm::uvec2(x, y));
+            if (phatexel.valid) picture.at(int(x), int(y)) = phatexel.radiance;
+        }
+    }
+    writeExr(options.output, picture);
+}
+
+/// Crops to the middle, shrinks by averaging blocks, tone-maps.
+void writeScreen(const Options& options) {
+    const Image image = readPicture(options.input);
+    const int width = image.width / options.zoom, height = image.height / options.zoom;
+    const int left = (image.width - width) / 2, top = (image.height - height) / 2;
+    Image small(width / options.shrink, height / options.shrink);
+    if (small.pixels.empty()) throw FileError(options.input, "nothing is left of the picture");
+    for (int y = 0; y < small.height; ++y) {
+        for (int x = 0; x < small.width; ++x) {
+            glm::vec3 sum(0);
+            for (int i = 0; i < options.shrink * options.shrink; ++i)
+                sum += image.at(left + x * options.shrink + i % options.shrink,
+                                top + y * options.shrink + i / options.shrink);
+            small.at(x, y) = sum / float(options.shrink * options.shrink);
+        }
+    }
+    writePng(options.output, toneMap(small, ToneMap::agx, options.exposureStops));
+}
+
+int run(int argc, char** argv) {
+    CLI::App app("Peers of PHATextures, and pictures of them");
+    app.require_subcommand(1);
+    Options options;
+    std::string size;
+    const auto files = [&](CLI::App* command) {
+        command->add_option("IN", options.input)->required();
+        command->add_option("-o,--output", options.output)->required();
+        return command;
+    };
+    const auto parseSize = [&] {
+        char end = 0;
+        if (size.empty()) return;
+        if (std::sscanf(size.c_str(), "%dx%d%c", &options.width, &options.height, &end) != 2 ||
+            options.width < 1 || options.height < 1 || options.width > 16384 || options.height > 16384)
+            throw CLI::ValidationError("--size", "is not WxH");
+    };
+    CLI::App* peer = files(app.add_subcommand("render",
+                                              "Bake a peer of as many bytes as a baked file's "
+                                              "PHATexels, draw its glossy indirect light as .exr"));
+    peer->add_option("--peer", options.peer)->required()->check(CLI::IsMember({"probe", "gaussians"}));
+    peer->add_option("--material", options.material, "The only one that is drawn")->required();
+    peer->add_option("--roughness", options.roughness, "One picture each; {} in the output's name");
+    peer->add_option("--size", size, "WxH");
+    peer->add_option("--spp", options.samplesPerPixel)->check(CLI::Range(1, 65536));
+    peer->add_option("--at", options.place, "The probe's x y z; default: the middle of the scene")
+        ->expected(3);
+    peer->add_option("--reading", options.reading, "Of gaussians")->check(CLI::IsMember({"warped", "exact"}));
+    peer->add_option("--rays", options.raysPerTexel, "A texel of gaussians")->check(CLI::Range(1, 65536));
+    peer->callback([&] { parseSize(), renderPeer(options); });
+
+    CLI::App* mask = files(app.add_subcommand("mask", "Where the first camera sees a material"));
+    mask->add_option("--material", options.material)->required();
+    mask->add_option("--size", size, "WxH");
+    mask->callback([&] { parseSize(), writeMask(options); });
+
+    CLI::App* chart =
+        files(app.add_subcommand("chart", "Radiance of the PHATexels of a material's largest chart"));
+    chart->add_option("--material", options.material)->required();
+    chart->callback([&] { writeChart(options); });
+
+    CLI::App* screen = files(app.add_subcommand("screen", "A picture as a screen shows it, .png"));
+    screen->add_option("--exposure", options.exposureStops)->check(CLI::Range(-40.0, 40.0));
+    screen->add_option("--shrink", options.shrink)->check(CLI::Range(1, 64));
+    screen->add_option("--zoom", options.zoom, "Only the middle 1/N of each side")->check(CLI::Range(1, 64));
+    screen->callback([&] { writeScreen(options); });
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "phat_peers: {}\n", error.what());
+        return 1;
+    }
+    return 0;
+}
+
+}  // namespace
+}  // namespace phat::peers
+
+int main(int argc, char** argv) {
+    return phat::peers::run(argc, argv);
+}
