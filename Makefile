@@ -1,8 +1,8 @@
-# Three commands: `make demo`, `make test` and `make bench`. All install what is missing on Debian 12 (root or sudo).
+# Four commands: `make demo`, `make test`, `make bench` and `make figures`. All install what is missing on Debian 12 (root or sudo).
 
 BUILD_JOBS ?= $(shell nproc)
 
-.PHONY: demo test bench release dev setup clean
+.PHONY: demo test bench figures release dev setup clean
 
 demo: out/tabletop.png
 	@echo "Look at out/tabletop.png"
@@ -15,6 +15,11 @@ bench: setup
 	cmake --build build/release --target phat_bench -j $(BUILD_JOBS)
 	build/release/bench/phat_bench --benchmark_out=build/bench.json --benchmark_out_format=json
 	@echo "The figures are in build/bench.json; bench/README.md explains them"
+
+# QUICK=1: small pictures, a few minutes.
+figures: release
+	cmake --build build/release --target phat_peers -j $(BUILD_JOBS)
+	tools/figures.py $(if $(QUICK),--quick)
 
 out/tabletop.png: out/tabletop.phat.glb
 	build/release/phat render out/tabletop.phat.glb -o $@

@@ -135,19 +135,33 @@ void writeMask(const Options& options) {
                                           firstCamera(scene, options.input), options.width, options.height));
 }
 
-/// The material's largest chart, as its PHATexels' radiance; black where there is none.
+/// The chart of a material that the camera sees most of.
+uint32_t seenChart(const BakedScene& baked, uint32_t material, const Camera& camera) {
+    constexpr int kSide = 64;
+    const Scene& scene = baked.loaded.scene;
+    const RayScene rays(scene);
+    std::vector<uint32_t> seen(baked.atlas.charts.size(), 0);
+    uint64_t rayCount = 0;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const glm::vec2 place = glm::vec2(i % kSide, i / kSide) + 0.5f;
+        const Hit hit = visibleHit(rays, cameraRay(camera, kSide, kSide, place), rayCount);
+        if (!hit || materialAt(scene, hit.triangle) != material) continue;
+        const uint32_t chart = baked.atlas.triangleChart[hit.triangle];
+        if (chart != kNoChart) ++seen[chart];
+    }
+    const auto most = std::max_element(seen.begin(), seen.end());
+    return most == seen.end() || *most == 0 ? kNoChart : uint32_t(most - seen.begin());
+}
+
+/// That chart as its PHATexels' radiance; black where there is none.
 void writeChart(const Options& options) {
     const BakedScene baked = readBakedFile(options.input);
     const Scene& scene = baked.loaded.scene;
     const uint32_t material = materialNamed(scene, options.material);
-    const Chart* largest = nullptr;
-    for (const Chart& chart : baked.atlas.charts) {
-        if (scene.surfaces[chart.surface].material != material) continue;
-        const auto area = [](const Chart& c) { return c.sizeTiles.x * c.sizeTiles.y; };
-        if (!largest || area(chart) > area(*largest)) largest = &chart;
-    }
-    if (!largest) throw FileError(options.input, "has no PHATexels on " + options.material);
-    const glm::uvec2 origin = largest->originTexel(), size = largest->sizeTexels();
+    const uint32_t seen = seenChart(baked, material, firstCamera(scene, options.input));
+    if (seen == kNoChart) throw FileError(options.input, "shows no PHATexels of " + options.material);
+    const Chart& chart = baked.atlas.charts[seen];
+    const glm::uvec2 origin = chart.originTexel(), size = chart.sizeTexels();
     Image picture(int(size.x), int(size.y));
     for (uint32_t y = 0; y < size.y; ++y) {
         for (uint32_t x = 0; x < size.x; ++x) {
@@ -215,8 +229,8 @@ int run(int argc, char** argv) {
     mask->add_option("--size", size, "WxH");
     mask->callback([&] { parseSize(), writeMask(options); });
 
-    CLI::App* chart =
-        files(app.add_subcommand("chart", "Radiance of the PHATexels of a material's largest chart"));
+    CLI::App* chart = files(app.add_subcommand(
+        "chart", "Radiance of the PHATexels of a material, of the chart that is seen most"));
     chart->add_option("--material", options.material)->required();
     chart->callback([&] { writeChart(options); });
 
