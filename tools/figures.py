@@ -9,6 +9,7 @@ the program. The methods are those that `phat render --help` names.
 
 import argparse
 import dataclasses
+import json
 import re
 import shutil
 import sys
@@ -95,6 +96,12 @@ class Figures:
         name = f"{scene}-{texels}.phat.glb"
         self.shop.make(name, PHAT, "bake", self.scene(scene), "--resolution", texels, "--json", "--quiet")
         return self.shop.path(name)
+
+    def finest_texel(self):
+        """Side of the table top's texels in the default bake, in metres."""
+        self.bake()
+        record = self.shop.path(f"tabletop-{DEFAULT_TEXELS}.phat.glb.json")
+        return json.loads(record.read_text())["said"]["atlas"]["finestTexelSize"]
 
     def picture(self, name, method, *flags, scene="tabletop", texels=DEFAULT_TEXELS, keep=False):
         source = self.bake(scene, texels) if method.startswith("phat") else self.scene(scene)
@@ -242,10 +249,11 @@ class Figures:
             (self.screen(self.shop.path("figure-1.exr"), "figure-4-result.png", "--zoom", 2), f"`{best}`"),
         ]
         figures["5"] = []
-        for radius in (0.015, 0.05, 0.2):
-            name = f"figure-5-{radius}.exr"
+        for texels in (1.5, 6, 24):
+            radius = round(texels * self.finest_texel(), 5)
+            name = f"figure-5-{texels}.exr"
             self.picture(name, "phat-gather", "--radius", radius, "--size", self.plan.filter_size)
-            figures["5"].append((self.screen(self.shop.path(name), f"figure-5-{radius}.png"), f"radius {radius} m"))
+            figures["5"].append((self.screen(self.shop.path(name), f"figure-5-{texels}.png"), f"radius of {texels} texels"))
         figures["6"] = []
         for method, caption in (("photons-direct", "approximate"), ("photons-gather", "exact"), ("path", "reference")):
             name = f"figure-6-{method}.exr"

@@ -138,7 +138,7 @@ black are those that see nothing that reflects, and those under the objects.
 
 {pictures(paper["4"])}
 
-**Figure 5.** The paper's filter (`phat-gather` with `--radius`) over neighbourhoods of three sizes, texels of the default bake.
+**Figure 5.** The paper's filter (`phat-gather` with `--radius`) over neighbourhoods of three sizes.
 A small one has too few samples, which is noise; a large one blurs and smears what touches the table.
 
 {pictures(paper["5"])}

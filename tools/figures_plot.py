@@ -6,7 +6,7 @@ import math
 WIDTH, HEIGHT = 640, 400
 LEFT, RIGHT, TOP, BOTTOM = 64, 190, 20, 48
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
-COLORS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999999", "#b8a800"]
+COLORS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999999", "#b8a800", "#7a5230", "#8050c0"]
 
 
 class Axis:

@@ -191,6 +191,7 @@ GaussianLightmap bakeGaussians(const RayScene& rays, const LightSampler& lights,
     lightmap.basis = hemisphereGaussians();
     AtlasSettings atlas;
     atlas.texelSizeMeters = settings.texelSizeMeters;
+    atlas.glossyDensity = 1;
     lightmap.atlas = buildAtlas(scene, {}, atlas, progress);
     lightmap.points = buildTexelPoints(scene, lightmap.atlas);
     markCoveredTexels(lightmap.points, lightmap.atlas, rays, progress);

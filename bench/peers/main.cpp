@@ -47,6 +47,15 @@ uint64_t phatexelBytes(const BakedScene& baked, uint32_t material) {
     return count * baked.phatexture.indirect.size() * sizeof(PackedPhatexel);
 }
 
+/// Side of their texels, in metres.
+float phatexelSize(const BakedScene& baked, uint32_t material) {
+    float finest = baked.atlas.texelSizeMeters;
+    for (const Chart& chart : baked.atlas.charts)
+        if (baked.loaded.scene.surfaces[chart.surface].material == material)
+            finest = std::min(finest, chart.texelSizeMeters);
+    return finest;
+}
+
 const Camera& firstCamera(const Scene& scene, const std::string& path) {
     if (scene.cameras.empty()) throw FileError(path, "has no camera");
     return scene.cameras.front();
@@ -108,7 +117,7 @@ void renderPeer(const Options& options) {
         GaussianSettings settings;
         // As many times fewer texels as each is larger.
         settings.texelSizeMeters =
-            baked.atlas.texelSizeMeters *
+            phatexelSize(baked, material) *
             std::sqrt(float(kGaussianTexelBytes) /
                       float(sizeof(PackedPhatexel) * baked.phatexture.indirect.size()));
         settings.raysPerTexel = options.raysPerTexel;
