@@ -119,7 +119,7 @@ def write_page(path, plan, figures, results):
     body = f"""# Results in detail
 
 This page, its tables and its pictures are written by `{MADE_BY}{' QUICK=1' if quick else ''}` (`tools/figures.py`); nothing
-on it is typed. {'**It is from a quick run: small pictures, few samples, noisy references. `make figures` makes the whole one.**' if quick else 'It takes under 25 minutes on two cores; `make figures QUICK=1` takes a few.'}
+on it is typed. {'**It is from a quick run: small pictures, few samples, noisy references. `make figures` makes the whole one.**' if quick else '`make figures QUICK=1` makes a smaller one in five minutes.'}
 What a run made is kept in `out/figures/` and used again by the next.
 
 All times are of a machine with **2 cores and no GPU**: OpenGL is Mesa's software driver. The bake (and the tracing of
@@ -133,7 +133,7 @@ drawn by `{best}` from a bake with default settings.
 
 {pictures(paper["1"])}
 
-**Figure 4.** What the table top's PHATexels hold, and what is drawn from them. Neighbours look in different directions;
+**Figure 4.** What the PHATexels in the middle of the table top hold, and what is drawn from them. Neighbours look in different directions;
 black are those that see nothing that reflects, and those under the objects.
 
 {pictures(paper["4"])}
