@@ -47,7 +47,7 @@ class Plan:
 
 FULL = Plan(
     "full", "240x135", 1024, 32, "160x90", 1024, (1, 4, 16, 64), ("30k", "125k", "500k", "2M"), (4, 16, 64),
-    ("64k", "256k", "1048576", "4M"), 48, "320x180",
+    ("64k", "256k", "1048576", "4M"), 48, "240x135",
 )
 QUICK = Plan(
     "quick", "128x72", 128, 8, "96x54", 512, (1, 4, 16), ("30k", "125k", "500k"), (4, 16),
@@ -85,6 +85,7 @@ class Figures:
         self.plan, self.shop = plan, shop
         self.docs = ROOT / "docs/figures"
         self.docs.mkdir(parents=True, exist_ok=True)
+        self.written = {"figure-7.svg", "roughness.svg", "convergence.svg"}
         self.methods = render_methods()
 
     # --- what everything is made of
@@ -119,6 +120,7 @@ class Figures:
     def screen(self, source, name, *flags):
         """A picture of docs/figures."""
         run(PEERS, "screen", source, "-o", self.docs / name, "--exposure", EXPOSURE, *flags)
+        self.written.add(name)
         return f"figures/{name}"
 
     def reference(self, name, size, roughness, spp):
@@ -217,7 +219,7 @@ class Figures:
             for method, flags in (("path", ["--spp", self.plan.whole_spp]), (self.methods[0], [])):
                 names[method] = f"whole-{scene}-{method}.exr"
                 self.picture(names[method], method, *flags, "--size", size, scene=scene, keep=method == "path")
-                self.screen(self.shop.path(names[method]), f"{scene}-{method}.png", "--shrink", 2)
+            self.screen(self.shop.path(names[self.methods[0]]), f"{scene}-{self.methods[0]}.png", "--shrink", 2)
             cycles_path = data / f"{cycles}.exr"
             self.screen(cycles_path, f"{scene}-cycles.png", "--shrink", 2)
             for test, against, reference in (
@@ -310,6 +312,9 @@ def main():
     write_page(ROOT / "docs/results.md", plan, figures, {
         "paper": paper, "shown": figures.shown_methods(rows), "rows": rows, "series": series,
         "series_noise": series_noise, "frame": frame, "equal_time": equal_time, "whole": whole})
+    for left_over in figures.docs.iterdir():
+        if left_over.name not in figures.written:
+            left_over.unlink()
     shop.say("docs/results.md")
 
 

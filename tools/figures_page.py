@@ -204,6 +204,6 @@ whose noise is part of every comparison with it. Shown at half size.
 
 """ + "\n\n".join(
         f"`{scene}`\n\n" + pictures([(f"figures/{scene}-{method}.png", label) for method, label in
-                                    ((best, f"`{best}`"), ("path", "`path`"), ("cycles", "Cycles"))])
+                                    ((best, f"`{best}`"), ("cycles", "Cycles"))])
         for scene in dict.fromkeys(row["scene"] for row in results["whole"])) + "\n"
     path.write_text(body)
