@@ -178,8 +178,8 @@ At roughness .25:
 
 A frame of `{best}` against what tracing reaches in its time, and the time that tracing takes to its error: glossy indirect light of the table
 top at roughness .25, {size}. At equal time `photons-gather` has one ray a sample; one sample is the least that either takes. The times to
-an equal error are those of the convergence below, by the number of pixels. Tracing costs by the pixel; a frame of `{best}` first shades its million
-texels, whatever the size of the picture.
+an equal error are those of the convergence below, by the number of pixels. Both cost by the pixel, but for the lamps' light,
+which a frame of `{best}` first shades on all texels.
 
 {equal_time}
 
