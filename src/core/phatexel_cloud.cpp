@@ -1,25 +1,11 @@
 #include "core/phatexel_cloud.h"
 
 #include <algorithm>
-#include <nanoflann.hpp>
+
+#include "core/point_tree.h"
 
 namespace phat {
 namespace {
-
-struct Centers {
-    std::vector<glm::vec3> points;
-
-    size_t kdtree_get_point_count() const { return points.size(); }
-    float kdtree_get_pt(size_t index, size_t axis) const { return points[index][glm::length_t(axis)]; }
-    template <typename Box>
-    bool kdtree_get_bbox(Box&) const {
-        return false;
-    }
-};
-
-using Adaptor =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Centers, float, uint32_t>,
-                                        Centers, 3, uint32_t>;
 
 // Collects without distances.
 struct Found {
@@ -54,8 +40,8 @@ struct SurfaceTiles::Tree {
     explicit Tree(std::vector<glm::vec3> points)
         : centers{std::move(points)}, adaptor(3, centers, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {}
 
-    Centers centers;
-    Adaptor adaptor;
+    PointCloud centers;
+    PointTree adaptor;
 };
 
 SurfaceTiles::SurfaceTiles(const Atlas& atlas, const TexelPoints& points) {

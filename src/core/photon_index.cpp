@@ -1,27 +1,11 @@
 #include <limits>
-#include <nanoflann.hpp>
 #include <stdexcept>
 
 #include "core/photon_map.h"
+#include "core/point_tree.h"
 
 namespace phat {
 namespace {
-
-// Positions apart from the photons: a search reads 12 bytes of each instead of a cache line.
-struct Positions {
-    std::vector<glm::vec3> points;
-
-    size_t kdtree_get_point_count() const { return points.size(); }
-    float kdtree_get_pt(size_t index, size_t axis) const { return points[index][glm::length_t(axis)]; }
-    template <typename Box>
-    bool kdtree_get_bbox(Box&) const {
-        return false;
-    }
-};
-
-using Adaptor =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Positions, float, uint32_t>,
-                                        Positions, 3, uint32_t>;
 
 // Fastest of 8, 10, 16, 32 for k = 50 (bench/photon_bench.cpp).
 constexpr size_t kLeafSize = 32;
@@ -81,10 +65,10 @@ struct WithinSet {
 }  // namespace
 
 struct PhotonIndex::Tree {
-    Positions positions;
-    Adaptor adaptor;
+    PointCloud positions;
+    PointTree adaptor;
 
-    explicit Tree(Positions all)
+    explicit Tree(PointCloud all)
         : positions(std::move(all)),
           adaptor(3, positions, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafSize)) {}
 
@@ -95,7 +79,7 @@ struct PhotonIndex::Tree {
 
 PhotonIndex::PhotonIndex(std::span<const Photon> photons) {
     if (photons.size() > std::numeric_limits<uint32_t>::max()) throw std::length_error("too many photons");
-    Positions positions;
+    PointCloud positions;
     positions.points.reserve(photons.size());
     for (const Photon& photon : photons) positions.points.push_back(photon.position);
     tree_ = std::make_unique<Tree>(std::move(positions));

@@ -81,9 +81,9 @@ GlTexture uploadTileLight(const Scene& scene, const Atlas& atlas, const Phatextu
     return texture;
 }
 
-GlTexture uploadBlockFrames(const Atlas& atlas, const TexelPoints& points) {
+GlTexture uploadBlockFrames(const std::vector<Frame>& frames) {
     std::vector<glm::vec4> rows;
-    for (const Frame& frame : blockFrames(atlas, points)) {
+    for (const Frame& frame : frames) {
         rows.emplace_back(frame.normal, 0.0f);
         rows.emplace_back(frame.tangent, 0.0f);
     }
@@ -177,14 +177,14 @@ void requireSizes(const Atlas& atlas, const TexelPoints& points, const Phatextur
 }  // namespace
 
 GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
-                     const Phatexture& phatexture) {
+                     const std::vector<Frame>& frames, const Phatexture& phatexture) {
     requireSizes(atlas, points, phatexture);
     GpuAtlas gpu;
     gpu.sizeTexels = atlas.sizeTexels;
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     gpu.tileTable = uploadTileTable(atlas);
     gpu.tileLight = uploadTileLight(scene, atlas, phatexture);
-    gpu.blockFrames = uploadBlockFrames(atlas, points);
+    gpu.blockFrames = uploadBlockFrames(frames);
 
     const auto texture = [&](GLenum internal, GLenum format, GLenum type, const void* data) {
         GlTexture made = createTexture2D(internal, atlas.sizeTexels);

@@ -31,8 +31,9 @@ struct GpuAtlas {
     std::vector<GpuPhatexels> sources;  // indirect, then area if there is any
 };
 
-/// Texels' surfaces by core/shading, so that relighting sees what the bake saw. Throws GlError.
+/// Texels' surfaces by core/shading, so that relighting sees what the bake saw. `frames`: blockFrames of the
+/// atlas. Throws GlError.
 GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
-                     const Phatexture& phatexture);
+                     const std::vector<Frame>& frames, const Phatexture& phatexture);
 
 }  // namespace phat

@@ -98,9 +98,9 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->materials = input.scene.materials;
     state_->lights = input.scene.lights;
     state_->scene = uploadScene(input.scene, input.atlas);
-    state_->atlas = uploadAtlas(input.scene, input.atlas, input.points, input.phatexture);
-    SilentProgress silent;
     const std::vector<Frame> frames = blockFrames(input.atlas, input.points);
+    state_->atlas = uploadAtlas(input.scene, input.atlas, input.points, frames, input.phatexture);
+    SilentProgress silent;
     state_->lookup =
         uploadLookup(buildLookupTables(input.phatexture.indirect, input.phatexture.indirectGuides,
                                        input.atlas, input.points, frames, silent),
