@@ -13,7 +13,7 @@
 #include "lib/brdf.glsl"
 #include "lib/phatexel.glsl"
 #include "lib/lit_share.glsl"
-#include "lib/table.glsl"
+#include "lib/tile_patch.glsl"
 
 uniform usampler2DArray phatexels;     // [layer][y][x] packed, 8 bytes
 uniform sampler2D guidePdf;            // see squareToGuidePdf
@@ -21,8 +21,7 @@ uniform sampler2D tileLight;           // a: share of the solid angle with area 
 #ifdef TEXEL_PDF
 uniform sampler2DArray texelPdf;       // [layer][y][x] 1/sr, instead of the guides
 #endif
-uniform sampler2D blockFrames;         // two texels a block: normal, tangent
-uniform sampler2D texelPosition;       // world
+uniform usampler2D tilePatches;        // see lib/tile_patch.glsl
 uniform sampler2D texelNormals;        // octahedral: xy shading normal, zw coat normal; world
 uniform sampler2D texelBrdf;           // see texel_material.frag
 uniform vec3 eyeWorld;                 // or, for a parallel projection, the direction toward the eye
@@ -132,10 +131,10 @@ void main() {
     int block = int(chartBlock.y);
     vec4 brdf = texelFetch(texelBrdf, texel, 0);
     vec4 normals = texelFetch(texelNormals, texel, 0);
-    vec3 position = texelFetch(texelPosition, texel, 0).xyz;
-    vec3 blockNormal = texelFetch(blockFrames, tableTexel(2 * block), 0).xyz;
-    vec3 blockTangent = texelFetch(blockFrames, tableTexel(2 * block + 1), 0).xyz;
-    mat3 worldFromBlock = mat3(blockTangent, cross(blockNormal, blockTangent), blockNormal);
+    ivec2 tile = texel >> 3;
+    TilePatch tilePatch = tilePatchAt(tilePatches, tile, texelSizeOfTile(tile));
+    vec3 position = placeOf(tilePatch, vec2(texel & 7) - 3.5);
+    mat3 worldFromBlock = tilePatch.worldFromBlock;
     vec3 towardEye = normalize(eyeWorld - position * (1.0 - eyeAtInfinity));
 
     float share = ratioShare(texel);

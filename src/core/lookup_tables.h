@@ -9,17 +9,12 @@
 #include <vector>
 
 #include "core/atlas.h"
+#include "core/distance_probes.h"
 #include "core/phatexture.h"
 #include "core/progress.h"
+#include "core/tile_patch.h"
 
 namespace phat {
-
-/// Distances are kept for this many places along a block's side.
-inline constexpr uint32_t kProbesAlongBlock = 4;
-inline constexpr uint32_t kProbeTexels = kBlockSize / kProbesAlongBlock;
-/// Each place's distances: an equal-area map of the hemisphere (hemisphere_map.h) in the block's frame.
-inline constexpr int kProbeSize = 16;
-using DistanceProbe = std::array<uint8_t, kProbeSize * kProbeSize>;  // [y][x], as packDistance
 
 /// The guide as it is inverted: each cell's part of the unit square, in 255ths.
 struct WarpCell {
@@ -31,13 +26,14 @@ struct LookupTables {
     std::vector<std::vector<uint16_t>>
         scrambles;                      // [layer][block]: the permutation of stratifiedSquare, 0..1023
     std::vector<Warp> warps;            // [guide]
-    std::vector<DistanceProbe> probes;  // [block * 16 + y * 4 + x]
+    std::vector<DistanceProbe> probes;  // [tileY][tileX]
 };
 
 /// Tables of PHATexels of one kind. Empty where their directions do not follow the invertible layout (the
-/// photon strategies): nothing can be looked up then.
+/// photon strategies): nothing can be looked up then. `patches`: fitTilePatches of the atlas; `rays`: of its scene.
 LookupTables buildLookupTables(const std::vector<PhatexelLayer>& layers, const std::vector<Guide>& guides,
                                const Atlas& atlas, const TexelPoints& points,
-                               const std::vector<Frame>& frames, Progress& progress);
+                               const std::vector<Frame>& frames, const std::vector<TilePatch>& patches,
+                               const RayScene& rays, Progress& progress);
 
 }  // namespace phat

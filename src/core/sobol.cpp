@@ -48,15 +48,19 @@ uint32_t owenScramble(uint32_t x, uint32_t seed) {
 
 }  // namespace
 
-glm::vec4 sobol4(uint32_t index, uint32_t seed) {
-    glm::vec4 point;
-    for (int d = 0; d < 4; ++d) {
-        uint32_t x = 0;
+glm::uvec4 sobolBits(uint32_t index) {
+    glm::uvec4 point(0);
+    for (int d = 0; d < 4; ++d)
         for (int bit = 0; bit < kBits && index >> bit; ++bit)
-            if ((index >> bit) & 1u) x ^= allDirections()[size_t(d)][size_t(bit)];
-        x = owenScramble(x, uint32_t(hashOf(seed, uint64_t(d))));
-        point[d] = float(x >> 8) * 0x1p-24f;
-    }
+            if ((index >> bit) & 1u) point[d] ^= allDirections()[size_t(d)][size_t(bit)];
+    return point;
+}
+
+glm::vec4 sobol4(uint32_t index, uint32_t seed) {
+    const glm::uvec4 bits = sobolBits(index);
+    glm::vec4 point;
+    for (int d = 0; d < 4; ++d)
+        point[d] = float(owenScramble(bits[d], uint32_t(hashOf(seed, uint64_t(d)))) >> 8) * 0x1p-24f;
     return point;
 }
 

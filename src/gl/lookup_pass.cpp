@@ -1,5 +1,9 @@
 #include "gl/lookup_pass.h"
 
+#include <array>
+#include <bit>
+
+#include "core/random.h"
 #include "core/sobol.h"
 #include "gl/textures.h"
 
@@ -9,9 +13,8 @@ namespace {
 // twin: kTablesWide in shaders/lib/lookup.glsl.
 constexpr uint32_t kTablesWide = 512;
 constexpr uint32_t kTableSide = 16;
-// Draws a pixel, and pixels of a group (4x4) that make different ones. Measured on tabletop: see
-// docs/pipeline.md.
-constexpr int kDrawsPerPixel = 16, kRanks = 16;
+// Pixels of a group (4x4) that make different draws. twin: shaders/lib/lookup.glsl, with kMostDraws.
+constexpr uint32_t kRanks = 16, kMostDraws = 32;
 
 template <typename Table>
 GlTexture uploadTables(GLenum internal, GLenum format, const std::vector<Table>& tables) {
@@ -35,29 +38,40 @@ GlTexture uploadTables(GLenum internal, GLenum format, const std::vector<Table>&
     return texture;
 }
 
-// Normal as packOctahedral24, the tangent's angle from frameFromNormal's in 12 bits.
-glm::uvec2 packFrame(const Frame& frame) {
-    const uint32_t code = packOctahedral24(frame.normal);
-    const Frame base = frameFromNormal(unpackOctahedral24(code));
-    const float angle =
-        std::atan2(glm::dot(frame.tangent, base.bitangent), glm::dot(frame.tangent, base.tangent));
-    return {code, uint32_t(int(std::lround(angle * (4096.0f / (2 * kPi))))) & 4095u};
+// A probe's 16x16 levels as 2x4 texels of 8x4 levels, so that neighbouring directions come in one read.
+GlTexture uploadProbes(const std::vector<DistanceProbe>& probes, glm::uvec2 tiles) {
+    constexpr glm::uvec2 kLevels(8, 4);
+    const glm::uvec2 groups = uint32_t(kProbeSize) / kLevels, size = tiles * groups;
+    std::vector<glm::uvec4> texels(size_t(size.x) * size.y, glm::uvec4(0));
+    for (uint32_t tile = 0; tile < probes.size(); ++tile) {
+        const glm::uvec2 corner = glm::uvec2(tile % tiles.x, tile / tiles.x) * groups;
+        for (uint32_t i = 0; i < kProbeSize * kProbeSize; ++i) {
+            const glm::uvec2 cell(i % kProbeSize, i / kProbeSize);
+            const glm::uvec2 at = corner + cell / kLevels;
+            texels[size_t(at.y) * size.x + at.x][int(cell.y % 4)] |= uint32_t(probes[tile].level[i])
+                                                                    << (4 * (cell.x % 8));
+        }
+    }
+    GlTexture texture = createTexture2D(GL_RGBA32UI, size);
+    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(size.x), GLsizei(size.y), GL_RGBA_INTEGER,
+                        GL_UNSIGNED_INT, texels.data());
+    return texture;
 }
 
-// Steps of 1.7 % from 0.01 mm on.
-uint32_t packTexelSize(float meters) {
-    return uint32_t(std::clamp(std::lround(40 * std::log2(meters / 1e-5f)), 0l, 1023l));
-}
-
-void fillDrawTable(GLuint table, uint32_t seed) {
+// Sobol's points, of which every rank has an aligned run; each seed shifts them all.
+void setDraws(const ShaderProgram& program, uint32_t drawCount, uint32_t seed) {
     // Bayer's order: pixels side by side make draws that are far apart.
-    constexpr int kBayer[kRanks] = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
-    std::vector<glm::vec4> numbers(size_t(kDrawsPerPixel) * kRanks);
-    for (size_t rank = 0; rank < kRanks; ++rank)
-        for (size_t k = 0; k < kDrawsPerPixel; ++k)
-            numbers[rank * kDrawsPerPixel + k] =
-                sobol4(uint32_t(size_t(kBayer[rank]) * kDrawsPerPixel + k), seed);
-    glTextureSubImage2D(table, 0, 0, 0, kDrawsPerPixel, kRanks, GL_RGBA, GL_FLOAT, numbers.data());
+    constexpr uint32_t kBayer[kRanks] = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
+    std::array<glm::uvec4, kMostDraws> draws;
+    std::array<glm::uvec4, kRanks> ranks;
+    const uint32_t run = std::bit_ceil(drawCount);
+    for (uint32_t rank = 0; rank < kRanks; ++rank) ranks[rank] = sobolBits(run * kBayer[rank]);
+    glm::uvec4 shift;
+    for (int d = 0; d < 4; ++d) shift[d] = uint32_t(hashOf(seed, uint64_t(d)));
+    for (uint32_t k = 0; k < kMostDraws; ++k) draws[k] = sobolBits(k) ^ shift;
+    program.set("draws", std::span<const glm::uvec4>(draws));
+    program.set("ranks", std::span<const glm::uvec4>(ranks));
+    program.set("drawCount", int(drawCount));
 }
 
 GlTexture uploadScrambles(const std::vector<std::vector<uint16_t>>& scrambles) {
@@ -76,37 +90,14 @@ GlTexture uploadScrambles(const std::vector<std::vector<uint16_t>>& scrambles) {
 
 }  // namespace
 
-GpuLookup uploadLookup(const LookupTables& tables, const Atlas& atlas, const std::vector<Frame>& frames) {
+GpuLookup uploadLookup(const LookupTables& tables, const Atlas& atlas) {
     GpuLookup gpu;
     if (tables.warps.empty()) return gpu;
     gpu.layerCount = int(tables.scrambles.size());
     gpu.guideCount = int(tables.warps.size());
-    const glm::uvec2 size = atlas.sizeTiles();
-    std::vector<uint32_t> chartTiles(atlas.charts.size(), 0);
-    for (uint32_t chart : atlas.tileChart)
-        if (chart != kNoChart) ++chartTiles[chart];
-    std::vector<glm::uvec4> tiles(size_t(size.x) * size.y, glm::uvec4(kNoChart, 0, 0, 0));
-    for (uint32_t y = 0; y < size.y; ++y) {
-        for (uint32_t x = 0; x < size.x; ++x) {
-            const uint32_t chart = atlas.tileChart[size_t(y) * size.x + x];
-            if (chart == kNoChart) continue;
-            const uint32_t block = atlas.blockAt(glm::uvec2(x, y) * kTileSize);
-            const glm::uvec2 place =
-                (glm::uvec2(x, y) - atlas.charts[chart].originTile) % (kBlockSize / kTileSize);
-            const glm::uvec2 frame = packFrame(frames[block]);
-            tiles[size_t(y) * size.x + x] = {
-                chart | packTexelSize(atlas.charts[chart].texelSizeMeters) << 22,
-                block | (place.x << 28) | (place.y << 30),
-                frame.x | uint32_t(8 * std::log2(64.0f * float(chartTiles[chart]))) << 24,
-                frame.y | (uint32_t(tables.scrambles[0][block]) << 12)};
-        }
-    }
-    gpu.tiles = createTexture2D(GL_RGBA32UI, size);
-    glTextureSubImage2D(gpu.tiles.name(), 0, 0, 0, GLsizei(size.x), GLsizei(size.y), GL_RGBA_INTEGER,
-                        GL_UNSIGNED_INT, tiles.data());
     gpu.warps = uploadTables(GL_RGBA8, GL_RGBA, tables.warps);
     if (gpu.layerCount > 1) gpu.scrambles = uploadScrambles(tables.scrambles);
-    gpu.probes = uploadTables(GL_R8UI, GL_RED_INTEGER, tables.probes);
+    gpu.probes = uploadProbes(tables.probes, atlas.sizeTiles());
     checkGl("uploading the lookup tables");
     return gpu;
 }
@@ -122,7 +113,6 @@ LookupPass createLookupPass(const std::string& folder, const GpuAtlas& atlas, co
     if (lookup.layerCount > 1) defines.push_back("LAYERS");
     pass.lookupProgram = ShaderProgram(folder, "surface.vert", "lookup.frag", defines);
     pass.poolProgram = ShaderProgram(folder, "fullscreen.vert", "pool.frag", defines);
-    pass.draws = createTexture2D(GL_RGBA32F, {kDrawsPerPixel, kRanks});
     GLuint name = 0;
     glCreateVertexArrays(1, &name);
     pass.noVertices = GlVertexArray(name);
@@ -151,21 +141,19 @@ LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuin
 
 void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
                  const LookupTargets& targets, uint32_t seed) {
-    fillDrawTable(pass.draws.name(), seed);
     glBindFramebuffer(GL_FRAMEBUFFER, targets.lookupTarget.name());
     const GLfloat nothing[4] = {0, 0, 0, 0};
     for (int i = 0; i < (pass.clearcoat ? 4 : 3); ++i) glClearBufferfv(GL_COLOR, i, nothing);
     const ShaderProgram& program = pass.lookupProgram;
-    program.bind("lookupTiles", 0, lookup.tiles.name());
+    program.bind("tilePatches", 0, atlas.tilePatches.name());
     program.bind("phatexels", 1, atlas.sources[0].texels.name());
     program.bind("warps", 2, lookup.warps.name());
     program.bind("probes", 3, lookup.probes.name());
-    program.bind("texelPosition", 4, atlas.position.name());
-    program.bind("draws", 5, pass.draws.name());
-    if (lookup.layerCount > 1) program.bind("scrambles", 6, lookup.scrambles.name());
+    program.bind("charts", 4, atlas.charts.name());
+    if (lookup.layerCount > 1) program.bind("scrambles", 5, lookup.scrambles.name());
     program.set("guideCount", lookup.guideCount);
     program.set("layerCount", lookup.layerCount);
-    program.set("drawCount", kDrawsPerPixel);
+    setDraws(program, 16, seed);
 }
 
 void poolDraws(const LookupPass& pass, const GpuAtlas& atlas, const RelightPass& relit,

@@ -11,15 +11,14 @@ namespace phat {
 
 /// What shaders/lib/lookup.glsl reads beside the PHATexels.
 struct GpuLookup {
-    GlTexture tiles;      // RGBA32UI [tileY][tileX]: chart, block, frame, scramble
     GlTexture warps;      // RGBA8, 16x16 a guide
-    GlTexture probes;     // R8UI, 16x16 a probe
+    GlTexture probes;     // RGBA32UI [4 tileY][2 tileX]: 8x4 levels of a DistanceProbe each
     GlTexture scrambles;  // R16UI [block row][layer][block]
     int guideCount = 0;   // 0: these PHATexels cannot be looked up
     int layerCount = 0;
 };
 /// Throws GlError.
-GpuLookup uploadLookup(const LookupTables& tables, const Atlas& atlas, const std::vector<Frame>& frames);
+GpuLookup uploadLookup(const LookupTables& tables, const Atlas& atlas);
 
 /// Pictures between the passes, of the frame's size.
 struct LookupTargets {
@@ -31,7 +30,6 @@ struct LookupTargets {
 
 struct LookupPass {
     ShaderProgram lookupProgram, poolProgram;
-    GlTexture draws;  // RGBA32F [rank][k]
     GlVertexArray noVertices;
     bool clearcoat = false;
     bool areaLights = false;

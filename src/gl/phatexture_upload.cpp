@@ -72,6 +72,38 @@ GlTexture uploadTileTable(const Atlas& atlas) {
     return texture;
 }
 
+GlTexture uploadTilePatches(const Atlas& atlas, const std::vector<Frame>& frames,
+                            const std::vector<TilePatch>& patches, const LookupTables& tables) {
+    const glm::uvec2 tiles = atlas.sizeTiles();
+    std::vector<std::array<glm::uvec4, 2>> packed(patches.size(), {glm::uvec4(0), glm::uvec4(0)});
+    for (uint32_t i = 0; i < patches.size(); ++i) {
+        if (atlas.tileChart[i] == kNoChart) continue;
+        const uint32_t block = atlas.blockAt(glm::uvec2(i % tiles.x, i / tiles.x) * kTileSize);
+        packed[i] = packTile(patches[i], frames[block], atlas.charts[atlas.tileChart[i]].texelSizeMeters,
+                             tables.scrambles.empty() ? 0 : tables.scrambles[0][block],
+                             tables.probes.empty() ? glm::uvec2(0)
+                                                   : glm::uvec2(tables.probes[i].low, tables.probes[i].high));
+    }
+    GlTexture texture = createTexture2D(GL_RGBA32UI, {2 * tiles.x, tiles.y});
+    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(2 * tiles.x), GLsizei(tiles.y), GL_RGBA_INTEGER,
+                        GL_UNSIGNED_INT, packed.data());
+    return texture;
+}
+
+GlTexture uploadCharts(const Atlas& atlas) {
+    const uint32_t rows = uint32_t(atlas.charts.size() / kTableWidth + 1);
+    std::vector<glm::uvec4> table(size_t(rows) * kTableWidth, glm::uvec4(0));
+    for (size_t i = 0; i < atlas.charts.size(); ++i) {
+        const Chart& chart = atlas.charts[i];
+        table[i] = {chart.originTile.y << 16 | chart.originTile.x, chart.sizeTiles.y << 16 | chart.sizeTiles.x,
+                    chart.firstBlock, std::bit_cast<uint32_t>(chart.texelSizeMeters)};
+    }
+    GlTexture texture = createTexture2D(GL_RGBA32UI, {kTableWidth, rows});
+    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(kTableWidth), GLsizei(rows), GL_RGBA_INTEGER,
+                        GL_UNSIGNED_INT, table.data());
+    return texture;
+}
+
 GlTexture uploadTileLight(const Scene& scene, const Atlas& atlas, const Phatexture& phatexture) {
     const glm::uvec2 tiles = atlas.sizeTiles();
     const std::vector<glm::vec4> light = tileLight(scene, atlas, phatexture);
@@ -79,15 +111,6 @@ GlTexture uploadTileLight(const Scene& scene, const Atlas& atlas, const Phatextu
     glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(tiles.x), GLsizei(tiles.y), GL_RGBA, GL_FLOAT,
                         light.data());
     return texture;
-}
-
-GlTexture uploadBlockFrames(const std::vector<Frame>& frames) {
-    std::vector<glm::vec4> rows;
-    for (const Frame& frame : frames) {
-        rows.emplace_back(frame.normal, 0.0f);
-        rows.emplace_back(frame.tangent, 0.0f);
-    }
-    return createTable(rows);
 }
 
 uint8_t unorm8(float x) {
@@ -177,14 +200,16 @@ void requireSizes(const Atlas& atlas, const TexelPoints& points, const Phatextur
 }  // namespace
 
 GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
-                     const std::vector<Frame>& frames, const Phatexture& phatexture) {
+                     const std::vector<Frame>& frames, const std::vector<TilePatch>& patches,
+                     const Phatexture& phatexture, const LookupTables& tables) {
     requireSizes(atlas, points, phatexture);
     GpuAtlas gpu;
     gpu.sizeTexels = atlas.sizeTexels;
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     gpu.tileTable = uploadTileTable(atlas);
     gpu.tileLight = uploadTileLight(scene, atlas, phatexture);
-    gpu.blockFrames = uploadBlockFrames(frames);
+    gpu.tilePatches = uploadTilePatches(atlas, frames, patches, tables);
+    gpu.charts = uploadCharts(atlas);
 
     const auto texture = [&](GLenum internal, GLenum format, GLenum type, const void* data) {
         GlTexture made = createTexture2D(internal, atlas.sizeTexels);
@@ -193,7 +218,6 @@ GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& 
         return made;
     };
     const TexelArrays arrays = sampleTexels(scene, atlas, points);
-    gpu.position = texture(GL_RGB32F, GL_RGB, GL_FLOAT, points.position.data());
     gpu.normals = texture(GL_RGBA16_SNORM, GL_RGBA, GL_SHORT, arrays.normals.data());
     gpu.materialIndex = texture(GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, arrays.material.data());
     gpu.texturesA = texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, arrays.texturesA.data());

@@ -2,8 +2,10 @@
 // The atlas, its texels' surfaces and the PHATexels on the GPU.
 
 #include "core/atlas.h"
+#include "core/lookup_tables.h"
 #include "core/phatexture.h"
 #include "core/scene.h"
+#include "core/tile_patch.h"
 #include "gl/gl_objects.h"
 
 namespace phat {
@@ -20,8 +22,8 @@ struct GpuPhatexels {
 struct GpuAtlas {
     glm::uvec2 sizeTexels{0};
     GlTexture tileTable;      // RGBA32UI: chart, block, the chart's texel size in metres (a float's bits)
-    GlTexture blockFrames;    // table: normal, tangent
-    GlTexture position;       // RGB32F
+    GlTexture tilePatches;    // RGBA32UI [tileY][2 tileX], see packTile
+    GlTexture charts;         // RGBA32UI table: origin and size in tiles (y << 16 | x), first block, texel size
     GlTexture normals;        // RGBA16_SNORM: octahedral shading normal, coat normal
     GlTexture materialIndex;  // R32UI
     GlTexture texturesA;      // RGBA8: mean base colour, roughness, metallic, specular
@@ -32,8 +34,9 @@ struct GpuAtlas {
 };
 
 /// Texels' surfaces by core/shading, so that relighting sees what the bake saw. `frames`: blockFrames of the
-/// atlas. Throws GlError.
+/// atlas; `patches`: fitTilePatches; `tables`: of the lookup, or empty. Throws GlError.
 GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
-                     const std::vector<Frame>& frames, const Phatexture& phatexture);
+                     const std::vector<Frame>& frames, const std::vector<TilePatch>& patches,
+                     const Phatexture& phatexture, const LookupTables& tables);
 
 }  // namespace phat

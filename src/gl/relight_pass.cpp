@@ -87,8 +87,7 @@ void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, co
         program.bind("tileTable", 0, atlas.tileTable.name());
         program.bind("phatexels", 1, source.texels.name());
         program.bind("guidePdf", 2, source.guidePdf.name());
-        program.bind("blockFrames", 3, atlas.blockFrames.name());
-        program.bind("texelPosition", 4, atlas.position.name());
+        program.bind("tilePatches", 4, atlas.tilePatches.name());
         program.bind("texelNormals", 5, atlas.normals.name());
         program.bind("texelBrdf", 6, pass.texelBrdf.name());
         program.bind("splitSumTable", 8, splitSum);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/rays.h"
 #include "gl/display_pass.h"
 #include "gl/gl_error.h"
 #include "gl/phatexture_upload.h"
@@ -99,12 +100,15 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->lights = input.scene.lights;
     state_->scene = uploadScene(input.scene, input.atlas);
     const std::vector<Frame> frames = blockFrames(input.atlas, input.points);
-    state_->atlas = uploadAtlas(input.scene, input.atlas, input.points, frames, input.phatexture);
+    const std::vector<TilePatch> patches = fitTilePatches(input.atlas, input.points, frames);
     SilentProgress silent;
-    state_->lookup =
-        uploadLookup(buildLookupTables(input.phatexture.indirect, input.phatexture.indirectGuides,
-                                       input.atlas, input.points, frames, silent),
-                     input.atlas, frames);
+    const LookupTables tables =
+        input.lookup ? buildLookupTables(input.phatexture.indirect, input.phatexture.indirectGuides, input.atlas,
+                                         input.points, frames, patches, RayScene(input.scene), silent)
+                     : LookupTables();
+    state_->atlas =
+        uploadAtlas(input.scene, input.atlas, input.points, frames, patches, input.phatexture, tables);
+    state_->lookup = uploadLookup(tables, input.atlas);
     state_->createPasses();
 }
 

@@ -49,6 +49,8 @@ struct RendererInput {
     const Atlas& atlas;
     const TexelPoints& points;
     const Phatexture& phatexture;
+    /// Prepares Method::phat, which takes rays and time. False: every frame is phatPyramid's.
+    bool lookup = true;
 };
 
 class Renderer {

@@ -151,6 +151,9 @@ void ShaderProgram::set(const char* uniform, const glm::mat4& value) const {
 void ShaderProgram::set(const char* uniform, std::span<const glm::vec4> values) const {
     glProgramUniform4fv(name(), location(uniform), GLsizei(values.size()), &values[0][0]);
 }
+void ShaderProgram::set(const char* uniform, std::span<const glm::uvec4> values) const {
+    glProgramUniform4uiv(name(), location(uniform), GLsizei(values.size()), &values[0][0]);
+}
 void ShaderProgram::bind(const char* uniform, int unit, GLuint texture, GLuint sampler) const {
     glBindTextureUnit(GLuint(unit), texture);
     glBindSampler(GLuint(unit), sampler);

@@ -45,6 +45,7 @@ class ShaderProgram {
     void set(const char* uniform, glm::vec3 value) const;
     void set(const char* uniform, const glm::mat4& value) const;
     void set(const char* uniform, std::span<const glm::vec4> values) const;
+    void set(const char* uniform, std::span<const glm::uvec4> values) const;
     /// Binds `texture` (and `sampler`, if not 0) to `unit` and points the uniform at it.
     void bind(const char* uniform, int unit, GLuint texture, GLuint sampler = 0) const;
 

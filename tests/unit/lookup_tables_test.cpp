@@ -24,14 +24,16 @@ struct World {
         settings.layers = layers;
         baked = bake(scene, settings, silent);
         frames = blockFrames(baked.atlas, baked.points);
+        patches = fitTilePatches(baked.atlas, baked.points, frames);
         tables = buildLookupTables(baked.phatexture.indirect, baked.phatexture.indirectGuides, baked.atlas,
-                                   baked.points, frames, silent);
+                                   baked.points, frames, patches, RayScene(scene), silent);
     }
     Scene scene;
     BakeSettings settings;
     SilentProgress silent;
     Bake baked;
     std::vector<Frame> frames;
+    std::vector<TilePatch> patches;
     LookupTables tables;
 };
 
@@ -76,38 +78,94 @@ TEST(LookupTables, WarpsAgreeWithTheGuides) {
     }
 }
 
-// In an empty room the distance along a direction is known.
+// The middle of a cell is where its ray went: what is left is the rounding to levels.
 TEST(LookupTables, ProbesTellTheDistance) {
     const World world(Directions::uniform);
     const RayScene rays(world.scene);
-    Rng rng(6);
-    int compared = 0, near = 0;
-    for (uint32_t c = 0; c < world.baked.atlas.charts.size(); ++c) {
-        const Chart& chart = world.baked.atlas.charts[c];
-        const glm::uvec2 middle = chart.originTexel() + chart.sizeTexels() / 2u;
-        const size_t texel = size_t(middle.y) * world.baked.atlas.sizeTexels.x + middle.x;
-        if (!world.baked.points.valid(texel)) continue;
-        const uint32_t block = world.baked.atlas.blockAt(middle);
-        const glm::uvec2 place = (middle - chart.originTexel()) % kBlockSize / kProbeTexels;
-        const DistanceProbe& probe =
-            world.tables.probes[(size_t(block) * kProbesAlongBlock + place.y) * kProbesAlongBlock + place.x];
-        for (int i = 0; i < 50; ++i) {
-            const glm::vec3 local = squareToHemisphere(rng.uniform2());
-            if (local.z < 0.2f) continue;
-            const glm::ivec2 cell =
-                glm::clamp(glm::ivec2(hemisphereToSquare(local) * float(kProbeSize)), 0, kProbeSize - 1);
-            const float told = unpackDistance(probe[cell.y * kProbeSize + cell.x]);
+    const Atlas& atlas = world.baked.atlas;
+    ASSERT_EQ(world.tables.probes.size(), world.patches.size());
+    int compared = 0;
+    for (size_t tile = 0; tile < world.patches.size(); tile += 7) {
+        const TilePatch& patch = world.patches[tile];
+        if (patch.empty) continue;
+        const glm::uvec2 texel =
+            glm::uvec2(tile % atlas.sizeTiles().x, tile / atlas.sizeTiles().x) * kTileSize +
+            glm::uvec2(patch.probeTexel % kTileSize, patch.probeTexel / kTileSize);
+        const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
+        ASSERT_TRUE(world.baked.points.valid(index));
+        const DistanceProbe& probe = world.tables.probes[tile];
+        const float octaves = std::log2(unpackDistance(std::min(4 * probe.high, 254u)) /
+                                        unpackDistance(std::max(4 * probe.low, 1u)));
+        for (uint32_t cell = 0; cell < probe.level.size(); cell += 5) {
+            const glm::vec3 local = squareToHemisphere(
+                (glm::vec2(cell % kProbeSize, cell / kProbeSize) + 0.5f) / float(kProbeSize));
             const Hit hit = rays.closestHit(
-                offsetOrigin(world.baked.points.position[texel], world.baked.points.normal[texel]),
-                world.frames[block].toWorld(local));
+                offsetOrigin(world.baked.points.position[index], world.baked.points.normal[index]),
+                world.frames[atlas.blockAt(texel)].toWorld(local));
             ASSERT_TRUE(hit);
+            const float told = probeDistance(probe, probe.level[cell]);
+            // Half a level, and half a code of packDistance.
+            EXPECT_LE(std::abs(std::log2(told / hit.distance)), 0.5f * octaves / 14 + 0.5f * 0.0788f + 1e-3f);
             ++compared;
-            near += std::abs(told / hit.distance - 1) < 0.25f;
         }
     }
-    ASSERT_GT(compared, 100);
-    // Cells of 9 degrees and a map filled from 24 texels around: most of them, not all.
-    EXPECT_GT(near, compared * 8 / 10);
+    EXPECT_GT(compared, 1000);
+}
+
+TEST(TilePatches, AreExactOnPlanes) {
+    const World world(Directions::uniform);
+    const Atlas& atlas = world.baked.atlas;
+    int compared = 0;
+    for (uint32_t y = 0; y < atlas.sizeTexels.y; ++y)
+        for (uint32_t x = 0; x < atlas.sizeTexels.x; ++x) {
+            const size_t texel = size_t(y) * atlas.sizeTexels.x + x;
+            if (world.baked.points.state[texel] != TexelState::surface) continue;
+            const glm::uvec2 tile = glm::uvec2(x, y) / kTileSize;
+            const TilePatch& patch = world.patches[size_t(tile.y) * atlas.sizeTiles().x + tile.x];
+            const glm::vec2 fromMiddle = glm::vec2(x % kTileSize, y % kTileSize) - 3.5f;
+            const glm::vec3 place = patch.at(fromMiddle, world.frames[atlas.blockAt({x, y})].normal);
+            const float texelMeters = atlas.charts[atlas.chartAt({x, y})].texelSizeMeters;
+            ASSERT_LT(glm::distance(place, world.baked.points.position[texel]), 0.02f * texelMeters);
+            EXPECT_EQ(patch.groupBits, 5u);
+            ++compared;
+        }
+    EXPECT_GT(compared, 1000);
+}
+
+// A sphere of 40 texels' radius, given exactly: a patch must follow its own tile, and say that it does not follow the
+// block's.
+TEST(TilePatches, FollowTheirTileOnCurves) {
+    constexpr float kRadius = 40;
+    Atlas atlas;
+    atlas.sizeTexels = glm::uvec2(kBlockSize);
+    Chart chart;
+    chart.sizeTiles = atlas.sizeTiles();
+    chart.texelSizeMeters = 1;
+    atlas.charts = {chart};
+    atlas.tileChart.assign(16, 0);
+    numberBlocks(atlas);
+    TexelPoints points;
+    points.sizeTexels = atlas.sizeTexels;
+    points.state.assign(atlas.texelCount(), TexelState::surface);
+    points.triangle.assign(atlas.texelCount(), 0);
+    for (uint32_t i = 0; i < atlas.texelCount(); ++i) {
+        // Distance from the middle becomes arc length.
+        const glm::vec2 flat = glm::vec2(i % kBlockSize, i / kBlockSize) - 15.5f;
+        const float arc = glm::length(flat) / kRadius;
+        points.position.push_back(
+            kRadius * glm::vec3(std::sin(arc) * glm::normalize(flat), std::cos(arc) - 1.0f));
+    }
+    const std::vector<TilePatch> patches = fitTilePatches(atlas, points, {Frame()});
+    float worst = 0;
+    for (uint32_t i = 0; i < atlas.texelCount(); ++i) {
+        const glm::uvec2 texel(i % kBlockSize, i / kBlockSize), tile = texel / kTileSize;
+        const glm::vec2 fromMiddle = glm::vec2(texel % kTileSize) - 3.5f;
+        worst = std::max(worst, glm::distance(patches[tile.y * 4 + tile.x].at(fromMiddle, Frame().normal),
+                                              points.position[i]));
+    }
+    // The sag of a tile is 4^2 / 80 = .2 texels; without the quadric that would be the error.
+    EXPECT_LT(worst, 0.1f);
+    EXPECT_LT(patches[0].groupBits, 5u);
 }
 
 TEST(Sobol, EveryAlignedRunIsStratified) {
