@@ -3,6 +3,7 @@
 // ratio of the cone-weighted sums of the relit PHATexels.
 // source: Hensley et al. 2003, sections 6.1 and 6.2; the ratio and the lookup are ours (docs/pipeline.md).
 #include "lib/cone.glsl"
+#include "lib/fetch.glsl"
 #include "lib/visible_surface.glsl"
 #include "lib/lights.glsl"
 
@@ -46,12 +47,12 @@ vec3 irradianceAt(int source, vec2 center, uint chart) {
 vec3 lobeRadiance(int lobeIndex, vec2 center, uint chart, vec3 fallback) {
     // pool.frag's order has room for the area lights, whether there are any or not.
     int picture = lobeIndex < kSources ? lobeIndex : 2 + lobeIndex - kSources;
-    vec4 sum = texelFetch(glossy, ivec3(gl_FragCoord.xy, picture), 0);
+    vec4 sum = READ(texelFetch(glossy, ivec3(gl_FragCoord.xy, picture), 0));
     return sum.a > 0.0 ? sum.rgb / sum.a : fallback;
 }
 
 vec3 brightestHere(vec2 center) {
-    return texelFetch(tileLight, ivec2(floor(center)) >> 3, 0).rgb;
+    return READ(texelFetch(tileLight, ivec2(floor(center)) >> 3, 0).rgb);
 }
 #else
 vec3 lobeRadiance(int lobeIndex, vec2 center, uint chart, vec3 fallback) {
@@ -144,4 +145,7 @@ void main() {
     // A broken vertex or texel must not spread over the picture.
     if (any(isnan(sum)) || any(isinf(sum))) sum = vec3(0.0);
     radiance = vec4(sum * alpha, alpha);
+#if defined(COUNT_READS) && defined(LOOKUP)
+    radiance = vec4(vec3(texelFetch(glossy, ivec3(gl_FragCoord.xy, 0), 0).r + float(readCount)), 1.0);
+#endif
 }

@@ -260,7 +260,9 @@ vec4 lookUp(Receiver r, inout Lobe lobe, int rank) {
     widenLobe(lobe, chart, here, probe, worldFromLocal * vec3(-wo.xy, wo.z), wo.z);
 
     vec4 sum = vec4(0.0);
+    // Two draws ask at one place, as long as that answers.
     LookupTile tile = here;
+    ivec2 place = hereTexel;
     for (int k = 0; k < drawCount; ++k) {
         vec4 u = vec4((draws[k] ^ ranks[rank]) >> 8) * exp2(-24.0);
         vec3 wi = reflect(-wo, squareToVisibleNormal(u.xy, wo, lobe.alpha));
@@ -270,9 +272,11 @@ vec4 lookUp(Receiver r, inout Lobe lobe, int rank) {
         float radius = searchRadius(d, chart.texelMeters);
         for (int i = 0; i < kTries; ++i, radius = max(0.5 * radius, kLeastTexels), d *= kCloser) {
             if (i >= kAimedTries) radius = kNearTexels;
-            ivec2 q = texelInChart(chart, r.texel + radius * squareToCone(u.zw, float(i)), r.texel);
-            tile = lookupTileAt(chart, q);
-            Found found = ask(r, chart, tile, q, wiWorld, d, i < kAimedTries, k);
+            if (i > 0 || (k & 1) == 0) {
+                place = texelInChart(chart, r.texel + radius * squareToCone(u.zw, float(i)), r.texel);
+                tile = lookupTileAt(chart, place);
+            }
+            Found found = ask(r, chart, tile, place, wiWorld, d, i < kAimedTries, k);
             if (!found.valid) continue;
             vec3 w = found.direction * worldFromLocal;
             if (w.z <= 0.0) continue;

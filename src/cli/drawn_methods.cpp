@@ -28,6 +28,19 @@ Method methodOf(const RenderOptions& options) {
     return std::string_view(options.method.name) == "phat-pyramid" ? Method::phatPyramid : Method::phat;
 }
 
+// Of pixels that show a surface.
+json readsOf(const Image& picture) {
+    double sum = 0, most = 0;
+    size_t count = 0;
+    for (const glm::vec3& pixel : picture.pixels) {
+        if (pixel.x <= 0) continue;
+        sum += pixel.x;
+        most = std::max(most, double(pixel.x));
+        ++count;
+    }
+    return {{"mean", sum / double(std::max<size_t>(count, 1))}, {"max", most}};
+}
+
 }  // namespace
 
 std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) {
@@ -37,7 +50,8 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
 
     const HeadlessContext context;
     Renderer renderer(
-        {scene, baked.atlas, baked.points, baked.phatexture, methodOf(options) == Method::phat},
+        {scene, baked.atlas, baked.points, baked.phatexture, methodOf(options) == Method::phat,
+         options.countReads},
         shaderFolder().string());
     std::vector<json> reports;
     for (const View& view : views) {
@@ -46,6 +60,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
                                                .height = view.height,
                                                .camera = view.camera,
                                                .method = methodOf(options),
+                                               .quality = options.quality,
                                                .component = options.component,
                                                .samplesPerPixel = options.samplesPerPixel});
         progress.throwIfStopped();
@@ -62,6 +77,12 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
                              {"pyramid", times.pyramid},
                              {"shadows", times.shadows},
                              {"display", times.display}}}});
+        json& report = reports.back();
+        if (const LookupCost cost = renderer.lookupCost(); cost.bytesPerPhatexel > 0) {
+            report["seconds"]["prepareLookup"] = cost.seconds;
+            report["bytesPerPhatexel"] = cost.bytesPerPhatexel;
+        }
+        if (options.countReads) report["reads"] = readsOf(picture);
     }
     return reports;
 }

@@ -24,6 +24,8 @@ const std::map<std::string, Component> kComponents = {{"all", Component::all},
                                                       {"indirect", Component::indirect},
                                                       {"glossy-indirect", Component::glossyIndirect},
                                                       {"diffuse-indirect", Component::diffuseIndirect}};
+const std::map<std::string, Quality> kQualities = {
+    {"fast", Quality::fast}, {"default", Quality::standard}, {"high", Quality::high}};
 const std::map<std::string, ToneMap> kToneMaps = {
     {"linear", ToneMap::linear}, {"agx", ToneMap::agx}, {"aces", ToneMap::aces}};
 
@@ -72,6 +74,12 @@ void printReport(const json& report, bool traced) {
         fmt::print("relight {:.1f} ms, pyramid {:.1f} ms, shadows {:.1f} ms, display {:.1f} ms\n",
                    seconds["relight"].get<double>() * 1e3, seconds["pyramid"].get<double>() * 1e3,
                    seconds["shadows"].get<double>() * 1e3, seconds["display"].get<double>() * 1e3);
+    if (report.contains("bytesPerPhatexel"))
+        fmt::print("lookup: {:.1f} bytes a PHATexel, prepared in {:.2f} s\n",
+                   report["bytesPerPhatexel"].get<double>(), seconds["prepareLookup"].get<double>());
+    if (report.contains("reads"))
+        fmt::print("reads a pixel: {:.1f} in the mean, {} at most\n", report["reads"]["mean"].get<double>(),
+                   report["reads"]["max"].get<double>());
 }
 
 void runRender(const RenderOptions& options) {
@@ -144,6 +152,12 @@ void addRenderCommand(CLI::App& app) {
         option("--component", "NAME", "all, direct, indirect, glossy-indirect or diffuse-indirect")
             ->check(CLI::IsMember(kComponents))
             ->default_val("all");
+    CLI::Option* quality = option("--quality", "NAME", "phat: fast, default or high")
+                               ->check(CLI::IsMember(kQualities))
+                               ->default_val("default");
+    CLI::Option* countReads =
+        command->add_flag("--count-reads")
+            ->description("phat: draw and report the texels read for indirect glossy light, with --spp 1");
     CLI::Option* environment =
         option("--environment", "FILE", "Sky of a scene that is not baked: latitude-longitude .hdr or .exr");
     CLI::Option* edits =
@@ -186,7 +200,11 @@ void addRenderCommand(CLI::App& app) {
         onlyFor({photons, neighbors}, options.method.readsPhotons);
         onlyFor({gatherRays}, name == "photons-gather");
         onlyFor({radius, traceVisibility}, name == "phat-gather");
+        onlyFor({quality, countReads}, name == "phat");
+        options.quality = kQualities.at(quality->as<std::string>());
+        options.countReads = countReads->count() > 0;
         options.samplesPerPixel = *spp ? spp->as<int>() : options.method.samplesPerPixel;
+        if (options.countReads) options.samplesPerPixel = 1;
         if (*time) options.seconds = time->as<double>();
         if (*seed) options.seed = seed->as<uint64_t>();
         if (*threads) options.threads = threads->as<int>();

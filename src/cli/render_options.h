@@ -46,6 +46,8 @@ struct RenderOptions {
     int width = 960;
     int height = 0;  // 0: from the camera's aspect
     int samplesPerPixel = 4;
+    Quality quality = Quality::standard;  // phat
+    bool countReads = false;              // phat
     double seconds = 0;  // traced methods; > 0: instead of samplesPerPixel
     uint64_t seed = 1;
     std::optional<int> threads;

@@ -43,6 +43,12 @@ glm::vec2 jitterOf(int index, int count) {
     return glm::vec2((float(index) + 0.5f) / float(count), y - std::floor(y)) - 0.5f;
 }
 
+// Draws a pixel. Measured: see docs/pipeline.md, "Lookup".
+int drawsOf(Quality quality) {
+    constexpr int kDraws[] = {2, 12, 32};
+    return kDraws[size_t(quality)];
+}
+
 glm::vec3 shownParts(Component component) {
     switch (component) {
         case Component::all:
@@ -195,7 +201,7 @@ void drawOpaque(const ShaderProgram& program, const DisplayInput& input) {
 void lookUp(const DisplayInput& input, const CameraMatrices& camera, const FrameSettings& settings,
             const LookupTargets& targets, uint32_t seed) {
     const ShaderProgram& program = input.lookupPass.lookupProgram;
-    beginLookup(input.lookupPass, input.atlas, input.lookup, targets, seed);
+    beginLookup(input.lookupPass, input.atlas, input.lookup, targets, drawsOf(settings.quality), seed);
     bindCamera(program, camera, settings);
     drawOpaque(program, input);
     poolDraws(input.lookupPass, input.atlas, input.relit, targets);
@@ -253,13 +259,14 @@ FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup) {
     return targets;
 }
 
-DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat) {
+DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat, bool countReads) {
     std::vector<std::string> defines;
     if (atlas.sources.size() > 1) defines.push_back("AREA");
     if (clearcoat) defines.push_back("CLEARCOAT");
     DisplayPass pass;
     pass.displayProgram = ShaderProgram(folder, "surface.vert", "display.frag", defines);
     defines.push_back("LOOKUP");
+    if (countReads) defines.push_back("COUNT_READS");
     pass.lookedUpProgram = ShaderProgram(folder, "surface.vert", "display.frag", defines);
     pass.depthProgram = ShaderProgram(folder, "surface.vert", "depth.frag");
     pass.backgroundProgram = ShaderProgram(folder, "fullscreen.vert", "background.frag");

@@ -27,7 +27,9 @@ struct DisplayPass {
     std::vector<uint32_t> blendOrder;  // reused from frame to frame
 };
 
-DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat);
+/// `countReads`: see createLookupPass.
+DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat,
+                              bool countReads);
 
 struct DisplayInput {
     const GpuScene& scene;

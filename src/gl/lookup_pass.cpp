@@ -103,7 +103,7 @@ GpuLookup uploadLookup(const LookupTables& tables, const Atlas& atlas) {
 }
 
 LookupPass createLookupPass(const std::string& folder, const GpuAtlas& atlas, const GpuLookup& lookup,
-                            bool clearcoat) {
+                            bool clearcoat, bool countReads) {
     LookupPass pass;
     pass.clearcoat = clearcoat;
     pass.areaLights = atlas.sources.size() > 1;
@@ -111,8 +111,11 @@ LookupPass createLookupPass(const std::string& folder, const GpuAtlas& atlas, co
     if (clearcoat) defines.push_back("CLEARCOAT");
     if (pass.areaLights) defines.push_back("AREA");
     if (lookup.layerCount > 1) defines.push_back("LAYERS");
+    if (countReads) defines.push_back("COUNT_READS");
     pass.lookupProgram = ShaderProgram(folder, "surface.vert", "lookup.frag", defines);
     pass.poolProgram = ShaderProgram(folder, "fullscreen.vert", "pool.frag", defines);
+    defines.push_back("ACROSS");
+    pass.poolAcrossProgram = ShaderProgram(folder, "fullscreen.vert", "pool.frag", defines);
     GLuint name = 0;
     glCreateVertexArrays(1, &name);
     pass.noVertices = GlVertexArray(name);
@@ -121,18 +124,21 @@ LookupPass createLookupPass(const std::string& folder, const GpuAtlas& atlas, co
 
 LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth) {
     LookupTargets t;
-    t.seen = createTexture2D(GL_RGBA32F, size);
-    t.surfaces = createTexture2D(GL_RGBA32F, size);
+    t.seen = createTexture2D(GL_RGBA32UI, size);
+    t.pooled = createTexture2D(GL_RGBA32UI, size);
     t.places = createTexture2D(GL_RGBA32F, size);
     t.glossy = createTextureArray(GL_RGBA32F, size, pass.clearcoat ? 4 : 2);
-    const GLuint seen = t.seen.name(), surfaces = t.surfaces.name(), places = t.places.name();
+    const GLuint seen = t.seen.name(), pooled = t.pooled.name(), places = t.places.name();
     const GLuint glossy = t.glossy.name();
     if (pass.clearcoat) {
-        t.seenCoat = createTexture2D(GL_RGBA32F, size);
-        t.lookupTarget = createFramebuffer({{seen}, {surfaces}, {places}, {t.seenCoat.name()}}, depth);
+        t.seenCoat = createTexture2D(GL_RGBA32UI, size);
+        t.pooledCoat = createTexture2D(GL_RGBA32UI, size);
+        t.lookupTarget = createFramebuffer({{seen}, {places}, {t.seenCoat.name()}}, depth);
+        t.acrossTarget = createFramebuffer({{pooled}, {t.pooledCoat.name()}});
         t.poolTarget = createFramebuffer({{glossy, 0, 0}, {glossy, 0, 1}, {glossy, 0, 2}, {glossy, 0, 3}});
     } else {
-        t.lookupTarget = createFramebuffer({{seen}, {surfaces}, {places}}, depth);
+        t.lookupTarget = createFramebuffer({{seen}, {places}}, depth);
+        t.acrossTarget = createFramebuffer({{pooled}});
         t.poolTarget = createFramebuffer({{glossy, 0, 0}, {glossy, 0, 1}});
     }
     checkGl("creating the lookup's targets");
@@ -140,10 +146,13 @@ LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuin
 }
 
 void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
-                 const LookupTargets& targets, uint32_t seed) {
+                 const LookupTargets& targets, int drawCount, uint32_t seed) {
     glBindFramebuffer(GL_FRAMEBUFFER, targets.lookupTarget.name());
-    const GLfloat nothing[4] = {0, 0, 0, 0};
-    for (int i = 0; i < (pass.clearcoat ? 4 : 3); ++i) glClearBufferfv(GL_COLOR, i, nothing);
+    const GLuint none[4] = {0, 0, 0, 0};
+    const GLfloat nowhere[4] = {0, 0, 0, 0};
+    glClearBufferuiv(GL_COLOR, 0, none);
+    glClearBufferfv(GL_COLOR, 1, nowhere);
+    if (pass.clearcoat) glClearBufferuiv(GL_COLOR, 2, none);
     const ShaderProgram& program = pass.lookupProgram;
     program.bind("tilePatches", 0, atlas.tilePatches.name());
     program.bind("phatexels", 1, atlas.sources[0].texels.name());
@@ -153,23 +162,30 @@ void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup&
     if (lookup.layerCount > 1) program.bind("scrambles", 5, lookup.scrambles.name());
     program.set("guideCount", lookup.guideCount);
     program.set("layerCount", lookup.layerCount);
-    setDraws(program, 16, seed);
+    setDraws(program, uint32_t(std::clamp(drawCount, 1, int(kMostDraws))), seed);
 }
 
 void poolDraws(const LookupPass& pass, const GpuAtlas& atlas, const RelightPass& relit,
                const LookupTargets& targets) {
-    glBindFramebuffer(GL_FRAMEBUFFER, targets.poolTarget.name());
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
+    glBindVertexArray(pass.noVertices.name());
+
+    const ShaderProgram& across = pass.poolAcrossProgram;
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.acrossTarget.name());
+    across.bind("seen", 0, targets.seen.name());
+    if (pass.clearcoat) across.bind("seenCoat", 1, targets.seenCoat.name());
+    across.use();
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+
     const ShaderProgram& program = pass.poolProgram;
-    program.bind("seen", 0, targets.seen.name());
-    program.bind("surfaces", 1, targets.surfaces.name());
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.poolTarget.name());
+    program.bind("seen", 0, targets.pooled.name());
+    if (pass.clearcoat) program.bind("seenCoat", 1, targets.pooledCoat.name());
     program.bind("places", 2, targets.places.name());
-    if (pass.clearcoat) program.bind("seenCoat", 3, targets.seenCoat.name());
     program.bind("tileTable", 4, atlas.tileTable.name());
     program.bind("relit", 5, relit.lobes.name());
     program.bind("radii", 6, relit.radii.name());
-    glBindVertexArray(pass.noVertices.name());
     program.use();
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }

@@ -22,27 +22,29 @@ GpuLookup uploadLookup(const LookupTables& tables, const Atlas& atlas);
 
 /// Pictures between the passes, of the frame's size.
 struct LookupTargets {
-    GlTexture seen, seenCoat;    // RGBA32F: sum g L, sum g
-    GlTexture surfaces, places;  // RGBA32F, see lookup.frag
-    GlTexture glossy;            // RGBA32F [lobe]: indirect, area lights, then their coats'
-    GlFramebuffer lookupTarget, poolTarget;
+    GlTexture seen, seenCoat;      // RGBA32UI, see shaders/lib/packed_draws.glsl
+    GlTexture pooled, pooledCoat;  // the same, pooled along the rows
+    GlTexture places;              // RGBA32F, see lookup.frag
+    GlTexture glossy;              // RGBA32F [lobe]: indirect, area lights, then their coats'
+    GlFramebuffer lookupTarget, acrossTarget, poolTarget;
 };
 
 struct LookupPass {
-    ShaderProgram lookupProgram, poolProgram;
+    ShaderProgram lookupProgram, poolAcrossProgram, poolProgram;
     GlVertexArray noVertices;
     bool clearcoat = false;
     bool areaLights = false;
 };
 
-/// Throws GlError.
+/// `countReads`: the pictures hold how many texels were read for them. Throws GlError.
 LookupPass createLookupPass(const std::string& shaderFolder, const GpuAtlas& atlas, const GpuLookup& lookup,
-                            bool clearcoat);
+                            bool clearcoat, bool countReads);
 LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth);
 
-/// Clears the targets, binds what the lookup of every surface shares, and reseeds the draws.
+/// Clears the targets, binds what the lookup of every surface shares, and reseeds the
+/// draws, at most 32 a pixel.
 void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
-                 const LookupTargets& targets, uint32_t seed);
+                 const LookupTargets& targets, int drawCount, uint32_t seed);
 /// From the surfaces' draws to `targets.glossy`.
 void poolDraws(const LookupPass& pass, const GpuAtlas& atlas, const RelightPass& relit,
                const LookupTargets& targets);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "core/rays.h"
 #include "gl/display_pass.h"
@@ -64,6 +65,14 @@ Image readPicture(const FrameTargets& targets) {
     return image;
 }
 
+double bytesPerPhatexel(const LookupTables& tables, size_t tiles, const Phatexture& phatexture) {
+    if (tables.warps.empty()) return 0;
+    const double texels = double(tiles) * kTileSize * kTileSize, layers = double(phatexture.indirect.size());
+    const double beside = double(tables.warps.size() * sizeof(Warp)) +
+                          double(tiles) * (2 * sizeof(glm::uvec4) + kProbeSize * kProbeSize / 2);
+    return sizeof(PackedPhatexel) + beside / (texels * layers);
+}
+
 }  // namespace
 
 struct Renderer::State {
@@ -80,14 +89,17 @@ struct Renderer::State {
     FrameTargets targets;
     PassTimer relightTimer, pyramidTimer, shadowTimer, displayTimer;
     FrameTimes times;
+    LookupCost lookupCost;
+    bool countReads = false;
     bool materialsChanged = true;
 
     void createPasses() {
         const bool clearcoat = anyClearcoat(materials);
         relight = createRelightPass(shaderFolder, atlas, clearcoat);
-        if (lookup.guideCount > 0) lookupPass = createLookupPass(shaderFolder, atlas, lookup, clearcoat);
+        if (lookup.guideCount > 0)
+            lookupPass = createLookupPass(shaderFolder, atlas, lookup, clearcoat, countReads);
         targets = {};
-        display = createDisplayPass(shaderFolder, atlas, clearcoat);
+        display = createDisplayPass(shaderFolder, atlas, clearcoat, countReads);
         materialsChanged = true;
     }
 };
@@ -100,15 +112,19 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->lights = input.scene.lights;
     state_->scene = uploadScene(input.scene, input.atlas);
     const std::vector<Frame> frames = blockFrames(input.atlas, input.points);
+    state_->countReads = input.countReads;
+    const auto start = std::chrono::steady_clock::now();
     const std::vector<TilePatch> patches = fitTilePatches(input.atlas, input.points, frames);
     SilentProgress silent;
     const LookupTables tables =
         input.lookup ? buildLookupTables(input.phatexture.indirect, input.phatexture.indirectGuides, input.atlas,
                                          input.points, frames, patches, RayScene(input.scene), silent)
                      : LookupTables();
+    const double prepared = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     state_->atlas =
         uploadAtlas(input.scene, input.atlas, input.points, frames, patches, input.phatexture, tables);
     state_->lookup = uploadLookup(tables, input.atlas);
+    state_->lookupCost = {prepared, bytesPerPhatexel(tables, patches.size(), input.phatexture)};
     state_->createPasses();
 }
 
@@ -163,6 +179,10 @@ Image Renderer::render(const FrameSettings& wanted) {
 
 FrameTimes Renderer::lastFrameTimes() const {
     return state_->times;
+}
+
+LookupCost Renderer::lookupCost() const {
+    return state_->lookupCost;
 }
 
 void Renderer::setMaterials(const std::vector<Material>& materials) {

@@ -22,6 +22,8 @@ enum class Method : uint8_t {
     phat,         // looked up by the pixel: draws from the BRDF, answered by PHATexels around
     phatPyramid,  // the paper's passes: the BRDF on every PHATexel, a pyramid, a cone
 };
+/// What the lookup may cost: see docs/pipeline.md for reads a pixel.
+enum class Quality : uint8_t { fast, standard, high };
 enum class ToneMap : uint8_t { linear, agx, aces };
 
 struct FrameSettings {
@@ -29,6 +31,7 @@ struct FrameSettings {
     int height = 360;
     Camera camera;
     Method method = Method::phat;  // phatPyramid takes its place where directions follow no invertible layout
+    Quality quality = Quality::standard;  // of Method::phat
     Component component = Component::all;
     /// Anti-aliasing: this many whole pictures, shifted inside the pixel, are averaged (a box filter of one
     /// pixel, over edges, textures and highlights alike). 1 turns it off.
@@ -51,6 +54,15 @@ struct RendererInput {
     const Phatexture& phatexture;
     /// Prepares Method::phat, which takes rays and time. False: every frame is phatPyramid's.
     bool lookup = true;
+    /// Pictures of Method::phat hold how many texels were read for a pixel's indirect glossy light, in all channels.
+    bool countReads = false;
+};
+
+/// What preparing the lookup took.
+struct LookupCost {
+    double seconds = 0;
+    /// On the GPU, for one PHATexel of the indirect light: itself, and all that the lookup reads beside it.
+    double bytesPerPhatexel = 0;
 };
 
 class Renderer {
@@ -64,6 +76,7 @@ class Renderer {
     /// Linear radiance, row 0 on top. Synchronous.
     Image render(const FrameSettings& settings);
     FrameTimes lastFrameTimes() const;
+    LookupCost lookupCost() const;
 
     /// Materials may change between frames (roughness, colour ...); textures stay.
     void setMaterials(const std::vector<Material>& materials);
