@@ -35,8 +35,10 @@ const int kTablesWide = 512;
 
 // The numbers below are the design study's, on one scene, unless a comment says more.
 const int kTries = 4;               // places that a draw asks, each in half the radius of the one before
+const int kAimedTries = 3;          // of these, and each expects the hit nearer
 const float kCloser = 0.7;
-const int kAimedTries = 3;
+// The last one does not aim: a group of 2^kNearBits texels a side, within kNearTexels, answers as if it were the
+// pixel. A draw that drops out would be a bias toward what is easy to find.
 const int kNearBits = 3;
 const float kNearTexels = 4.0;
 const float kLeastTexels = 2.0;
@@ -47,7 +49,8 @@ const float kSlackMeters = 0.05;
 // What is farther than this stands still while eye and block differ by metres.
 const float kHorizonMeters = 1e4;
 const float kNearMeters = 0.01;
-// Samples that the neighbourhood must hold under a lobe. With fewer a sharp lobe shows single samples.
+// Samples that the neighbourhood must hold under a lobe. With fewer a sharp lobe shows single samples; more widen lobes
+// at contacts, where the neighbourhood is small, until they see bright things far off (docs/pipeline.md).
 const float kWantedSamples = 2.0;
 const float kMostWidening = 20.0;
 

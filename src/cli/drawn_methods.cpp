@@ -49,10 +49,9 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     const std::vector<View> views = chooseViews(options, scene);
 
     const HeadlessContext context;
-    Renderer renderer(
-        {scene, baked.atlas, baked.points, baked.phatexture, methodOf(options) == Method::phat,
-         options.countReads},
-        shaderFolder().string());
+    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, methodOf(options) == Method::phat,
+                       options.countReads},
+                      shaderFolder().string());
     std::vector<json> reports;
     for (const View& view : views) {
         progress.throwIfStopped();

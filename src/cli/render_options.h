@@ -48,7 +48,7 @@ struct RenderOptions {
     int samplesPerPixel = 4;
     Quality quality = Quality::standard;  // phat
     bool countReads = false;              // phat
-    double seconds = 0;  // traced methods; > 0: instead of samplesPerPixel
+    double seconds = 0;                   // traced methods; > 0: instead of samplesPerPixel
     uint64_t seed = 1;
     std::optional<int> threads;
     uint64_t photons = PhotonSettings().count;  // photons-direct, photons-gather

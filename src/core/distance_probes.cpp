@@ -28,8 +28,9 @@ DistanceProbe roundToLevels(const std::array<uint8_t, kProbeSize * kProbeSize>& 
                 octaves = std::max(std::log2(topLevel(probe)) - low, 1e-6f);
     for (size_t i = 0; i < codes.size(); ++i) {
         const float share = (std::log2(unpackDistance(codes[i])) - low) / octaves;
-        probe.level[i] = codes[i] == far ? uint8_t(kFarLevel)
-                                         : uint8_t(std::lround(std::clamp(share, 0.0f, 1.0f) * (kFarLevel - 1)));
+        probe.level[i] = codes[i] == far
+                             ? uint8_t(kFarLevel)
+                             : uint8_t(std::lround(std::clamp(share, 0.0f, 1.0f) * (kFarLevel - 1)));
     }
     return probe;
 }
@@ -49,8 +50,8 @@ std::vector<DistanceProbe> traceDistanceProbes(const Atlas& atlas, const TexelPo
     DistanceProbe nothing;
     nothing.level.fill(uint8_t(kFarLevel));
     std::vector<DistanceProbe> probes(patches.size(), nothing);
-    // One ray a cell, through its middle: the least of several makes floors near pedestals too dark, because what is
-    // expected near is asked in a small neighbourhood.
+    // One ray a cell, through its middle: the least of several makes floors near pedestals too dark, because
+    // what is expected near is asked in a small neighbourhood.
     std::array<glm::vec3, kProbeSize * kProbeSize> directions;
     for (int i = 0; i < kProbeSize * kProbeSize; ++i)
         directions[size_t(i)] =

@@ -30,7 +30,8 @@ struct LookupTables {
 };
 
 /// Tables of PHATexels of one kind. Empty where their directions do not follow the invertible layout (the
-/// photon strategies): nothing can be looked up then. `patches`: fitTilePatches of the atlas; `rays`: of its scene.
+/// photon strategies): nothing can be looked up then. `patches`: fitTilePatches of the atlas; `rays`: of its
+/// scene.
 LookupTables buildLookupTables(const std::vector<PhatexelLayer>& layers, const std::vector<Guide>& guides,
                                const Atlas& atlas, const TexelPoints& points,
                                const std::vector<Frame>& frames, const std::vector<TilePatch>& patches,

@@ -13,7 +13,8 @@ namespace phat {
 glm::vec4 sobol4(uint32_t index, uint32_t seed);
 
 /// The same point unscrambled, as fractions of 2^32. Linear: of i and j without common bits,
-/// sobolBits(i + j) = sobolBits(i) ^ sobolBits(j), and any constant may be added by ^ without harm to stratification.
+/// sobolBits(i + j) = sobolBits(i) ^ sobolBits(j), and any constant may be added by ^ without harm to
+/// stratification.
 glm::uvec4 sobolBits(uint32_t index);
 
 }  // namespace phat

@@ -13,12 +13,13 @@ namespace {
 constexpr int kTerms = 6;  // 1, x, y, x^2, x y, y^2
 using Terms = std::array<double, kTerms>;
 
-// Rounding. Axes differ from the block frame's by at most a texel a texel: charts lean less than 45 degrees and
-// stretch less than 2. A bend of 1/16 is a radius of eight texels.
+// Rounding. Axes differ from the block frame's by at most a texel a texel: charts lean less than 45 degrees
+// and stretch less than 2. A bend of 1/16 is a radius of eight texels.
 constexpr float kAxisSteps = 511.0f;
 constexpr float kBendSteps = 127.0f * 16.0f;
-// Texels of error, for each of a group's side, that the lookup does not see: a group of 2^k texels is asked about what
-// is at least .28 4^k texels away, where the angle between two of its samples is 2^-k; this is about a tenth of it.
+// Texels of error, for each of a group's side, that the lookup does not see: a group of 2^k texels is asked
+// about what is at least .28 4^k texels away, where the angle between two of its samples is 2^-k; this is
+// about a tenth of it.
 constexpr float kMostErrorPerSide = 1.0f / 32.0f;
 // The prior, an undistorted plane, weighs as much as this many texels. It decides where a tile has too few.
 constexpr double kPriorTexels = 0.01;
@@ -98,7 +99,8 @@ void chooseProbe(TilePatch& patch, const Region& region) {
     }
 }
 
-uint32_t groupWhereItHolds(const TilePatch& patch, const Region& region, const Chart& chart, glm::vec3 normal) {
+uint32_t groupWhereItHolds(const TilePatch& patch, const Region& region, const Chart& chart,
+                           glm::vec3 normal) {
     const glm::uvec2 low = chart.originTexel(), high = low + chart.sizeTexels();
     for (uint32_t bits = 5; bits > 3; --bits) {
         const uint32_t side = 1u << bits;
@@ -132,7 +134,8 @@ TilePatch fitTile(const Region& region, const Chart& chart, const Frame& frame) 
     };
     const double texelMeters = chart.texelSizeMeters;
     const auto plane = [&](glm::vec2 p) {
-        return texelMeters * (double(p.x) * glm::dvec3(frame.tangent) + double(p.y) * glm::dvec3(frame.bitangent));
+        return texelMeters *
+               (double(p.x) * glm::dvec3(frame.tangent) + double(p.y) * glm::dvec3(frame.bitangent));
     };
     // What is left after the undistorted plane, in texels of the block's frame, and relative to its mean.
     eachTexel([&](glm::uvec2 texel, size_t index) {
@@ -187,8 +190,7 @@ std::vector<TilePatch> fitTilePatches(const Atlas& atlas, const TexelPoints& poi
             const uint32_t chart = atlas.tileChart[size_t(y) * tiles.x + x];
             if (chart == kNoChart) continue;
             const Frame& frame = frames[atlas.blockAt(glm::uvec2(x, y) * kTileSize)];
-            patches[size_t(y) * tiles.x + x] =
-                fitTile({atlas, points, {x, y}}, atlas.charts[chart], frame);
+            patches[size_t(y) * tiles.x + x] = fitTile({atlas, points, {x, y}}, atlas.charts[chart], frame);
         }
     });
     return patches;
@@ -200,8 +202,7 @@ std::array<glm::uvec4, 2> packTile(const TilePatch& patch, const Frame& blockFra
     const auto axisBits = [&](glm::vec3 axis, glm::vec3 plain) {
         const glm::vec3 local = blockFrame.toLocal(axis) / texelMeters - plain;
         uint32_t bits = 0;
-        for (int c = 0; c < 3; ++c)
-            bits |= bitsOf(signedCode(local[c], kAxisSteps, 511), 10) << (10 * c);
+        for (int c = 0; c < 3; ++c) bits |= bitsOf(signedCode(local[c], kAxisSteps, 511), 10) << (10 * c);
         return bits;
     };
     const auto bend = [&](int i) {

@@ -1,6 +1,6 @@
 #pragma once
-// Where an atlas's texels are, by the tile: a quadric in place of 64 positions. ours, because positions would take
-// more memory than the PHATexels themselves.
+// Where an atlas's texels are, by the tile: a quadric in place of 64 positions. ours, because positions would
+// take more memory than the PHATexels themselves.
 
 #include <array>
 #include <vector>
@@ -33,9 +33,8 @@ struct TilePatch {
 std::vector<TilePatch> fitTilePatches(const Atlas& atlas, const TexelPoints& points,
                                       const std::vector<Frame>& frames);
 
-/// 32 bytes for the GPU: patch, frame of the block, and what LookupTables say of the tile: the scramble of layer 0,
-/// low and high of its DistanceProbe.
-/// twin: unpackTile in shaders/lib/tile_patch.glsl.
+/// 32 bytes for the GPU: patch, frame of the block, and what LookupTables say of the tile: the scramble of
+/// layer 0, low and high of its DistanceProbe. twin: unpackTile in shaders/lib/tile_patch.glsl.
 std::array<glm::uvec4, 2> packTile(const TilePatch& patch, const Frame& blockFrame, float texelMeters,
                                    uint32_t scramble, glm::uvec2 probeRange);
 

@@ -259,7 +259,8 @@ FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup) {
     return targets;
 }
 
-DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat, bool countReads) {
+DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat,
+                              bool countReads) {
     std::vector<std::string> defines;
     if (atlas.sources.size() > 1) defines.push_back("AREA");
     if (clearcoat) defines.push_back("CLEARCOAT");

@@ -49,7 +49,7 @@ GlTexture uploadProbes(const std::vector<DistanceProbe>& probes, glm::uvec2 tile
             const glm::uvec2 cell(i % kProbeSize, i / kProbeSize);
             const glm::uvec2 at = corner + cell / kLevels;
             texels[size_t(at.y) * size.x + at.x][int(cell.y % 4)] |= uint32_t(probes[tile].level[i])
-                                                                    << (4 * (cell.x % 8));
+                                                                     << (4 * (cell.x % 8));
         }
     }
     GlTexture texture = createTexture2D(GL_RGBA32UI, size);

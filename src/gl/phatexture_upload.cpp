@@ -79,10 +79,10 @@ GlTexture uploadTilePatches(const Atlas& atlas, const std::vector<Frame>& frames
     for (uint32_t i = 0; i < patches.size(); ++i) {
         if (atlas.tileChart[i] == kNoChart) continue;
         const uint32_t block = atlas.blockAt(glm::uvec2(i % tiles.x, i / tiles.x) * kTileSize);
-        packed[i] = packTile(patches[i], frames[block], atlas.charts[atlas.tileChart[i]].texelSizeMeters,
-                             tables.scrambles.empty() ? 0 : tables.scrambles[0][block],
-                             tables.probes.empty() ? glm::uvec2(0)
-                                                   : glm::uvec2(tables.probes[i].low, tables.probes[i].high));
+        packed[i] = packTile(
+            patches[i], frames[block], atlas.charts[atlas.tileChart[i]].texelSizeMeters,
+            tables.scrambles.empty() ? 0 : tables.scrambles[0][block],
+            tables.probes.empty() ? glm::uvec2(0) : glm::uvec2(tables.probes[i].low, tables.probes[i].high));
     }
     GlTexture texture = createTexture2D(GL_RGBA32UI, {2 * tiles.x, tiles.y});
     glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(2 * tiles.x), GLsizei(tiles.y), GL_RGBA_INTEGER,
@@ -95,8 +95,9 @@ GlTexture uploadCharts(const Atlas& atlas) {
     std::vector<glm::uvec4> table(size_t(rows) * kTableWidth, glm::uvec4(0));
     for (size_t i = 0; i < atlas.charts.size(); ++i) {
         const Chart& chart = atlas.charts[i];
-        table[i] = {chart.originTile.y << 16 | chart.originTile.x, chart.sizeTiles.y << 16 | chart.sizeTiles.x,
-                    chart.firstBlock, std::bit_cast<uint32_t>(chart.texelSizeMeters)};
+        table[i] = {chart.originTile.y << 16 | chart.originTile.x,
+                    chart.sizeTiles.y << 16 | chart.sizeTiles.x, chart.firstBlock,
+                    std::bit_cast<uint32_t>(chart.texelSizeMeters)};
     }
     GlTexture texture = createTexture2D(GL_RGBA32UI, {kTableWidth, rows});
     glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(kTableWidth), GLsizei(rows), GL_RGBA_INTEGER,

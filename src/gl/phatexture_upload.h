@@ -21,15 +21,15 @@ struct GpuPhatexels {
 
 struct GpuAtlas {
     glm::uvec2 sizeTexels{0};
-    GlTexture tileTable;      // RGBA32UI: chart, block, the chart's texel size in metres (a float's bits)
-    GlTexture tilePatches;    // RGBA32UI [tileY][2 tileX], see packTile
-    GlTexture charts;         // RGBA32UI table: origin and size in tiles (y << 16 | x), first block, texel size
-    GlTexture normals;        // RGBA16_SNORM: octahedral shading normal, coat normal
-    GlTexture materialIndex;  // R32UI
-    GlTexture texturesA;      // RGBA8: mean base colour, roughness, metallic, specular
-    GlTexture texturesB;      // RGBA8: mean specular colour, clearcoat, clearcoat roughness
-    GlTexture tileLight;      // RGBA32F [tileY][tileX], see tileLight()
-    GlTexture irradiance;     // RGB16F: indirect, area
+    GlTexture tileTable;    // RGBA32UI: chart, block, the chart's texel size in metres (a float's bits)
+    GlTexture tilePatches;  // RGBA32UI [tileY][2 tileX], see packTile
+    GlTexture charts;       // RGBA32UI table: origin and size in tiles (y << 16 | x), first block, texel size
+    GlTexture normals;      // RGBA16_SNORM: octahedral shading normal, coat normal
+    GlTexture materialIndex;            // R32UI
+    GlTexture texturesA;                // RGBA8: mean base colour, roughness, metallic, specular
+    GlTexture texturesB;                // RGBA8: mean specular colour, clearcoat, clearcoat roughness
+    GlTexture tileLight;                // RGBA32F [tileY][tileX], see tileLight()
+    GlTexture irradiance;               // RGB16F: indirect, area
     std::vector<GpuPhatexels> sources;  // indirect, then area if there is any
 };
 

@@ -117,9 +117,10 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     const std::vector<TilePatch> patches = fitTilePatches(input.atlas, input.points, frames);
     SilentProgress silent;
     const LookupTables tables =
-        input.lookup ? buildLookupTables(input.phatexture.indirect, input.phatexture.indirectGuides, input.atlas,
-                                         input.points, frames, patches, RayScene(input.scene), silent)
-                     : LookupTables();
+        input.lookup
+            ? buildLookupTables(input.phatexture.indirect, input.phatexture.indirectGuides, input.atlas,
+                                input.points, frames, patches, RayScene(input.scene), silent)
+            : LookupTables();
     const double prepared = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     state_->atlas =
         uploadAtlas(input.scene, input.atlas, input.points, frames, patches, input.phatexture, tables);

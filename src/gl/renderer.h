@@ -54,7 +54,8 @@ struct RendererInput {
     const Phatexture& phatexture;
     /// Prepares Method::phat, which takes rays and time. False: every frame is phatPyramid's.
     bool lookup = true;
-    /// Pictures of Method::phat hold how many texels were read for a pixel's indirect glossy light, in all channels.
+    /// Pictures of Method::phat hold how many texels were read for a pixel's indirect glossy light, in all
+    /// channels.
     bool countReads = false;
 };
 

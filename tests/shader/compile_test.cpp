@@ -13,8 +13,13 @@ namespace phat::test {
 namespace {
 
 std::vector<std::vector<std::string>> variants() {
-    return {
-        {}, {"AREA"}, {"CLEARCOAT"}, {"AREA", "CLEARCOAT"}, {"TEXEL_PDF"}, {"LOOKUP", "AREA", "CLEARCOAT"}, {"LAYERS", "CLEARCOAT"}};
+    return {{},
+            {"AREA"},
+            {"CLEARCOAT"},
+            {"AREA", "CLEARCOAT"},
+            {"TEXEL_PDF"},
+            {"LOOKUP", "AREA", "CLEARCOAT"},
+            {"LAYERS", "CLEARCOAT"}};
 }
 
 TEST(Shaders, CompileInBothFlavors) {
@@ -48,7 +53,10 @@ TEST(Shaders, UseAtMostSixteenSamplers) {
     const Program programs[] = {{"surface.vert", "display.frag", {"AREA", "CLEARCOAT"}},
                                 {"surface.vert", "display.frag", {"AREA", "CLEARCOAT", "LOOKUP"}},
                                 {"surface.vert", "lookup.frag", {"AREA", "CLEARCOAT", "LAYERS"}},
+                                {"surface.vert", "lookup.frag", {"CLEARCOAT", "COUNT_READS"}},
                                 {"fullscreen.vert", "pool.frag", {"AREA", "CLEARCOAT"}},
+                                {"fullscreen.vert", "pool.frag", {"AREA", "CLEARCOAT", "COUNT_READS"}},
+                                {"fullscreen.vert", "pool.frag", {"CLEARCOAT", "ACROSS", "COUNT_READS"}},
                                 {"fullscreen.vert", "relight.frag", {"AREA", "CLEARCOAT"}},
                                 {"fullscreen.vert", "radius.frag", {"AREA", "CLEARCOAT"}},
                                 {"surface.vert", "depth.frag", {}}};

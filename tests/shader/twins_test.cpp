@@ -100,6 +100,25 @@ TEST_P(Twins, PhatexelUnpacking) {
     }
 }
 
+// What is stored between the lookup's passes; the halves of a rounding may fall either way.
+TEST_P(Twins, PackedRadianceAndMirrorDirections) {
+    const auto rows = randomRows(14);
+    const auto there = run("lib/packed_draws.glsl",
+                           "vec3 rgb = a.xyz * exp2(a.w * 20.0 - 10.0);"
+                           "vec3 mirror = normalize(b.xyz - 0.5);"
+                           "Draws d = unpackDraws(packDraws(Draws(rgb, 1.0, mirror, 5u, b.w)));"
+                           "result = vec4(d.radiance, dot(d.mirror, mirror) * float(d.surface) / 5.0);",
+                           rows);
+    for (int row = 0; row < kRows; ++row) {
+        const glm::vec4 a = rows[row][0];
+        const glm::vec3 rgb = glm::vec3(a) * std::exp2(a.w * 20 - 10);
+        const glm::vec3 here = unpackRgb9e5(packRgb9e5(rgb));
+        expectNear(there[row], here, 0, 1.01f * maxComponent(rgb) / 256, row);
+        expectNear(there[row], rgb, 0, 1.01f * maxComponent(rgb) / 512, row);
+        ASSERT_GT(there[row].w, 0.999999f) << "row " << row;
+    }
+}
+
 TEST_P(Twins, GuideDensity) {
     constexpr int kGuides = 3;
     std::vector<Guide> guides(kGuides);
@@ -273,7 +292,8 @@ TEST_P(Twins, SmoothedDensityOfNoSpread) {
         const glm::vec3 v = squareToHemisphere({a.z, a.w});
         const glm::vec3 h = squareToVisibleNormal(glm::vec2(a), v, 0.1f + b.x);
         const float vDotH = glm::dot(v, h);
-        if (vDotH < 0.2f || v.z < 0.05f) continue;  // GLSL clamps foreshortening; float rounding at the horizon
+        if (vDotH < 0.2f || v.z < 0.05f)
+            continue;  // GLSL clamps foreshortening; float rounding at the horizon
         const float pdf = squareToVisibleNormalPdf(h, v, 0.1f + b.x) / (4 * vDotH);
         EXPECT_NEAR(there[row].x, pdf, 2e-3f * pdf + 1e-5f) << "row " << row;
         ++compared;
