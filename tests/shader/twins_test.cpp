@@ -103,12 +103,13 @@ TEST_P(Twins, PhatexelUnpacking) {
 // What is stored between the lookup's passes; the halves of a rounding may fall either way.
 TEST_P(Twins, PackedRadianceAndMirrorDirections) {
     const auto rows = randomRows(14);
-    const auto there = run("lib/packed_draws.glsl",
-                           "vec3 rgb = a.xyz * exp2(a.w * 20.0 - 10.0);"
-                           "vec3 mirror = normalize(b.xyz - 0.5);"
-                           "Draws d = unpackDraws(packDraws(Draws(rgb, 1.0, mirror, 5u, b.w)));"
-                           "result = vec4(d.radiance, dot(d.mirror, mirror) * float(d.surface) / 5.0);",
-                           rows);
+    const auto there =
+        run("lib/packed_draws.glsl",
+            "vec3 rgb = a.xyz * exp2(a.w * 20.0 - 10.0);"
+            "vec3 mirror = normalize(b.xyz - 0.5);"
+            "Draws back = unpackDraws(packDraws(Draws(rgb, 1.0, mirror, 5u, b.w)));"
+            "result = vec4(back.radiance, dot(back.mirror, mirror) * float(back.surface) / 5.0);",
+            rows);
     for (int row = 0; row < kRows; ++row) {
         const glm::vec4 a = rows[row][0];
         const glm::vec3 rgb = glm::vec3(a) * std::exp2(a.w * 20 - 10);
