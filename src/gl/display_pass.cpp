@@ -253,14 +253,18 @@ FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup) {
     return targets;
 }
 
-DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat) {
+DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat, bool paper) {
     std::vector<std::string> defines;
     if (atlas.sources.size() > 1) defines.push_back("AREA");
     if (clearcoat) defines.push_back("CLEARCOAT");
     DisplayPass pass;
-    pass.displayProgram = ShaderProgram(folder, "surface.vert", "display.frag", defines);
-    defines.push_back("LOOKUP");
-    pass.lookedUpProgram = ShaderProgram(folder, "surface.vert", "display.frag", defines);
+    const auto display = [&](const char* indirect) {
+        std::vector<std::string> all = defines;
+        if (indirect) all.push_back(indirect);
+        return ShaderProgram(folder, "surface.vert", "display.frag", all);
+    };
+    pass.displayProgram = display(paper ? "PAPER" : nullptr);
+    pass.lookedUpProgram = display("LOOKUP");
     pass.depthProgram = ShaderProgram(folder, "surface.vert", "depth.frag");
     pass.backgroundProgram = ShaderProgram(folder, "fullscreen.vert", "background.frag");
     pass.accumulateProgram = ShaderProgram(folder, "fullscreen.vert", "accumulate.frag");

@@ -27,7 +27,9 @@ struct DisplayPass {
     std::vector<uint32_t> blendOrder;  // reused from frame to frame
 };
 
-DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat);
+/// `paper`: as of the RelightPass whose pyramid is displayed.
+DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat,
+                              bool paper);
 
 struct DisplayInput {
     const GpuScene& scene;

@@ -14,7 +14,7 @@ namespace {
 
 std::vector<std::vector<std::string>> variants() {
     return {
-        {}, {"AREA"}, {"CLEARCOAT"}, {"AREA", "CLEARCOAT"}, {"TEXEL_PDF"}, {"LOOKUP", "AREA", "CLEARCOAT"}, {"LAYERS", "CLEARCOAT"}};
+        {}, {"AREA"}, {"CLEARCOAT"}, {"AREA", "CLEARCOAT"}, {"TEXEL_PDF"}, {"LOOKUP", "AREA", "CLEARCOAT"}, {"LAYERS", "CLEARCOAT"}, {"PAPER", "AREA", "CLEARCOAT"}};
 }
 
 TEST(Shaders, CompileInBothFlavors) {
@@ -47,9 +47,11 @@ TEST(Shaders, UseAtMostSixteenSamplers) {
     };
     const Program programs[] = {{"surface.vert", "display.frag", {"AREA", "CLEARCOAT"}},
                                 {"surface.vert", "display.frag", {"AREA", "CLEARCOAT", "LOOKUP"}},
+                                {"surface.vert", "display.frag", {"AREA", "CLEARCOAT", "PAPER"}},
                                 {"surface.vert", "lookup.frag", {"AREA", "CLEARCOAT", "LAYERS"}},
                                 {"fullscreen.vert", "pool.frag", {"AREA", "CLEARCOAT"}},
                                 {"fullscreen.vert", "relight.frag", {"AREA", "CLEARCOAT"}},
+                                {"fullscreen.vert", "relight_paper.frag", {"CLEARCOAT"}},
                                 {"fullscreen.vert", "radius.frag", {"AREA", "CLEARCOAT"}},
                                 {"surface.vert", "depth.frag", {}}};
     for (const auto& [vertex, fragment, defines] : programs) {
