@@ -1,6 +1,7 @@
 #include "core/picture.h"
 
 #include <atomic>
+#include <bit>
 #include <chrono>
 
 #include "core/parallel.h"
@@ -11,7 +12,14 @@ namespace {
 // Sums of double: thousands of samples of a lamp must not drown the dark ones.
 struct PixelSums {
     glm::dvec3 value{0};
-    glm::dvec3 square{0};
+    glm::dvec3 square{0};  // of the batches' sums, over their sizes
+    glm::dvec3 batch{0};   // of the batch under way
+
+    void endBatch(int size) {
+        value += batch;
+        square += batch * batch / double(size);
+        batch = glm::dvec3(0);
+    }
 };
 
 constexpr size_t kRangePixels = 64;
@@ -41,10 +49,24 @@ class ClockProgress : public Progress {
     std::atomic<uint64_t> shownMs_{0};
 };
 
-glm::dvec3 varianceOfMean(const PixelSums& sums, double count) {
-    if (count < 2) return glm::dvec3(0);
-    const glm::dvec3 spread = glm::max(sums.square - sums.value * sums.value / count, glm::dvec3(0));
-    return spread / (count * (count - 1));
+// Stratification gains with the size of a batch, the estimate of the variance with their number. Of 128
+// samples of tabletop, one batch has 10 % less relMSE than 128 batches; 8 and 16 batches have as little as
+// one.
+constexpr int kBatches = 16, kTimedBatch = 8;
+
+int batchSize(const PictureSettings& settings) {
+    if (settings.seconds > 0) return kTimedBatch;
+    return int(std::bit_floor(uint32_t(std::max(settings.samplesPerPixel / kBatches, 1))));
+}
+
+// Of the mean of `samples` in independent batches, the last of which may be smaller; the sums are weighed by
+// size.
+glm::dvec3 varianceOfMean(const PixelSums& sums, int samples, int perBatch) {
+    const int batches = (samples + perBatch - 1) / perBatch;
+    if (batches < 2) return glm::dvec3(0);
+    const glm::dvec3 spread =
+        glm::max(sums.square - sums.value * sums.value / double(samples), glm::dvec3(0));
+    return spread / (double(samples) * (batches - 1));
 }
 
 }  // namespace
@@ -100,6 +122,7 @@ TracedPicture tracePicture(const PictureSettings& settings, const Integrator& in
     // A pass ends soon enough to look at the clock, and is long enough not to wait for its slowest pixels.
     const int perPass = timed ? 1 : std::min(settings.samplesPerPixel, 16);
     const int passes = (settings.samplesPerPixel + perPass - 1) / perPass;
+    const int perBatch = batchSize(settings);
     std::atomic<uint64_t> rays{0};
 
     progress.begin("trace", uint64_t(pixelCount) * uint64_t(passes));
@@ -111,12 +134,14 @@ TracedPicture tracePicture(const PictureSettings& settings, const Integrator& in
             for (size_t pixel = first; pixel < last; ++pixel) {
                 const glm::vec2 corner(pixel % size_t(settings.width), pixel / size_t(settings.width));
                 for (int index = done; index < end; ++index) {
-                    PixelSample sample{Rng(hashOf(settings.seed, pixel, uint64_t(index)))};
-                    const glm::vec2 place = corner + sample.rng.uniform2();
-                    const glm::dvec3 value(integrator(
+                    const uint64_t batch = uint64_t(index / perBatch);
+                    PixelSample sample{
+                        Rng(hashOf(settings.seed, pixel, uint64_t(index))),
+                        PathNumbers(hashOf(~settings.seed, pixel, batch), uint32_t(index % perBatch))};
+                    const glm::vec2 place = corner + glm::vec2(sample.numbers.next4());
+                    sums[pixel].batch += glm::dvec3(integrator(
                         cameraRay(settings.camera, settings.width, settings.height, place), sample));
-                    sums[pixel].value += value;
-                    sums[pixel].square += value * value;
+                    if ((index + 1) % perBatch == 0) sums[pixel].endBatch(perBatch);
                     rangeRays += sample.rays;
                 }
             }
@@ -129,8 +154,9 @@ TracedPicture tracePicture(const PictureSettings& settings, const Integrator& in
     TracedPicture picture{Image(settings.width, settings.height), Image(settings.width, settings.height),
                           done, rays};
     for (size_t pixel = 0; pixel < pixelCount; ++pixel) {
+        if (done % perBatch != 0) sums[pixel].endBatch(done % perBatch);
         picture.mean.pixels[pixel] = glm::vec3(sums[pixel].value / double(done));
-        picture.variance.pixels[pixel] = glm::vec3(varianceOfMean(sums[pixel], double(done)));
+        picture.variance.pixels[pixel] = glm::vec3(varianceOfMean(sums[pixel], done, perBatch));
     }
     return picture;
 }
