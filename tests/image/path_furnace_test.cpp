@@ -90,7 +90,8 @@ TEST(PathFurnace, GlossySpheresShowTheirAlbedo) {
             // The table of albedos is good to 2e-3; silhouettes are seen by 16 rays a pixel.
             // of that.
             EXPECT_LE(mean.value, albedo + 0.01 + 4 * mean.standardError) << left << ' ' << top;
-            EXPECT_GE(mean.value, 0.9 * albedo - 4 * mean.standardError) << left << ' ' << top;
+            // A neighbour fills less than a third of what a point sees, and the darkest shows .37 nit.
+            EXPECT_GE(mean.value, 0.8 * albedo - 4 * mean.standardError) << left << ' ' << top;
             got += mean.value;
             want += albedo;
             least = std::min(least, albedo);
