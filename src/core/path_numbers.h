@@ -18,7 +18,8 @@ class PathNumbers {
 
     /// The next set, in [0, 1).
     glm::vec4 next4() {
-        if (set_ < stratifiedSets_) return shuffledSobol4(index_, hashOf(seed_, set_++));
+        // A seed of shuffledSobol4 is three steps of a sequence; the next set's are the next three.
+        if (set_ < stratifiedSets_) return shuffledSobol4(index_, seed_ + 3 * kSeedStep * uint64_t(set_++));
         const glm::vec2 first = rng_.uniform2();
         return {first, rng_.uniform2()};
     }

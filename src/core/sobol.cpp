@@ -81,8 +81,8 @@ glm::vec4 sobol4(uint32_t index, uint32_t seed) {
 }
 
 glm::vec4 shuffledSobol4(uint32_t index, uint64_t seed) {
-    const uint64_t order = mixBits(seed), first = mixBits(seed + 0x9e3779b97f4a7c15ull),
-                   second = mixBits(seed + 2 * 0x9e3779b97f4a7c15ull);
+    const uint64_t order = mixBits(seed), first = mixBits(seed + kSeedStep),
+                   second = mixBits(seed + 2 * kSeedStep);
     // The index's digits, the highest of 16 first, are scrambled like a coordinate's.
     const uint32_t shuffled = reverseBits(scrambleReversed(reverseBits(index << 16), uint32_t(order))) >> 16;
     const uint32_t seeds[4] = {uint32_t(first), uint32_t(first >> 32), uint32_t(second),
