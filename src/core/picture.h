@@ -31,9 +31,10 @@ Hit visibleHit(const RayScene& rays, const CameraRay& ray, uint64_t& rayCount);
 
 /// One sample of one pixel, beside its ray.
 struct PixelSample {
-    Rng rng;                   // its own
-    PathNumbers numbers{rng};  // of its path, stratified with other samples of the pixel
-    uint64_t rays = 0;         // traced for it; the integrator counts
+    Rng rng;  // its own
+    /// Of its path, stratified with other samples of the pixel.
+    PathNumbers numbers{Rng(Rng(rng).bits64())};
+    uint64_t rays = 0;  // traced for it; the integrator counts
 };
 
 /// Radiance that arrives along a ray.
