@@ -1,9 +1,10 @@
 // Pass 3: a pixel. Direct light by the lamps' shadow maps, diffuse light from the irradiance maps, glossy light
 // as the lobe's directional albedo times what the lobe sees: with LOOKUP what pool.frag left of this pixel, else the
-// ratio of the cone-weighted sums of the relit PHATexels.
+// ratio of the cone-weighted sums of the relit PHATexels. With PAPER indirect light, diffuse and glossy, is the mean of
+// what relight_paper.frag made of the PHATexels.
 // source: Hensley et al. 2003, sections 6.1 and 6.2; the ratio and the lookup are ours (docs/pipeline.md).
-#include "lib/cone.glsl"
 #include "lib/fetch.glsl"
+#include "lib/paper_cone.glsl"
 #include "lib/visible_surface.glsl"
 #include "lib/lights.glsl"
 
@@ -24,6 +25,17 @@ layout(location = 0) out vec4 radiance;  // premultiplied by opacity
 const int kSources = 2;
 #else
 const int kSources = 1;
+#endif
+#ifdef CLEARCOAT
+const int kIrradianceLobe = 2 * kSources;  // of relit, with PAPER
+#else
+const int kIrradianceLobe = kSources;
+#endif
+// Sources that are ratios of sums.
+#ifdef PAPER
+const int kFirstSource = 1;
+#else
+const int kFirstSource = 0;
 #endif
 
 // Bilinear inside the chart.
@@ -61,16 +73,36 @@ vec3 lobeRadiance(int lobeIndex, vec2 center, uint chart, vec3 fallback) {
 }
 
 vec3 brightestHere(vec2 center) {
-    return brightestAround(radii, center);
+    return brightestAround(radii, kSources - 1, center);  // the same of all lobes that are drawn
 }
 #endif
 
 // The sources' estimates are independent: together they may exceed the brightest light there is, by noise alone.
 void boundByBrightest(inout vec3 light[kSources], vec3 brightest) {
     vec3 sum = vec3(0.0);
-    for (int source = 0; source < kSources; ++source) sum += light[source];
+    for (int source = kFirstSource; source < kSources; ++source) sum += light[source];
     vec3 scale = min(vec3(1.0), brightest / max(sum, vec3(1e-20)));
-    for (int source = 0; source < kSources; ++source) light[source] *= scale;
+    for (int source = kFirstSource; source < kSources; ++source) light[source] *= scale;
+}
+
+void findIncident(vec2 center, uint chart, vec3 brightest, out vec3 incident[kSources]) {
+    for (int source = kFirstSource; source < kSources; ++source) incident[source] = irradianceAt(source, center, chart);
+    boundByBrightest(incident, kPi * brightest);
+#ifdef PAPER
+    incident[0] = paperMean(relit, kIrradianceLobe, center, chart);
+#endif
+}
+
+// What the lobe sees of each source; `albedo`: its own, without colour.
+void findSeen(int firstLobe, vec2 center, uint chart, vec3 brightest, vec3 incident[kSources], float albedo,
+              out vec3 seen[kSources]) {
+    for (int source = kFirstSource; source < kSources; ++source)
+        seen[source] = lobeRadiance(firstLobe + source, center, chart, incident[source] / kPi);
+    boundByBrightest(seen, brightest);
+#ifdef PAPER
+    // What is reflected; the albedo's colour is to multiply it.
+    seen[0] = paperMean(relit, firstLobe, center, chart) / max(albedo, 1e-6);
+#endif
 }
 
 void addGlossy(vec3 albedo, vec3 seen[kSources], inout vec3 direct, inout vec3 glossyIndirect) {
@@ -115,23 +147,17 @@ void main() {
         float nDotV = towardEyeLocal.z;
         float transmission = clearcoatTransmission(brdf, towardEyeLocal);
         vec3 diffuse = transmission * diffuseWeight(brdf, nDotV) * brdf.diffuseColor / kPi;
-        vec3 specular = transmission * specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, nDotV);
+        vec3 specular = specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, nDotV);
         vec3 brightest = brightestHere(center);
         vec3 incident[kSources], seen[kSources];
-        for (int source = 0; source < kSources; ++source)
-            incident[source] = irradianceAt(source, center, chart);
-        boundByBrightest(incident, kPi * brightest);
+        findIncident(center, chart, brightest, incident);
         if (maxComponent(specular) > 0.0) {
-            for (int source = 0; source < kSources; ++source)
-                seen[source] = lobeRadiance(source, center, chart, incident[source] / kPi);
-            boundByBrightest(seen, brightest);
-            addGlossy(specular, seen, direct, glossyIndirect);
+            findSeen(0, center, chart, brightest, incident, dot(specular, vec3(1.0 / 3.0)), seen);
+            addGlossy(transmission * specular, seen, direct, glossyIndirect);
         }
 #ifdef CLEARCOAT
         if (brdf.clearcoat > 0.0) {
-            for (int source = 0; source < kSources; ++source)
-                seen[source] = lobeRadiance(source + kSources, center, chart, incident[source] / kPi);
-            boundByBrightest(seen, brightest);
+            findSeen(kSources, center, chart, brightest, incident, (1.0 - transmission) / brdf.clearcoat, seen);
             addGlossy(vec3(1.0 - transmission), seen, direct, glossyIndirect);
         }
 #endif

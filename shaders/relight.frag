@@ -10,9 +10,9 @@
 // The statistics tell radius.frag how many samples a lobe has here and how far away is what it reflects.
 // source: Hensley et al. 2003, section 6; the pdf and the normalisers are ours (docs/pipeline.md).
 #include "lib/atlas.glsl"
-#include "lib/brdf.glsl"
-#include "lib/phatexel.glsl"
 #include "lib/lit_share.glsl"
+#include "lib/phatexel.glsl"
+#include "lib/scalar_lobe.glsl"
 #include "lib/tile_patch.glsl"
 
 uniform usampler2DArray phatexels;     // [layer][y][x] packed, 8 bytes
@@ -36,29 +36,12 @@ layout(location = 2) out vec4 coat;
 layout(location = 3) out vec2 coatStatistics;
 #endif
 
-struct Lobe {
-    vec3 normal;
-    float f0;
-    float f90;
-    float alpha;
-};
-
 float densityAt(int block, vec3 directionBlock, ivec3 texelLayer) {
 #ifdef TEXEL_PDF
     return texelFetch(texelPdf, texelLayer, 0).r;
 #else
     return squareToGuidePdf(guidePdf, guideCount == 1 ? 0 : block, directionBlock);
 #endif
-}
-
-// D V F cos; 0 when either direction is below the horizon.
-float lobeValue(Lobe l, vec3 towardEye, vec3 towardLight) {
-    float nDotV = dot(l.normal, towardEye);
-    float nDotL = dot(l.normal, towardLight);
-    if (nDotV <= 0.0 || nDotL <= 0.0) return 0.0;
-    vec3 h = normalize(towardEye + towardLight);
-    float fresnel = schlick(vec3(l.f0), l.f90, dot(towardEye, h)).x;
-    return ggxD(min(dot(l.normal, h), 1.0), l.alpha) * smithV(nDotL, nDotV, l.alpha) * fresnel * nDotL;
 }
 
 // How many of a texel's samples may be expected under the lobe: the density at its mirror direction times the

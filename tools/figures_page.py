@@ -148,8 +148,8 @@ A small one has too few samples, which is noise; a large one blurs and smears wh
 
 {pictures(paper["6"])}
 
-**Figure 7.** How a cone of 12 texels is approximated: by the paper's bilinear taps of several pyramid levels, and by the
-taps of one level that `phat-pyramid` weighs by the cone. The levels' squares are not centred at the pixel; the taps' are steps.
+**Figure 7.** How a cone of 12 texels is approximated: by the paper's bilinear taps of several pyramid levels (`phat-paper`),
+and by the taps of one level that `phat-pyramid` weighs by the cone. The levels' squares are not centred at the pixel; the taps' are steps.
 
 {pictures(paper["7"])}
 

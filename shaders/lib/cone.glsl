@@ -47,8 +47,8 @@ vec4 coneSum(sampler2DArray pyramid, int lobeIndex, vec2 center, float radius, u
 }
 
 // No mean over the light around `center` is brighter than this.
-vec3 brightestAround(sampler2DArray radii, vec2 center) {
-    return texelFetch(radii, ivec3(ivec2(floor(center)) >> 3, 0), 0).gba;
+vec3 brightestAround(sampler2DArray radii, int lobeIndex, vec2 center) {
+    return texelFetch(radii, ivec3(ivec2(floor(center)) >> 3, lobeIndex), 0).gba;
 }
 
 // Radius chosen by radius.frag, interpolated between the tiles of the chart; 0: no light was found.

@@ -25,7 +25,9 @@ std::filesystem::path shaderFolder() {
 }
 
 Method methodOf(const RenderOptions& options) {
-    return std::string_view(options.method.name) == "phat-pyramid" ? Method::phatPyramid : Method::phat;
+    const std::string_view name = options.method.name;
+    if (name == "phat-pyramid") return Method::phatPyramid;
+    return name == "phat-paper" ? Method::phatPaper : Method::phat;
 }
 
 // Of pixels that show a surface.

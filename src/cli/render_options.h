@@ -24,6 +24,7 @@ struct RenderMethod {
 inline constexpr RenderMethod kRenderMethods[] = {
     {"phat"},
     {"phat-pyramid"},
+    {"phat-paper"},
     {.name = "phat-gather", .traced = true, .samplesPerPixel = 1},
     {.name = "photons-direct", .traced = true, .needsBake = false, .readsPhotons = true},
     {.name = "photons-gather",

@@ -44,10 +44,17 @@ struct LobeAlbedos {
     float coat;
 };
 
+// As diffuseWeight, where the specular albedo is known.
+float weightOfDiffuse(glm::vec3 diffuseColor, glm::vec3 specular) {
+    const float brightest = maxComponent(diffuseColor);
+    return brightest <= 0.0f ? 1.0f : std::clamp((1.0f - maxComponent(specular)) / brightest, 0.0f, 1.0f);
+}
+
 LobeAlbedos lobeAlbedos(const Brdf& brdf, glm::vec3 towardEye) {
     const float transmission = clearcoatTransmission(brdf, towardEye);
-    return {transmission * diffuseWeight(brdf, towardEye.z) * brdf.diffuseColor,
-            transmission * specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, towardEye.z), 1.0f - transmission};
+    const glm::vec3 specular = specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, towardEye.z);
+    return {transmission * weightOfDiffuse(brdf.diffuseColor, specular) * brdf.diffuseColor,
+            transmission * specular, 1.0f - transmission};
 }
 
 // Chances of drawing from each lobe; they sum to 1 unless nothing is reflected.
@@ -124,10 +131,7 @@ glm::vec3 specularAlbedo(glm::vec3 f0, float f90, float alpha, float nDotV) {
 }
 
 float diffuseWeight(const Brdf& brdf, float nDotV) {
-    const float brightest = maxComponent(brdf.diffuseColor);
-    if (brightest <= 0.0f) return 1.0f;
-    const float left = 1.0f - maxComponent(specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, nDotV));
-    return std::clamp(left / brightest, 0.0f, 1.0f);
+    return weightOfDiffuse(brdf.diffuseColor, specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, nDotV));
 }
 
 float clearcoatTransmission(const Brdf& brdf, glm::vec3 towardEye) {
@@ -137,20 +141,38 @@ float clearcoatTransmission(const Brdf& brdf, glm::vec3 towardEye) {
     return 1.0f - brdf.clearcoat * (kClearcoatF0 * ab.x + ab.y);
 }
 
-LobeValues evaluateLobes(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight) {
+SeenBrdf seeBrdf(const Brdf& brdf, glm::vec3 towardEye) {
+    SeenBrdf seen;
+    seen.brdf = brdf;
+    seen.towardEye = towardEye;
+    if (towardEye.z <= 0.0f) return seen;
+    const LobeAlbedos albedos = lobeAlbedos(brdf, towardEye);
+    seen.transmission = 1.0f - albedos.coat;
+    seen.diffuse = albedos.diffuse / kPi;
+    seen.chances = lobeChances(albedos);
+    if (brdf.clearcoat > 0.0f) {
+        seen.coatFrame = coatFrame(brdf);
+        seen.towardEyeCoat = seen.coatFrame.toLocal(towardEye);
+    }
+    return seen;
+}
+
+LobeValues evaluateLobes(const SeenBrdf& seen, glm::vec3 towardLight) {
     LobeValues value;
+    const Brdf& brdf = seen.brdf;
+    const glm::vec3 towardEye = seen.towardEye;
     if (towardEye.z <= 0.0f || towardLight.z <= 0.0f) return value;
 
+    value.diffuse = seen.diffuse * towardLight.z;
+    if (seen.chances.y <= 0.0f && brdf.clearcoat <= 0.0f) return value;
     const glm::vec3 h = glm::normalize(towardEye + towardLight);
     const float vDotH = glm::dot(towardEye, h);
-    const float transmission = clearcoatTransmission(brdf, towardEye);
-    value.diffuse =
-        transmission * diffuseWeight(brdf, towardEye.z) * towardLight.z / kPi * brdf.diffuseColor;
-    value.specular = transmission * ggxD(h.z, brdf.alpha) * smithV(towardLight.z, towardEye.z, brdf.alpha) *
-                     towardLight.z * schlick(brdf.f0, brdf.f90, vDotH);
+    value.specular = seen.transmission * ggxD(h.z, brdf.alpha) *
+                     smithV(towardLight.z, towardEye.z, brdf.alpha) * towardLight.z *
+                     schlick(brdf.f0, brdf.f90, vDotH);
 
     if (brdf.clearcoat > 0.0f) {
-        const float nDotV = glm::dot(towardEye, brdf.clearcoatNormal);
+        const float nDotV = seen.towardEyeCoat.z;
         const float nDotL = glm::dot(towardLight, brdf.clearcoatNormal);
         if (nDotV > 0.0f && nDotL > 0.0f) {
             const float nDotH = glm::dot(h, brdf.clearcoatNormal);
@@ -160,6 +182,10 @@ LobeValues evaluateLobes(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 toward
         }
     }
     return value;
+}
+
+LobeValues evaluateLobes(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight) {
+    return evaluateLobes(seeBrdf(brdf, towardEye), towardLight);
 }
 
 glm::vec3 evaluateBrdf(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight) {
@@ -172,40 +198,46 @@ glm::vec3 reflectance(const Brdf& brdf, glm::vec3 towardEye) {
     return glm::min(albedos.diffuse + albedos.specular + albedos.coat, glm::vec3(1));
 }
 
-BrdfSample sampleBrdf(const Brdf& brdf, glm::vec3 towardEye, float lobe, glm::vec2 square) {
+BrdfSample sampleBrdf(const SeenBrdf& seen, float lobe, glm::vec2 square) {
     BrdfSample sample;
-    if (towardEye.z <= 0.0f) return sample;
+    const glm::vec3 chances = seen.chances;
+    if (!reflects(seen)) return sample;
 
-    const glm::vec3 chances = lobeChances(lobeAlbedos(brdf, towardEye));
     if (lobe < chances.x) {
         sample.direction = squareToCosineHemisphere(square);
     } else if (lobe < chances.x + chances.y) {
-        sample.direction = reflectAbout(towardEye, squareToVisibleNormal(square, towardEye, brdf.alpha));
-    } else if (chances.z > 0.0f) {
-        const Frame frame = coatFrame(brdf);
-        const glm::vec3 v = frame.toLocal(towardEye);
-        if (v.z <= 0.0f) return sample;
         sample.direction =
-            frame.toWorld(reflectAbout(v, squareToVisibleNormal(square, v, brdf.clearcoatAlpha)));
+            reflectAbout(seen.towardEye, squareToVisibleNormal(square, seen.towardEye, seen.brdf.alpha));
+    } else if (chances.z > 0.0f) {
+        const glm::vec3 v = seen.towardEyeCoat;
+        if (v.z <= 0.0f) return sample;
+        sample.direction = seen.coatFrame.toWorld(
+            reflectAbout(v, squareToVisibleNormal(square, v, seen.brdf.clearcoatAlpha)));
     }
     if (sample.direction.z <= 0.0f) return sample;
 
-    sample.pdf = sampleBrdfPdf(brdf, towardEye, sample.direction);
-    if (sample.pdf > 0.0f) sample.weight = evaluateBrdf(brdf, towardEye, sample.direction) / sample.pdf;
+    sample.pdf = sampleBrdfPdf(seen, sample.direction);
+    if (sample.pdf > 0.0f) sample.weight = evaluateBrdf(seen, sample.direction) / sample.pdf;
     return sample;
 }
 
-float sampleBrdfPdf(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight) {
-    if (towardEye.z <= 0.0f || towardLight.z <= 0.0f) return 0.0f;
-    const glm::vec3 chances = lobeChances(lobeAlbedos(brdf, towardEye));
-    float pdf = chances.x * squareToCosineHemispherePdf(towardLight) +
-                chances.y * reflectedPdf(towardEye, towardLight, brdf.alpha);
-    if (chances.z > 0.0f) {
-        const Frame frame = coatFrame(brdf);
-        const glm::vec3 v = frame.toLocal(towardEye);
-        if (v.z > 0.0f) pdf += chances.z * reflectedPdf(v, frame.toLocal(towardLight), brdf.clearcoatAlpha);
-    }
+BrdfSample sampleBrdf(const Brdf& brdf, glm::vec3 towardEye, float lobe, glm::vec2 square) {
+    return sampleBrdf(seeBrdf(brdf, towardEye), lobe, square);
+}
+
+float sampleBrdfPdf(const SeenBrdf& seen, glm::vec3 towardLight) {
+    if (!reflects(seen) || towardLight.z <= 0.0f) return 0.0f;
+    const glm::vec3 chances = seen.chances;
+    float pdf = chances.x * squareToCosineHemispherePdf(towardLight);
+    if (chances.y > 0.0f) pdf += chances.y * reflectedPdf(seen.towardEye, towardLight, seen.brdf.alpha);
+    if (chances.z > 0.0f && seen.towardEyeCoat.z > 0.0f)
+        pdf += chances.z * reflectedPdf(seen.towardEyeCoat, seen.coatFrame.toLocal(towardLight),
+                                        seen.brdf.clearcoatAlpha);
     return pdf;
+}
+
+float sampleBrdfPdf(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight) {
+    return sampleBrdfPdf(seeBrdf(brdf, towardEye), towardLight);
 }
 
 glm::vec3 squareToCosineHemisphere(glm::vec2 s) {
@@ -230,7 +262,8 @@ glm::vec3 squareToVisibleNormal(glm::vec2 s, glm::vec3 towardEye, float alpha) {
     const float angle = 2.0f * kPi * s.y;
     const float p1 = radius * std::cos(angle);
     const float blend = 0.5f * (1.0f + v.z);
-    const float p2 = (1.0f - blend) * std::sqrt(std::max(0.0f, 1.0f - p1 * p1)) + blend * radius * std::sin(angle);
+    const float p2 =
+        (1.0f - blend) * std::sqrt(std::max(0.0f, 1.0f - p1 * p1)) + blend * radius * std::sin(angle);
     const glm::vec3 n = p1 * across + p2 * along + std::sqrt(std::max(0.0f, 1.0f - p1 * p1 - p2 * p2)) * v;
     return glm::normalize(glm::vec3(alpha * n.x, alpha * n.y, std::max(n.z, 1e-6f)));
 }

@@ -7,8 +7,9 @@
 //
 // twin: shaders/lib/brdf.glsl, same names; tests/shader compares the two.
 
-#include "core/math.h"
 #include <vector>
+
+#include "core/math.h"
 
 namespace phat {
 
@@ -70,6 +71,26 @@ struct LobeValues {
 };
 LobeValues evaluateLobes(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight);
 
+/// A BRDF with all that depends on the eye's direction alone, for several calls of the functions below.
+struct SeenBrdf {
+    Brdf brdf;
+    glm::vec3 towardEye{0};
+    float transmission = 1;      // of the coat
+    glm::vec3 diffuse{0};        // Lambert's f, 1/sr
+    glm::vec3 chances{0};        // of drawing Lambert, GGX, the coat; 0: nothing is reflected
+    Frame coatFrame;             // local, of the coat's own normal
+    glm::vec3 towardEyeCoat{0};  // in that frame
+};
+SeenBrdf seeBrdf(const Brdf& brdf, glm::vec3 towardEye);
+inline bool reflects(const SeenBrdf& seen) {
+    return seen.chances.x + seen.chances.y + seen.chances.z > 0.0f;
+}
+LobeValues evaluateLobes(const SeenBrdf& seen, glm::vec3 towardLight);
+inline glm::vec3 evaluateBrdf(const SeenBrdf& seen, glm::vec3 towardLight) {
+    const LobeValues value = evaluateLobes(seen, towardLight);
+    return value.diffuse + value.specular;
+}
+
 /// Directional albedo of everything, the chance that a photon or a path goes on; at most 1.
 glm::vec3 reflectance(const Brdf& brdf, glm::vec3 towardEye);
 
@@ -80,8 +101,10 @@ struct BrdfSample {
 };
 /// Draws towardLight for a given towardEye: chooses a lobe by albedo; Lambert by cosine, GGX by visible
 /// normals (Heitz 2018). `lobe` in [0,1).
+BrdfSample sampleBrdf(const SeenBrdf& seen, float lobe, glm::vec2 square);
 BrdfSample sampleBrdf(const Brdf& brdf, glm::vec3 towardEye, float lobe, glm::vec2 square);
 /// Density of sampleBrdf, 1/sr.
+float sampleBrdfPdf(const SeenBrdf& seen, glm::vec3 towardLight);
 float sampleBrdfPdf(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight);
 
 /// Cosine-weighted hemisphere; pdf = z / pi.

@@ -48,12 +48,12 @@ struct UnshadowedLight {
     glm::vec3 reflected{0};
 };
 
-UnshadowedLight unshadowed(const LightSampler& lights, size_t index, const SurfacePoint& point,
-                           glm::vec3 eyeLocal) {
+UnshadowedLight unshadowed(const LightSampler& lights, size_t index, const PathVertex& vertex) {
+    const SurfacePoint& point = vertex.point;
     UnshadowedLight found{lights.samplePunctual(index, point.position), glm::vec3(0)};
     if (found.light.pdf > 0.0f && leavesSurface(point, found.light.towardLight))
-        found.reflected = found.light.radiance *
-                          evaluateBrdf(point.brdf, eyeLocal, point.shading.toLocal(found.light.towardLight));
+        found.reflected =
+            found.light.radiance * evaluateBrdf(vertex.brdf, point.shading.toLocal(found.light.towardLight));
     return found;
 }
 
@@ -66,50 +66,54 @@ glm::vec3 shadowed(const RayScene& rays, const SurfacePoint& point, const Unshad
                : glm::vec3(0);
 }
 
-// One of the lights in proportion to what it would bring without shadows, by a weighted reservoir.
-glm::vec3 oneOfManyLights(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
-                          glm::vec3 eyeLocal, Rng& rng, uint64_t& rayCount) {
+// One of the lights in proportion to what it would bring without shadows, by a weighted reservoir. One number
+// decides for all lights: what is left of it after a decision is uniform again.
+glm::vec3 oneOfManyLights(const RayScene& rays, const LightSampler& lights, const PathVertex& vertex,
+                          float choice, uint64_t& rayCount) {
     UnshadowedLight chosen;
-    float sum = 0, chosenWeight = 0;
+    double sum = 0, chosenWeight = 0, left = double(choice);
     for (size_t i = 0; i < rays.scene().lights.size(); ++i) {
-        const UnshadowedLight candidate = unshadowed(lights, i, point, eyeLocal);
-        const float weight = maxComponent(candidate.reflected);
-        if (!(weight > 0.0f)) continue;
+        const UnshadowedLight candidate = unshadowed(lights, i, vertex);
+        const double weight = double(maxComponent(candidate.reflected));
+        if (!(weight > 0)) continue;
         sum += weight;
-        if (rng.uniform() * sum >= weight) continue;
+        const double chance = weight / sum;
+        if (left >= chance) {
+            left = (left - chance) / (1 - chance);
+            continue;
+        }
+        left /= chance;
         chosen = candidate;
         chosenWeight = weight;
     }
-    return chosenWeight > 0.0f ? shadowed(rays, point, chosen, rayCount) * (sum / chosenWeight)
-                               : glm::vec3(0);
+    return chosenWeight > 0 ? shadowed(rays, vertex.point, chosen, rayCount) * float(sum / chosenWeight)
+                            : glm::vec3(0);
 }
 
 }  // namespace
 
-glm::vec3 punctualLight(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
-                        glm::vec3 towardEye, Rng& rng, uint64_t& rayCount) {
+glm::vec3 punctualLight(const RayScene& rays, const LightSampler& lights, const PathVertex& vertex,
+                        float choice, uint64_t& rayCount) {
     const size_t count = rays.scene().lights.size();
-    const glm::vec3 eyeLocal = point.shading.toLocal(towardEye);
-    if (count > kMaxLightsEach) return oneOfManyLights(rays, lights, point, eyeLocal, rng, rayCount);
+    if (count > kMaxLightsEach) return oneOfManyLights(rays, lights, vertex, choice, rayCount);
     glm::vec3 sum(0);
     for (size_t i = 0; i < count; ++i)
-        sum += shadowed(rays, point, unshadowed(lights, i, point, eyeLocal), rayCount);
+        sum += shadowed(rays, vertex.point, unshadowed(lights, i, vertex), rayCount);
     return sum;
 }
 
-glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
-                    glm::vec3 towardEye, Rng& rng, uint64_t& rayCount) {
-    const float choice = rng.uniform();
-    const LightSample light = lights.sampleArea(point.position, choice, rng.uniform2());
+glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const PathVertex& vertex,
+                    glm::vec3 numbers, uint64_t& rayCount) {
+    const SurfacePoint& point = vertex.point;
+    const LightSample light = lights.sampleArea(point.position, numbers.x, {numbers.y, numbers.z});
     if (light.pdf <= 0.0f || maxComponent(light.radiance) <= 0.0f || !leavesSurface(point, light.towardLight))
         return glm::vec3(0);
-    const glm::vec3 eyeLocal = point.shading.toLocal(towardEye);
     const glm::vec3 lightLocal = point.shading.toLocal(light.towardLight);
-    const glm::vec3 value = evaluateBrdf(point.brdf, eyeLocal, lightLocal);
+    const glm::vec3 value = evaluateBrdf(vertex.brdf, lightLocal);
     if (maxComponent(value) <= 0.0f) return glm::vec3(0);
     ++rayCount;
     if (!seesLight(rays, originOn(point, light.towardLight), light)) return glm::vec3(0);
-    return value * light.radiance / (light.pdf + sampleBrdfPdf(point.brdf, eyeLocal, lightLocal));
+    return value * light.radiance / (light.pdf + sampleBrdfPdf(vertex.brdf, lightLocal));
 }
 
 float areaPdf(const LightSampler& lights, glm::vec3 from, const Hit& hit, glm::vec3 direction) {
@@ -178,26 +182,27 @@ IrradianceRound irradianceRound(const RayScene& rays, const LightSampler& lights
 }  // namespace
 
 ReflectedRadiance tracePath(const RayScene& rays, const LightSampler& lights, const SurfacePoint& start,
-                            glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount) {
+                            glm::vec3 towardEye, int maxBounces, PathNumbers& numbers, uint64_t& rayCount) {
     SurfacePoint point = start;
     ReflectedRadiance reflected;
     glm::vec3 indirect(0), throughput(1), diffuseShare(0);
     for (int bounce = 0; bounce < maxBounces; ++bounce) {
+        const glm::vec4 lightNumbers = numbers.next4(), brdfNumbers = numbers.next4();
+        const PathVertex vertex(point, towardEye);
+        if (!reflects(vertex.brdf)) break;
         glm::vec3& radiance = bounce == 0 ? reflected.direct : indirect;
-        radiance += throughput * punctualLight(rays, lights, point, towardEye, rng, rayCount);
+        radiance += throughput * punctualLight(rays, lights, vertex, lightNumbers.w, rayCount);
         if (lights.hasArea())
-            radiance += throughput * areaLight(rays, lights, point, towardEye, rng, rayCount);
+            radiance += throughput * areaLight(rays, lights, vertex, glm::vec3(lightNumbers), rayCount);
 
-        const glm::vec3 eyeLocal = point.shading.toLocal(towardEye);
-        const float lobe = rng.uniform();
-        const BrdfSample sample = sampleBrdf(point.brdf, eyeLocal, lobe, rng.uniform2());
+        const BrdfSample sample = sampleBrdf(vertex.brdf, brdfNumbers.x, {brdfNumbers.y, brdfNumbers.z});
         if (sample.pdf <= 0.0f) break;
         const glm::vec3 direction = glm::normalize(point.shading.toWorld(sample.direction));
         if (!leavesSurface(point, direction)) break;
-        if (bounce == 0) diffuseShare = shareOfDiffuse(evaluateLobes(point.brdf, eyeLocal, sample.direction));
+        if (bounce == 0) diffuseShare = shareOfDiffuse(evaluateLobes(vertex.brdf, sample.direction));
         throughput *= sample.weight;
         const float survival = survivalChance(bounce, throughput);
-        if (survival < 1.0f && rng.uniform() >= survival) break;
+        if (brdfNumbers.w >= survival) break;
         throughput /= survival;
 
         ++rayCount;
@@ -219,7 +224,8 @@ ReflectedRadiance tracePath(const RayScene& rays, const LightSampler& lights, co
 
 glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
                          glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount) {
-    return tracePath(rays, lights, point, towardEye, maxBounces, rng, rayCount).sum();
+    PathNumbers numbers{Rng(rng.bits64())};
+    return tracePath(rays, lights, point, towardEye, maxBounces, numbers, rayCount).sum();
 }
 
 IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights, glm::vec3 origin,
@@ -236,9 +242,12 @@ IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights,
     incident.emitted = point.emission;
     if (maxComponent(point.brdf.diffuseColor + point.brdf.f0 + point.brdf.f90 + point.brdf.clearcoat) <= 0.0f)
         return incident;
-    for (int i = 0; i < settings.pathsPerHit; ++i)
+    const uint64_t seed = rng.bits64();
+    for (int i = 0; i < settings.pathsPerHit; ++i) {
+        PathNumbers numbers(seed, uint32_t(i) % kMostShuffled);
         incident.reflected +=
-            traceReflected(rays, lights, point, -direction, settings.maxBounces, rng, incident.rays);
+            tracePath(rays, lights, point, -direction, settings.maxBounces, numbers, incident.rays).sum();
+    }
     incident.reflected /= float(std::max(settings.pathsPerHit, 1));
     return incident;
 }

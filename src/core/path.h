@@ -2,6 +2,7 @@
 // Path tracing: the radiance that a PHATexel's ray brings back, and irradiance of area lights.
 
 #include "core/lights.h"
+#include "core/path_numbers.h"
 #include "core/phatexture.h"
 #include "core/random.h"
 #include "core/rays.h"
@@ -17,7 +18,7 @@ struct IncidentRadiance {
 };
 
 struct PathSettings {
-    int pathsPerHit = 4;  // independent continuations of the one ray
+    int pathsPerHit = 4;  // continuations of the one ray, stratified together
     int maxBounces = 12;  // reflections between the lamp and the receiver
 };
 
@@ -39,9 +40,9 @@ struct ReflectedRadiance {
 
 /// One path that starts at `point` and leaves toward `towardEye`, in at most `maxBounces` reflections.
 ReflectedRadiance tracePath(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
-                            glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount);
+                            glm::vec3 towardEye, int maxBounces, PathNumbers& numbers, uint64_t& rayCount);
 
-/// Its sum.
+/// The sum of one with independent numbers.
 glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
                          glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount);
 

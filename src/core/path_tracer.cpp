@@ -32,7 +32,7 @@ Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Componen
         if (!hit) return showsLights ? lights.environmentRadiance(ray.direction) : glm::vec3(0);
         const SurfacePoint point = surfaceAt(rays.scene(), hit, ray.direction);
         const ReflectedRadiance reflected =
-            tracePath(rays, lights, point, -ray.direction, maxBounces, sample.rng, sample.rays);
+            tracePath(rays, lights, point, -ray.direction, maxBounces, sample.numbers, sample.rays);
         return (showsLights ? point.emission : glm::vec3(0)) + partOf(reflected, component);
     };
 }

@@ -14,15 +14,34 @@ glm::vec3 originOn(const SurfacePoint& point, glm::vec3 direction);
 /// A direction that the shading normal allows may still point into the flat triangle: light does not pass.
 bool leavesSurface(const SurfacePoint& point, glm::vec3 direction);
 
-/// Radiance that `point` reflects of the punctual lights, by shadow rays: to each of a few, or to one of many that
-/// is chosen by what it would bring.
-glm::vec3 punctualLight(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
-                        glm::vec3 towardEye, Rng& rng, uint64_t& rayCount);
+/// A surface point as it is seen from one side.
+struct PathVertex {
+    const SurfacePoint& point;
+    SeenBrdf brdf;  // in the point's shading frame
+
+    PathVertex(const SurfacePoint& of, glm::vec3 towardEye)
+        : point(of), brdf(seeBrdf(of.brdf, of.shading.toLocal(towardEye))) {}
+};
+
+/// Radiance that the vertex reflects of the punctual lights, by shadow rays: to each of a few, or to one of
+/// many that is chosen by what it would bring. `choice` in [0, 1).
+glm::vec3 punctualLight(const RayScene& rays, const LightSampler& lights, const PathVertex& vertex,
+                        float choice, uint64_t& rayCount);
+inline glm::vec3 punctualLight(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
+                               glm::vec3 towardEye, Rng& rng, uint64_t& rayCount) {
+    return punctualLight(rays, lights, PathVertex(point, towardEye), rng.uniform(), rayCount);
+}
 
 /// The same of one place on the area lights, weighed against sampleBrdf by the balance heuristic (Veach
-/// 1997).
-glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
-                    glm::vec3 towardEye, Rng& rng, uint64_t& rayCount);
+/// 1997). `numbers`: the light, the place.
+glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const PathVertex& vertex,
+                    glm::vec3 numbers, uint64_t& rayCount);
+inline glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
+                           glm::vec3 towardEye, Rng& rng, uint64_t& rayCount) {
+    const float choice = rng.uniform();
+    const glm::vec2 square = rng.uniform2();
+    return areaLight(rays, lights, PathVertex(point, towardEye), {choice, square}, rayCount);
+}
 
 /// Density with which areaLight finds what a ray hit, 1/sr.
 float areaPdf(const LightSampler& lights, glm::vec3 from, const Hit& hit, glm::vec3 direction);

@@ -11,7 +11,14 @@ namespace {
 // Sums of double: thousands of samples of a lamp must not drown the dark ones.
 struct PixelSums {
     glm::dvec3 value{0};
-    glm::dvec3 square{0};
+    glm::dvec3 square{0};  // of the batches' sums, over their sizes
+    glm::dvec3 batch{0};   // of the batch under way
+
+    void endBatch(int size) {
+        value += batch;
+        square += batch * batch / double(size);
+        batch = glm::dvec3(0);
+    }
 };
 
 constexpr size_t kRangePixels = 64;
@@ -41,10 +48,38 @@ class ClockProgress : public Progress {
     std::atomic<uint64_t> shownMs_{0};
 };
 
-glm::dvec3 varianceOfMean(const PixelSums& sums, double count) {
-    if (count < 2) return glm::dvec3(0);
-    const glm::dvec3 spread = glm::max(sums.square - sums.value * sums.value / count, glm::dvec3(0));
-    return spread / (count * (count - 1));
+// Stratification gains with the size of a batch, the estimate of the variance with their number. Of 128
+// samples of tabletop, one batch has 10 % less relMSE than 128 batches; 8 and 16 batches have as little as
+// one.
+constexpr int kBatches = 16;
+// How many samples there will be is not known under a time limit.
+constexpr int kTimedBatch = 8;
+
+// How a pixel's samples are shared out to batches: all of one size, or of two that differ by one.
+struct Batches {
+    explicit Batches(const PictureSettings& settings) {
+        if (settings.seconds > 0) {
+            samples = kTimedBatch;
+            perSamples = 1;
+        } else {
+            samples = settings.samplesPerPixel;
+            perSamples = samples / ((samples + kBatches - 1) / kBatches);
+        }
+    }
+
+    int of(int sample) const { return int(int64_t(sample) * perSamples / samples); }
+    int first(int batch) const { return int((int64_t(batch) * samples + perSamples - 1) / perSamples); }
+
+    int samples = 1, perSamples = 1;  // that many batches for so many samples
+};
+
+// Of the mean of `samples`. Batches' sums are weighed by their size; a last one that a time limit cut short
+// is less stratified than the others and makes the estimate too large rather than too small.
+glm::dvec3 varianceOfMean(const PixelSums& sums, int samples, int batches) {
+    if (batches < 2) return glm::dvec3(0);
+    const glm::dvec3 spread =
+        glm::max(sums.square - sums.value * sums.value / double(samples), glm::dvec3(0));
+    return spread / (double(samples) * (batches - 1));
 }
 
 }  // namespace
@@ -100,6 +135,7 @@ TracedPicture tracePicture(const PictureSettings& settings, const Integrator& in
     // A pass ends soon enough to look at the clock, and is long enough not to wait for its slowest pixels.
     const int perPass = timed ? 1 : std::min(settings.samplesPerPixel, 16);
     const int passes = (settings.samplesPerPixel + perPass - 1) / perPass;
+    const Batches batches(settings);
     std::atomic<uint64_t> rays{0};
 
     progress.begin("trace", uint64_t(pixelCount) * uint64_t(passes));
@@ -111,12 +147,14 @@ TracedPicture tracePicture(const PictureSettings& settings, const Integrator& in
             for (size_t pixel = first; pixel < last; ++pixel) {
                 const glm::vec2 corner(pixel % size_t(settings.width), pixel / size_t(settings.width));
                 for (int index = done; index < end; ++index) {
-                    PixelSample sample{Rng(hashOf(settings.seed, pixel, uint64_t(index)))};
-                    const glm::vec2 place = corner + sample.rng.uniform2();
-                    const glm::dvec3 value(integrator(
+                    const int batch = batches.of(index), begin = batches.first(batch);
+                    PixelSample sample{
+                        Rng(hashOf(settings.seed, pixel, uint64_t(index))),
+                        PathNumbers(hashOf(~settings.seed, pixel, uint64_t(batch)), uint32_t(index - begin))};
+                    const glm::vec2 place = corner + glm::vec2(sample.numbers.next4());
+                    sums[pixel].batch += glm::dvec3(integrator(
                         cameraRay(settings.camera, settings.width, settings.height, place), sample));
-                    sums[pixel].value += value;
-                    sums[pixel].square += value * value;
+                    if (batches.of(index + 1) != batch) sums[pixel].endBatch(index + 1 - begin);
                     rangeRays += sample.rays;
                 }
             }
@@ -128,9 +166,12 @@ TracedPicture tracePicture(const PictureSettings& settings, const Integrator& in
 
     TracedPicture picture{Image(settings.width, settings.height), Image(settings.width, settings.height),
                           done, rays};
+    const int started = done - batches.first(batches.of(done));  // of a batch that the time limit cut short
     for (size_t pixel = 0; pixel < pixelCount; ++pixel) {
+        if (started > 0) sums[pixel].endBatch(started);
         picture.mean.pixels[pixel] = glm::vec3(sums[pixel].value / double(done));
-        picture.variance.pixels[pixel] = glm::vec3(varianceOfMean(sums[pixel], double(done)));
+        picture.variance.pixels[pixel] =
+            glm::vec3(varianceOfMean(sums[pixel], done, batches.of(done - 1) + 1));
     }
     return picture;
 }

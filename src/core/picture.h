@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "core/image.h"
+#include "core/path_numbers.h"
 #include "core/progress.h"
 #include "core/random.h"
 #include "core/rays.h"
@@ -30,7 +31,9 @@ Hit visibleHit(const RayScene& rays, const CameraRay& ray, uint64_t& rayCount);
 
 /// One sample of one pixel, beside its ray.
 struct PixelSample {
-    Rng rng;            // its own
+    Rng rng;  // its own
+    /// Of its path, stratified with other samples of the pixel.
+    PathNumbers numbers{Rng(Rng(rng).bits64())};
     uint64_t rays = 0;  // traced for it; the integrator counts
 };
 
@@ -48,14 +51,15 @@ struct PictureSettings {
 
 struct TracedPicture {
     Image mean;
-    Image variance;  // of the mean, per channel, estimated from the samples' spread; 0 for a single sample
+    Image variance;  // of the mean, per channel, from the batches' spread; 0 for a single batch
     int samplesPerPixel = 0;
     uint64_t rays = 0;
 };
 
-/// Averages `integrator` over each pixel (a box filter of one pixel), in passes over the whole picture.
-/// The same bytes for any number of threads, unless a time limit decides the number of samples.
-/// Throws Interrupted when `progress` asks.
+/// Averages `integrator` over each pixel (a box filter of one pixel), in passes over the whole picture. A
+/// pixel's samples come in batches: those of one are stratified together, batches are independent. The same
+/// bytes for any number of threads, unless a time limit decides the number of samples. Throws Interrupted
+/// when `progress` asks.
 TracedPicture tracePicture(const PictureSettings& settings, const Integrator& integrator, Progress& progress);
 
 }  // namespace phat

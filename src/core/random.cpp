@@ -29,10 +29,4 @@ glm::uvec2 mortonDecode(uint32_t code) {
     return {compact(code), compact(code >> 1)};
 }
 
-uint32_t reverseBits(uint32_t x, int bitCount) {
-    uint32_t reversed = 0;
-    for (int i = 0; i < bitCount; ++i) reversed |= ((x >> i) & 1u) << (bitCount - 1 - i);
-    return reversed;
-}
-
 }  // namespace phat

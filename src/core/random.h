@@ -31,6 +31,10 @@ class Rng {
         state_ += 0x9e3779b97f4a7c15ull;
         return uint32_t(mixBits(state_) >> 32);
     }
+    uint64_t bits64() {
+        const uint64_t high = bits();
+        return (high << 32) | bits();
+    }
     /// Uniform in [0, 1): 24 bits, never 1.
     float uniform() { return float(bits() >> 8) * 0x1p-24f; }
     glm::vec2 uniform2() {
@@ -46,7 +50,17 @@ class Rng {
 uint32_t morton(uint32_t x, uint32_t y);
 /// Inverse of morton.
 glm::uvec2 mortonDecode(uint32_t code);
-/// Reverses the lowest `bitCount` bits of x; higher bits must be 0.
-uint32_t reverseBits(uint32_t x, int bitCount);
+/// Reverses all bits.
+inline uint32_t reverseBits(uint32_t x) {
+    x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+    x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
+    x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
+    x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
+    return (x >> 16) | (x << 16);
+}
+/// Reverses the lowest `bitCount` bits of x; higher bits must be 0. pre: bitCount in [1, 32].
+inline uint32_t reverseBits(uint32_t x, int bitCount) {
+    return reverseBits(x) >> (32 - bitCount);
+}
 
 }  // namespace phat

@@ -259,16 +259,18 @@ FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup) {
     return targets;
 }
 
-DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat,
+DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat, bool paper,
                               bool countReads) {
     std::vector<std::string> defines;
     if (atlas.sources.size() > 1) defines.push_back("AREA");
     if (clearcoat) defines.push_back("CLEARCOAT");
     DisplayPass pass;
-    pass.displayProgram = ShaderProgram(folder, "surface.vert", "display.frag", defines);
-    defines.push_back("LOOKUP");
-    if (countReads) defines.push_back("COUNT_READS");
-    pass.lookedUpProgram = ShaderProgram(folder, "surface.vert", "display.frag", defines);
+    const auto display = [&](std::vector<std::string> indirect) {
+        indirect.insert(indirect.end(), defines.begin(), defines.end());
+        return ShaderProgram(folder, "surface.vert", "display.frag", indirect);
+    };
+    pass.displayProgram = paper ? display({"PAPER"}) : display({});
+    pass.lookedUpProgram = countReads ? display({"LOOKUP", "COUNT_READS"}) : display({"LOOKUP"});
     pass.depthProgram = ShaderProgram(folder, "surface.vert", "depth.frag");
     pass.backgroundProgram = ShaderProgram(folder, "fullscreen.vert", "background.frag");
     pass.accumulateProgram = ShaderProgram(folder, "fullscreen.vert", "accumulate.frag");

@@ -27,8 +27,8 @@ struct DisplayPass {
     std::vector<uint32_t> blendOrder;  // reused from frame to frame
 };
 
-/// `countReads`: see createLookupPass.
-DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat,
+/// `paper`: as of the RelightPass whose pyramid is displayed; `countReads`: see createLookupPass.
+DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat, bool paper,
                               bool countReads);
 
 struct DisplayInput {

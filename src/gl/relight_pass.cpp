@@ -15,9 +15,34 @@ void drawFullscreen(const RelightPass& pass, const ShaderProgram& program, const
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
+// Indirect light's lobes come first among the base's and among the coats'; its irradiance comes last.
+bool ofIndirect(const GpuAtlas& atlas, int lobe) {
+    return lobe % int(atlas.sources.size()) == 0;
+}
+
+// Means of samples need neither statistics nor radii.
+bool isMean(const RelightPass& pass, const GpuAtlas& atlas, int lobe) {
+    return pass.paper && ofIndirect(atlas, lobe);
+}
+
+GlFramebuffer relightTarget(const RelightPass& pass, int source, int sources) {
+    const GLuint lobes = pass.lobes.name(), statistics = pass.statistics.name();
+    if (pass.paper && source == 0) {
+        const int irradiance = pass.lobeCount - 1;
+        return pass.clearcoat
+                   ? createFramebuffer({{lobes, 0, 0}, {lobes, 0, irradiance}, {lobes, 0, sources}})
+                   : createFramebuffer({{lobes, 0, 0}, {lobes, 0, irradiance}});
+    }
+    const int coat = source + sources;
+    return pass.clearcoat
+               ? createFramebuffer(
+                     {{lobes, 0, source}, {statistics, 0, source}, {lobes, 0, coat}, {statistics, 0, coat}})
+               : createFramebuffer({{lobes, 0, source}, {statistics, 0, source}});
+}
+
 void createTargets(RelightPass& pass, const GpuAtlas& atlas) {
     const int sources = int(atlas.sources.size());
-    pass.lobeCount = pass.clearcoat ? 2 * sources : sources;
+    pass.lobeCount = (pass.clearcoat ? 2 * sources : sources) + (pass.paper ? 1 : 0);
     pass.texelBrdf = createTexture2D(GL_RGBA16F, atlas.sizeTexels);
     pass.lobes = createTextureArray(GL_RGBA32F, atlas.sizeTexels, pass.lobeCount, kTopLevel + 1);
     pass.statistics = createTextureArray(GL_RG32F, atlas.sizeTexels, pass.lobeCount, kTopLevel + 1);
@@ -25,17 +50,13 @@ void createTargets(RelightPass& pass, const GpuAtlas& atlas) {
 
     const GLuint lobes = pass.lobes.name(), statistics = pass.statistics.name();
     pass.brdfTarget = createFramebuffer({{pass.texelBrdf.name()}});
-    for (int s = 0; s < sources; ++s) {
-        if (pass.clearcoat)
-            pass.relightTargets.push_back(createFramebuffer(
-                {{lobes, 0, s}, {statistics, 0, s}, {lobes, 0, s + sources}, {statistics, 0, s + sources}}));
-        else
-            pass.relightTargets.push_back(createFramebuffer({{lobes, 0, s}, {statistics, 0, s}}));
-    }
+    for (int s = 0; s < sources; ++s) pass.relightTargets.push_back(relightTarget(pass, s, sources));
     for (int lobe = 0; lobe < pass.lobeCount; ++lobe) {
         auto& levels = pass.pyramidTargets.emplace_back();
         for (int level = 1; level <= kTopLevel; ++level)
-            levels.push_back(createFramebuffer({{lobes, level, lobe}, {statistics, level, lobe}}));
+            levels.push_back(isMean(pass, atlas, lobe)
+                                 ? createFramebuffer({{lobes, level, lobe}})
+                                 : createFramebuffer({{lobes, level, lobe}, {statistics, level, lobe}}));
         pass.radiusTargets.push_back(createFramebuffer({{pass.radii.name(), 0, lobe}}));
     }
 }
@@ -48,9 +69,10 @@ void exposeLevels(GLuint texture, int level) {
 
 }  // namespace
 
-RelightPass createRelightPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat) {
+RelightPass createRelightPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat, bool paper) {
     RelightPass pass;
     pass.clearcoat = clearcoat;
+    pass.paper = paper;
     pass.materialProgram = ShaderProgram(folder, "fullscreen.vert", "texel_material.frag");
     for (size_t s = 0; s < atlas.sources.size(); ++s) {
         const GpuPhatexels& source = atlas.sources[s];
@@ -58,7 +80,8 @@ RelightPass createRelightPass(const std::string& folder, const GpuAtlas& atlas, 
         if (s == 1) defines.push_back("AREA");
         if (source.texelPdf) defines.push_back("TEXEL_PDF");
         if (clearcoat) defines.push_back("CLEARCOAT");
-        pass.relightPrograms.emplace_back(folder, "fullscreen.vert", "relight.frag", defines);
+        const char* shader = paper && s == 0 ? "relight_paper.frag" : "relight.frag";
+        pass.relightPrograms.emplace_back(folder, "fullscreen.vert", shader, defines);
     }
     pass.pyramidProgram = ShaderProgram(folder, "fullscreen.vert", "pyramid.frag");
     pass.radiusProgram = ShaderProgram(folder, "fullscreen.vert", "radius.frag");
@@ -102,7 +125,7 @@ void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, co
 }
 
 void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas, bool indirect) {
-    const auto skipped = [&](int lobe) { return !indirect && lobe % int(atlas.sources.size()) == 0; };
+    const auto skipped = [&](int lobe) { return !indirect && ofIndirect(atlas, lobe); };
     const GLuint lobes = pass.lobes.name(), statistics = pass.statistics.name();
     const ShaderProgram& pyramid = pass.pyramidProgram;
     pyramid.bind("finerLobe", 0, lobes);
@@ -126,9 +149,9 @@ void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas, bool indirect)
     radius.bind("statistics", 2, statistics);
     radius.bind("tileLight", 3, atlas.tileLight.name());
     for (int lobe = 0; lobe < pass.lobeCount; ++lobe) {
-        if (skipped(lobe)) continue;
+        if (skipped(lobe) || isMean(pass, atlas, lobe)) continue;
         radius.set("lobeIndex", lobe);
-        radius.set("areaLights", lobe % int(atlas.sources.size()) == 1 ? 1 : 0);
+        radius.set("areaLights", ofIndirect(atlas, lobe) ? 0 : 1);
         drawFullscreen(pass, radius, pass.radiusTargets[lobe], atlas.sizeTexels / kTileSize);
     }
 }

@@ -20,7 +20,8 @@ struct RelightPass {
     GlVertexArray noVertices;
 
     bool clearcoat = false;
-    int lobeCount = 0;     // sources, twice with clear coats
+    bool paper = false;    // indirect light as the paper has it, see shaders/relight_paper.frag
+    int lobeCount = 0;     // sources, twice with clear coats; and with `paper` irradiance
     GlTexture texelBrdf;   // RGBA16F, see shaders/texel_material.frag
     GlTexture lobes;       // RGBA32F [lobe][y][x], levels 0 to 3: sum a L, sum w
     GlTexture statistics;  // RG32F, the same; see shaders/relight.frag
@@ -32,7 +33,8 @@ struct RelightPass {
 };
 
 /// `clearcoat`: whether any material has a coat now. Throws GlError.
-RelightPass createRelightPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat);
+RelightPass createRelightPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat,
+                              bool paper);
 
 /// Applies the materials' factors to the texels' textures.
 void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const std::vector<Material>& materials);

@@ -93,13 +93,13 @@ struct Renderer::State {
     bool countReads = false;
     bool materialsChanged = true;
 
-    void createPasses() {
+    void createPasses(bool paper) {
         const bool clearcoat = anyClearcoat(materials);
-        relight = createRelightPass(shaderFolder, atlas, clearcoat);
+        relight = createRelightPass(shaderFolder, atlas, clearcoat, paper);
         if (lookup.guideCount > 0)
             lookupPass = createLookupPass(shaderFolder, atlas, lookup, clearcoat, countReads);
         targets = {};
-        display = createDisplayPass(shaderFolder, atlas, clearcoat, countReads);
+        display = createDisplayPass(shaderFolder, atlas, clearcoat, paper, countReads);
         materialsChanged = true;
     }
 };
@@ -126,7 +126,7 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
         uploadAtlas(input.scene, input.atlas, input.points, frames, patches, input.phatexture, tables);
     state_->lookup = uploadLookup(tables, input.atlas);
     state_->lookupCost = {prepared, bytesPerPhatexel(tables, patches.size(), input.phatexture)};
-    state_->createPasses();
+    state_->createPasses(false);
 }
 
 Renderer::~Renderer() = default;
@@ -135,8 +135,10 @@ Image Renderer::render(const FrameSettings& wanted) {
     State& s = *state_;
     FrameSettings settings = wanted;
     const bool canLookUp = s.lookup.guideCount > 0;
-    if (!canLookUp) settings.method = Method::phatPyramid;
-    const bool pyramidOfIndirect = settings.method == Method::phatPyramid || anyBlended(s.materials);
+    if (!canLookUp && settings.method == Method::phat) settings.method = Method::phatPyramid;
+    const bool pyramidOfIndirect = settings.method != Method::phat || anyBlended(s.materials);
+    if (const bool paper = settings.method == Method::phatPaper; paper != s.relight.paper)
+        s.createPasses(paper);
     const glm::uvec2 size(std::max(settings.width, 1), std::max(settings.height, 1));
     if (s.targets.size != size) s.targets = createFrameTargets(size, canLookUp ? &s.lookupPass : nullptr);
 
@@ -193,7 +195,7 @@ void Renderer::setMaterials(const std::vector<Material>& materials) {
     const bool coatAppears = anyClearcoat(materials) && !s.relight.clearcoat;
     s.materials = materials;
     s.materialsChanged = true;
-    if (coatAppears) s.createPasses();
+    if (coatAppears) s.createPasses(s.relight.paper);
 }
 
 }  // namespace phat

@@ -21,6 +21,7 @@ namespace phat {
 enum class Method : uint8_t {
     phat,         // looked up by the pixel: draws from the BRDF, answered by PHATexels around
     phatPyramid,  // the paper's passes: the BRDF on every PHATexel, a pyramid, a cone
+    phatPaper,    // the same to the letter: no densities, plain means, the paper's filter; diffuse light too
 };
 /// What the lookup may cost: see docs/pipeline.md for reads a pixel.
 enum class Quality : uint8_t { fast, standard, high };

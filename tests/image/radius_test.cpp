@@ -35,7 +35,7 @@ std::vector<float> radiiOf(const RendererWorld& world) {
     const GpuAtlas atlas =
         uploadAtlas(world.scene, world.atlas, world.points, frames,
                     fitTilePatches(world.atlas, world.points, frames), world.phatexture, {});
-    const RelightPass pass = createRelightPass(kShaderFolder, atlas, false);
+    const RelightPass pass = createRelightPass(kShaderFolder, atlas, false, false);
     GlTexture splitSum = createTexture2D(GL_RG32F, glm::uvec2(kSplitSumSize));
     glTextureSubImage2D(splitSum.name(), 0, 0, 0, kSplitSumSize, kSplitSumSize, GL_RG, GL_FLOAT,
                         splitSumTable().data());

@@ -19,7 +19,8 @@ std::vector<std::vector<std::string>> variants() {
             {"AREA", "CLEARCOAT"},
             {"TEXEL_PDF"},
             {"LOOKUP", "AREA", "CLEARCOAT"},
-            {"LAYERS", "CLEARCOAT"}};
+            {"LAYERS", "CLEARCOAT"},
+            {"PAPER", "AREA", "CLEARCOAT"}};
 }
 
 TEST(Shaders, CompileInBothFlavors) {
@@ -52,12 +53,14 @@ TEST(Shaders, UseAtMostSixteenSamplers) {
     };
     const Program programs[] = {{"surface.vert", "display.frag", {"AREA", "CLEARCOAT"}},
                                 {"surface.vert", "display.frag", {"AREA", "CLEARCOAT", "LOOKUP"}},
+                                {"surface.vert", "display.frag", {"AREA", "CLEARCOAT", "PAPER"}},
                                 {"surface.vert", "lookup.frag", {"AREA", "CLEARCOAT", "LAYERS"}},
                                 {"surface.vert", "lookup.frag", {"CLEARCOAT", "COUNT_READS"}},
                                 {"fullscreen.vert", "pool.frag", {"AREA", "CLEARCOAT"}},
                                 {"fullscreen.vert", "pool.frag", {"AREA", "CLEARCOAT", "COUNT_READS"}},
                                 {"fullscreen.vert", "pool.frag", {"CLEARCOAT", "ACROSS", "COUNT_READS"}},
                                 {"fullscreen.vert", "relight.frag", {"AREA", "CLEARCOAT"}},
+                                {"fullscreen.vert", "relight_paper.frag", {"CLEARCOAT"}},
                                 {"fullscreen.vert", "radius.frag", {"AREA", "CLEARCOAT"}},
                                 {"surface.vert", "depth.frag", {}}};
     for (const auto& [vertex, fragment, defines] : programs) {
