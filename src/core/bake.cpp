@@ -9,12 +9,16 @@
 #include "core/irradiance.h"
 #include "core/irradiance_ray.h"
 #include "core/lights.h"
+#include "core/seam_stitch.h"
 
 namespace phat {
 namespace {
 
 // A side that gets less than this share of the other side's photons is a leak or an outside that nobody sees.
 constexpr double kLeastSideShare = 0.02;
+// Indirect irradiance is smoothed over up to 32 texels, and at borders from one side: where the charts of a
+// curved surface disagree, they do so over some texels. With 6 the changes reach too far.
+constexpr float kIndirectSpreadTexels = 3;
 
 /// Sides that light reaches, per connected component; only they get texels.
 std::vector<Sides> litSides(const Scene& scene, const PhotonMap& map) {
@@ -77,8 +81,9 @@ void bakeIndirect(const GatherInput& input, const BakeSettings& settings, Progre
     }
 }
 
-void bakeAreaLight(const GatherInput& input, const BakeSettings& settings, Progress& progress,
-                   BakeJournal* journal, std::atomic<uint64_t>& rays, Phatexture& out) {
+void bakeAreaLight(const GatherInput& input, const std::vector<SeamPoint>& seams,
+                   const BakeSettings& settings, Progress& progress, BakeJournal* journal,
+                   std::atomic<uint64_t>& rays, Phatexture& out) {
     if (!input.lights.hasArea()) return;
     out.areaGuides = guidesFor(input, Directions::guided, isAreaPhoton, progress);
     // Layer -1: a stream of its own, whatever the number of indirect layers.
@@ -91,9 +96,10 @@ void bakeAreaLight(const GatherInput& input, const BakeSettings& settings, Progr
     }
     ProgressStage stage(progress, "soft shadows",
                         2 * input.atlas.texelCount());  // all texels, then the hard ones
-    const IrradianceMap irradiance =
+    IrradianceMap irradiance =
         filterAreaIrradiance(gatherAreaIrradiance(input, settings, progress, journal, rays), input.atlas,
                              input.points, input.irradianceTexels);
+    stitchSeams(irradiance, seams, input.atlas, input.points, input.irradianceTexels, 0, progress);
     out.areaIrradiance = packIrradiance(irradiance);
 }
 
@@ -116,10 +122,13 @@ Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, 
     const std::vector<uint8_t> wanted = irradianceTexels(result.atlas, result.points);
     const GatherInput input{rays, lights, result.atlas, result.points, frames, photons, index, wanted};
 
+    const std::vector<SeamPoint> seams = findSeams(scene, result.atlas);
     std::atomic<uint64_t> rayCount = 0;
-    bakeAreaLight(input, settings, progress, journal, rayCount, result.phatexture);
-    result.phatexture.indirectIrradiance = packIrradiance(gatherIndirectIrradiance(
-        input, result.phatexture.areaIrradiance, settings, progress, journal, rayCount));
+    bakeAreaLight(input, seams, settings, progress, journal, rayCount, result.phatexture);
+    IrradianceMap irradiance = gatherIndirectIrradiance(input, result.phatexture.areaIrradiance, settings,
+                                                        progress, journal, rayCount);
+    stitchSeams(irradiance, seams, result.atlas, result.points, wanted, kIndirectSpreadTexels, progress);
+    result.phatexture.indirectIrradiance = packIrradiance(irradiance);
     bakeIndirect(input, settings, progress, journal, rayCount, result.phatexture);
 
     result.stats.photons = photons.stats;
