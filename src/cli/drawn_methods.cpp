@@ -37,6 +37,10 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
 
     const HeadlessContext context;
     Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture}, shaderFolder().string());
+    const RayScene rays(scene);
+    const LightSampler lights(scene);
+    const ReflectionScene reflectionScene(rays, lights, baked.atlas, baked.points, baked.phatexture);
+    const TracedReflections traced{reflectionScene, options.reflections, progress};
     std::vector<json> reports;
     for (const View& view : views) {
         progress.throwIfStopped();
@@ -45,7 +49,8 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
                                                .camera = view.camera,
                                                .method = methodOf(options),
                                                .component = options.component,
-                                               .samplesPerPixel = options.samplesPerPixel});
+                                               .samplesPerPixel = options.samplesPerPixel,
+                                               .traced = &traced});
         progress.throwIfStopped();
         writePicture(options, view, picture);
         const FrameTimes times = renderer.lastFrameTimes();
@@ -59,7 +64,9 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
                             {{"relight", times.relight},
                              {"pyramid", times.pyramid},
                              {"shadows", times.shadows},
-                             {"display", times.display}}}});
+                             {"display", times.display},
+                             {"reflections", times.reflections}}},
+                           {"reflectionRays", times.reflectionRays}});
     }
     return reports;
 }

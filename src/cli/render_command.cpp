@@ -27,6 +27,10 @@ const std::map<std::string, Component> kComponents = {{"all", Component::all},
 const std::map<std::string, ToneMap> kToneMaps = {
     {"linear", ToneMap::linear}, {"agx", ToneMap::agx}, {"aces", ToneMap::aces}};
 
+const std::map<std::string, Reflections> kReflections = {{"auto", Reflections::automatic},
+                                                         {"rays", Reflections::rays},
+                                                         {"lookup", Reflections::lookup}};
+
 constexpr int kMaxDrawnSamples = 4096, kMaxTracedSamples = 65536;
 
 std::vector<std::string> methodNames() {
@@ -69,9 +73,12 @@ void printReport(const json& report, bool traced) {
                    report["samplesPerPixel"].get<int>(), seconds.get<double>(),
                    report["raysPerSecond"].get<double>() * 1e-6);
     else
-        fmt::print("relight {:.1f} ms, pyramid {:.1f} ms, shadows {:.1f} ms, display {:.1f} ms\n",
+        fmt::print("relight {:.1f} ms, pyramid {:.1f} ms, shadows {:.1f} ms, display {:.1f} ms, "
+                   "reflections {:.1f} ms ({:.2f} million rays)\n",
                    seconds["relight"].get<double>() * 1e3, seconds["pyramid"].get<double>() * 1e3,
-                   seconds["shadows"].get<double>() * 1e3, seconds["display"].get<double>() * 1e3);
+                   seconds["shadows"].get<double>() * 1e3, seconds["display"].get<double>() * 1e3,
+                   seconds["reflections"].get<double>() * 1e3,
+                   report["reflectionRays"].get<double>() * 1e-6);
 }
 
 void runRender(const RenderOptions& options) {
@@ -140,6 +147,11 @@ void addRenderCommand(CLI::App& app) {
     CLI::Option* traceVisibility =
         command->add_flag("--trace-visibility")
             ->description("phat-gather: ask the scene, not neighbouring PHATexels, what is in the way");
+    CLI::Option* reflections =
+        option("--reflections", "HOW",
+               "phat: auto traces rays for very smooth surfaces; rays for all; lookup for none")
+            ->check(CLI::IsMember(kReflections))
+            ->default_val("auto");
     CLI::Option* component =
         option("--component", "NAME", "all, direct, indirect, glossy-indirect or diffuse-indirect")
             ->check(CLI::IsMember(kComponents))
@@ -186,6 +198,7 @@ void addRenderCommand(CLI::App& app) {
         onlyFor({photons, neighbors}, options.method.readsPhotons);
         onlyFor({gatherRays}, name == "photons-gather");
         onlyFor({radius, traceVisibility}, name == "phat-gather");
+        onlyFor({reflections}, name == "phat");
         options.samplesPerPixel = *spp ? spp->as<int>() : options.method.samplesPerPixel;
         if (*time) options.seconds = time->as<double>();
         if (*seed) options.seed = seed->as<uint64_t>();
@@ -194,6 +207,7 @@ void addRenderCommand(CLI::App& app) {
         options.photonRenderer.density.neighbors = neighbors->as<uint32_t>();
         options.photonRenderer.gatherRays = gatherRays->as<int>();
         if (*radius) options.gather.radiusMeters = radius->as<float>();
+        options.reflections = kReflections.at(reflections->as<std::string>());
         options.gather.traceVisibility = traceVisibility->count() > 0;
         if (*variance) options.varianceOutput = variance->as<std::string>();
         options.component = kComponents.at(component->as<std::string>());

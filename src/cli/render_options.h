@@ -52,6 +52,7 @@ struct RenderOptions {
     uint64_t photons = PhotonSettings().count;  // photons-direct, photons-gather
     PhotonRendererSettings photonRenderer;      // the same
     PhatGatherSettings gather;                  // phat-gather
+    Reflections reflections = Reflections::automatic;  // phat
     Component component = Component::all;
     std::vector<std::string> edits;
     float exposureStops = 0;

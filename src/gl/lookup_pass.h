@@ -25,7 +25,7 @@ GpuLookup uploadLookup(const LookupTables& tables, const Atlas& atlas, const std
 struct LookupTargets {
     GlTexture seen, seenCoat;    // RGBA32F: sum g L, sum g
     GlTexture surfaces, places;  // RGBA32F, see lookup.frag
-    GlTexture glossy;            // RGBA32F [lobe]: indirect, area lights, then their coats'
+    GlTexture glossy;  // RGBA32F [lobe]: indirect, area lights, then their coats'; then the same by rays
     GlFramebuffer lookupTarget, poolTarget;
 };
 
@@ -40,7 +40,12 @@ struct LookupPass {
 /// Throws GlError.
 LookupPass createLookupPass(const std::string& shaderFolder, const GpuAtlas& atlas, const GpuLookup& lookup,
                             bool clearcoat);
-LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth);
+/// `traced`: with layers for what rays see, see reflection_pass.h.
+LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth, bool traced);
+/// How many layers of `glossy` are the lookup's own.
+inline int lookedUpLayers(const LookupPass& pass) {
+    return pass.clearcoat ? 4 : 2;
+}
 
 /// Clears the targets, binds what the lookup of every surface shares, and reseeds the draws.
 void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
