@@ -16,7 +16,7 @@ constexpr float kAllTraced = 0.12f, kNoneTraced = 0.2f;
 constexpr float kRaysPerAlpha = 400.0f;
 constexpr int kMostRays = 16;
 // Continuations of a ray by glossy reflections, and how many of these one ray may see.
-constexpr PathSettings kAtHits{.pathsPerHit = 1, .maxBounces = 8};
+constexpr PathSettings kAtHits{.pathsPerHit = 2, .maxBounces = 8};
 constexpr uint64_t kStream = 0x5e1f;  // of hashOf
 constexpr float kShortOfLamp = 1.0f - 1e-4f;  // shadow rays stop here
 
@@ -117,6 +117,11 @@ SeenByLobe LobeRays::trace(int count, uint64_t stream) const {
     if (weights <= 0.0f) return {};
     seen.indirect /= weights;
     seen.area = seen.area / weights + sampled / float(count);
+    // A clamp: the two are independent estimates, whose noise must not exceed all light that there is.
+    const glm::vec3 scale = glm::min(
+        glm::vec3(1), scene.brightest / glm::max(seen.indirect + seen.area, glm::vec3(1e-20f)));
+    seen.indirect *= scale;
+    seen.area *= scale;
     seen.share = 1;
     return seen;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/irradiance_ray.h"
+#include "core/light_bound.h"
 #include "core/picture.h"
 
 namespace phat {
@@ -59,13 +60,15 @@ struct ReflectionScene {
           lights(lightSampler),
           atlas(bakedAtlas),
           phatexture(baked),
-          texels(irradianceTexels(bakedAtlas, points)) {}
+          texels(irradianceTexels(bakedAtlas, points)),
+          brightest(brightestRadiance(rayScene.scene())) {}
 
     const RayScene& rays;
     const LightSampler& lights;
     const Atlas& atlas;
     const Phatexture& phatexture;
     std::vector<uint8_t> texels;
+    glm::vec3 brightest;
 };
 
 struct ReflectionView {
