@@ -13,10 +13,11 @@ namespace {
 // Roughness up to which rays alone answer, and from which on the lookup alone does.
 constexpr float kAllTraced = 0.12f, kNoneTraced = 0.2f;
 // Rays a pixel and picture: one for a mirror, more as the lobe's width in radians, some 2 alpha, grows.
-constexpr float kRaysPerAlpha = 400.0f;
+constexpr float kRaysPerAlpha = 200.0f;
 constexpr int kMostRays = 16;
-// Continuations of a ray by glossy reflections, and how many of these one ray may see.
-constexpr PathSettings kAtHits{.pathsPerHit = 2, .maxBounces = 8};
+// Where rays hit something glossy, walks go on from there: so many a pixel and picture, shared by its rays, and of so
+// many reflections at most.
+constexpr int kWalks = 8, kMostBounces = 8;
 constexpr uint64_t kStream = 0x5e1f;  // of hashOf
 constexpr float kShortOfLamp = 1.0f - 1e-4f;  // shadow rays stop here
 
@@ -85,6 +86,7 @@ SeenByLobe LobeRays::trace(int count, uint64_t stream) const {
     const TexelWorld world{scene.rays, scene.lights, scene.atlas, scene.texels};
     const TexelIrradiance irradiance{scene.phatexture.indirectIrradiance, scene.phatexture.areaIrradiance,
                                      true};
+    const PathSettings atHits{std::max(kWalks / count, 1), kMostBounces};
     SeenByLobe seen;
     float weights = 0;
     glm::vec3 sampled(0);
@@ -111,7 +113,7 @@ SeenByLobe LobeRays::trace(int count, uint64_t stream) const {
         const SurfacePoint far = surfaceAt(scene.rays.scene(), hit, direction);
         seen.area += emissionWeight * far.emission;
         if (view.indirect)
-            seen.indirect += weight * reflectedFromTexels(world, irradiance, hit, far, -direction, kAtHits,
+            seen.indirect += weight * reflectedFromTexels(world, irradiance, hit, far, -direction, atHits,
                                                           rng, rayCount);
     }
     if (weights <= 0.0f) return {};
