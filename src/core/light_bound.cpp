@@ -24,7 +24,7 @@ glm::vec3 brightestRadiance(const Scene& scene) {
     if (scene.environment)
         for (const glm::vec3& radiance : scene.environment->radiance.pixels)
             brightest = glm::max(brightest, radiance);
-    return brightest;
+    return brightest == glm::vec3(0) ? glm::vec3(kUnbounded) : brightest;
 }
 
 }  // namespace phat

@@ -48,6 +48,7 @@ TEST(Shaders, UseAtMostSixteenSamplers) {
     const Program programs[] = {{"surface.vert", "display.frag", {"AREA", "CLEARCOAT"}},
                                 {"surface.vert", "display.frag", {"AREA", "CLEARCOAT", "LOOKUP"}},
                                 {"surface.vert", "lookup.frag", {"AREA", "CLEARCOAT", "LAYERS"}},
+                                {"surface.vert", "smooth_surfaces.frag", {"CLEARCOAT"}},
                                 {"fullscreen.vert", "pool.frag", {"AREA", "CLEARCOAT"}},
                                 {"fullscreen.vert", "relight.frag", {"AREA", "CLEARCOAT"}},
                                 {"fullscreen.vert", "radius.frag", {"AREA", "CLEARCOAT"}},
