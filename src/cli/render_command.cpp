@@ -27,9 +27,8 @@ const std::map<std::string, Component> kComponents = {{"all", Component::all},
 const std::map<std::string, ToneMap> kToneMaps = {
     {"linear", ToneMap::linear}, {"agx", ToneMap::agx}, {"aces", ToneMap::aces}};
 
-const std::map<std::string, Reflections> kReflections = {{"auto", Reflections::automatic},
-                                                         {"rays", Reflections::rays},
-                                                         {"lookup", Reflections::lookup}};
+const std::map<std::string, Reflections> kReflections = {
+    {"auto", Reflections::automatic}, {"rays", Reflections::rays}, {"lookup", Reflections::lookup}};
 
 constexpr int kMaxDrawnSamples = 4096, kMaxTracedSamples = 65536;
 
@@ -73,12 +72,12 @@ void printReport(const json& report, bool traced) {
                    report["samplesPerPixel"].get<int>(), seconds.get<double>(),
                    report["raysPerSecond"].get<double>() * 1e-6);
     else
-        fmt::print("relight {:.1f} ms, pyramid {:.1f} ms, shadows {:.1f} ms, display {:.1f} ms, "
-                   "reflections {:.1f} ms ({:.2f} million rays)\n",
-                   seconds["relight"].get<double>() * 1e3, seconds["pyramid"].get<double>() * 1e3,
-                   seconds["shadows"].get<double>() * 1e3, seconds["display"].get<double>() * 1e3,
-                   seconds["reflections"].get<double>() * 1e3,
-                   report["reflectionRays"].get<double>() * 1e-6);
+        fmt::print(
+            "relight {:.1f} ms, pyramid {:.1f} ms, shadows {:.1f} ms, display {:.1f} ms, "
+            "reflections {:.1f} ms ({:.2f} million rays)\n",
+            seconds["relight"].get<double>() * 1e3, seconds["pyramid"].get<double>() * 1e3,
+            seconds["shadows"].get<double>() * 1e3, seconds["display"].get<double>() * 1e3,
+            seconds["reflections"].get<double>() * 1e3, report["reflectionRays"].get<double>() * 1e-6);
 }
 
 void runRender(const RenderOptions& options) {

@@ -15,10 +15,10 @@ constexpr float kAllTraced = 0.12f, kNoneTraced = 0.2f;
 // Rays a pixel and picture: one for a mirror, more as the lobe's width in radians, some 2 alpha, grows.
 constexpr float kRaysPerAlpha = 200.0f;
 constexpr int kMostRays = 16;
-// Where rays hit something glossy, walks go on from there: so many a pixel and picture, shared by its rays, and of so
-// many reflections at most.
+// Where rays hit something glossy, walks go on from there: so many a pixel and picture, shared by its rays,
+// and of so many reflections at most.
 constexpr int kWalks = 8, kMostBounces = 8;
-constexpr uint64_t kStream = 0x5e1f;  // of hashOf
+constexpr uint64_t kStream = 0x5e1f;          // of hashOf
 constexpr float kShortOfLamp = 1.0f - 1e-4f;  // shadow rays stop here
 
 float smoothstep(float low, float high, float x) {
@@ -42,15 +42,14 @@ glm::vec2 barycentricOn(const Scene& scene, uint32_t triangle, const CameraRay& 
     return glm::vec2(glm::dvec2(u, v) / std::max(u + v, 1.0));
 }
 
-/// A lobe as a surface of its own, and the random numbers that its rays take.
+/// A lobe as a surface of its own.
 struct LobeRays {
     const ReflectionScene& scene;
     const ReflectionView& view;
-    SurfacePoint point;
-    glm::vec3 towardEye;
-    glm::vec3 eyeLocal;
-    float albedo;
     uint64_t& rayCount;
+    SurfacePoint point;
+    glm::vec3 eyeLocal{0};
+    float albedo = 0;
 
     glm::vec3 seenByLightSample(Rng& rng) const;
     SeenByLobe trace(int count, uint64_t stream) const;
@@ -58,8 +57,9 @@ struct LobeRays {
 
 // Power heuristic (Veach 1997): most light samples of a sharp lobe are rare finds of what its own rays find
 // surely, and should weigh nothing rather than one.
+// pre: own > 0.
 float powerWeight(float own, float other) {
-    return own * own / (own * own + other * other);
+    return 1.0f / (1.0f + square(other / own));
 }
 
 // Of one place on the area lights, over the lobe's albedo: small lamps that the lobe's own rays seldom meet.
@@ -113,15 +113,15 @@ SeenByLobe LobeRays::trace(int count, uint64_t stream) const {
         const SurfacePoint far = surfaceAt(scene.rays.scene(), hit, direction);
         seen.area += emissionWeight * far.emission;
         if (view.indirect)
-            seen.indirect += weight * reflectedFromTexels(world, irradiance, hit, far, -direction, atHits,
-                                                          rng, rayCount);
+            seen.indirect +=
+                weight * reflectedFromTexels(world, irradiance, hit, far, -direction, atHits, rng, rayCount);
     }
     if (weights <= 0.0f) return {};
     seen.indirect /= weights;
     seen.area = seen.area / weights + sampled / float(count);
     // A clamp: the two are independent estimates, whose noise must not exceed all light that there is.
-    const glm::vec3 scale = glm::min(
-        glm::vec3(1), scene.brightest / glm::max(seen.indirect + seen.area, glm::vec3(1e-20f)));
+    const glm::vec3 scale =
+        glm::min(glm::vec3(1), scene.brightest / glm::max(seen.indirect + seen.area, glm::vec3(1e-20f)));
     seen.indirect *= scale;
     seen.area *= scale;
     seen.share = 1;
@@ -133,7 +133,7 @@ SeenByLobe seenBy(const ReflectionScene& scene, const ReflectionView& view, Refl
                   uint64_t& rayCount) {
     const float share = tracedShare(reflections, lobe.alpha);
     if (share <= 0.0f) return {};
-    LobeRays rays{scene, view, surface, towardEye, glm::vec3(0), 0, rayCount};
+    LobeRays rays{scene, view, rayCount, surface};
     rays.point.shading = frameFromNormal(lobe.normal);
     rays.point.brdf = Brdf{};
     rays.point.brdf.f0 = glm::vec3(lobe.f0);
@@ -159,7 +159,8 @@ float tracedShare(Reflections reflections, float alpha) {
 bool mayReflectSmoothly(const Material& material, Reflections reflections) {
     if (material.unlit || material.alphaMode == AlphaMode::blend) return false;
     const auto may = [&](float roughness, const TextureSlot& slot) {
-        return tracedShare(reflections, slot.image >= 0 ? kMinAlpha : std::max(square(roughness), kMinAlpha)) > 0;
+        return tracedShare(reflections,
+                           slot.image >= 0 ? kMinAlpha : std::max(square(roughness), kMinAlpha)) > 0;
     };
     return may(material.roughness, material.metallicRoughnessTexture) ||
            (material.clearcoat > 0 && may(material.clearcoatRoughness, material.clearcoatRoughnessTexture));
@@ -178,9 +179,8 @@ std::vector<SeenBySurface> traceReflections(const ReflectionScene& scene, const 
         for (size_t i = begin; i < end; ++i) {
             const SmoothSurface& s = surfaces[i];
             const CameraRay ray = cameraRay(view.camera, view.width, view.height, s.place);
-            const SurfacePoint point =
-                surfaceAt(scene.rays.scene(), s.triangle, barycentricOn(scene.rays.scene(), s.triangle, ray),
-                          s.back);
+            const SurfacePoint point = surfaceAt(scene.rays.scene(), s.triangle,
+                                                 barycentricOn(scene.rays.scene(), s.triangle, ray), s.back);
             const uint64_t stream = hashOf(kStream, s.pixel);
             seen[i].base = seenBy(scene, view, reflections, point, -ray.direction, s.base, stream, rangeRays);
             seen[i].coat =

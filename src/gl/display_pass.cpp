@@ -217,16 +217,15 @@ bool traceSmooth(const DisplayInput& input, const CameraMatrices& matrices, cons
     bindCamera(program, matrices, settings);
     drawOpaque(program, input);
 
-    const std::vector<SmoothSurface> surfaces =
-        readSmoothSurfaces(targets.reflections, reflections, jitter);
+    const std::vector<SmoothSurface> surfaces = readSmoothSurfaces(targets.reflections, reflections, jitter);
     if (surfaces.empty()) return false;
     const auto start = std::chrono::steady_clock::now();  // not before: reading waits for the GPU
     const ReflectionView view{settings.camera, int(targets.size.x), int(targets.size.y),
                               frame,           shown.y > 0,         shown.x > 0};
     const std::vector<SeenBySurface> seen =
         traceReflections(scene, view, reflections, surfaces, progress, cost.rays);
-    uploadReflections(input.reflectionPass, targets.reflections, surfaces, seen,
-                      targets.lookup.glossy.name(), lookedUpLayers(input.lookupPass));
+    uploadReflections(input.reflectionPass, targets.reflections, surfaces, seen, targets.lookup.glossy.name(),
+                      lookedUpLayers(input.lookupPass));
     cost.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return true;
 }
@@ -304,7 +303,7 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, 
 }
 
 ReflectionCost display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
-             const FrameTargets& targets) {
+                       const FrameTargets& targets) {
     const int count = std::max(1, settings.samplesPerPixel);
     glBindFramebuffer(GL_FRAMEBUFFER, targets.sumTarget.name());
     const GLfloat black[4] = {0, 0, 0, 0};

@@ -52,7 +52,7 @@ struct ReflectionCost {
 /// surfaces take their glossy light from the pyramid with either method, for a pixel of the lookup holds one
 /// surface.
 ReflectionCost display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
-             const FrameTargets& targets);
+                       const FrameTargets& targets);
 
 /// The eye of a camera.
 Eye eyeOf(const Camera& camera);

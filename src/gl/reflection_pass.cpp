@@ -52,8 +52,7 @@ std::vector<SmoothSurface> readSmoothSurfaces(const ReflectionTargets& targets, 
     const glm::uvec2 size = targets.size;
     const auto base = readPixels<glm::vec4>(targets.base.name(), size, GL_RGBA, GL_FLOAT);
     const auto coat = readPixels<glm::vec4>(targets.coat.name(), size, GL_RGBA, GL_FLOAT);
-    const auto surface =
-        readPixels<glm::uvec2>(targets.surface.name(), size, GL_RG_INTEGER, GL_UNSIGNED_INT);
+    const auto surface = readPixels<glm::uvec2>(targets.surface.name(), size, GL_RG_INTEGER, GL_UNSIGNED_INT);
     std::vector<SmoothSurface> surfaces;
     for (size_t i = 0; i < surface.size(); ++i) {
         if (surface[i].x == 0) continue;
@@ -62,8 +61,9 @@ std::vector<SmoothSurface> readSmoothSurfaces(const ReflectionTargets& targets, 
         // OpenGL's rows begin at the bottom.
         const glm::vec2 corner(uint32_t(i) % size.x, size.y - 1 - uint32_t(i) / size.x);
         // The picture was moved by the jitter; what the pixel's centre shows lies as far the other way.
-        surfaces.push_back({uint32_t(i), corner + 0.5f + glm::vec2(-jitter.x, jitter.y), (surface[i].x - 1) / 2,
-                            (surface[i].x - 1) % 2 == 1, lobeOf(base[i], glm::unpackHalf2x16(surface[i].y)),
+        surfaces.push_back({uint32_t(i), corner + 0.5f + glm::vec2(-jitter.x, jitter.y),
+                            (surface[i].x - 1) / 2, (surface[i].x - 1) % 2 == 1,
+                            lobeOf(base[i], glm::unpackHalf2x16(surface[i].y)),
                             lobeOf(coat[i], glm::vec2(kClearcoatF0, 1))});
     }
     return surfaces;

@@ -50,8 +50,8 @@ struct FrameSettings {
 struct FrameTimes {
     double relight = 0;
     double pyramid = 0;
-    double shadows = 0;  // first frame only
-    double display = 0;  // with the lookup
+    double shadows = 0;      // first frame only
+    double display = 0;      // with the lookup
     double reflections = 0;  // rays on the CPU
     uint64_t reflectionRays = 0;
 };

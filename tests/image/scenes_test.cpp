@@ -73,12 +73,13 @@ TEST(Scenes, GalleryMatchesItsReference) {
     expectReference("gallery.glb", "gallery-spec.exr", "200k", 0.15);
 }
 
-// A chrome sphere of roughness .1, too smooth for PHATexels: rays bring its error down to the reference's noise.
+// A chrome sphere of roughness .1, too smooth for PHATexels: rays bring its error down to the reference's
+// noise.
 TEST(Scenes, GallerysChromeIsTraced) {
     const TemporaryFolder folder;
     const std::string baked = folder.file("scene.phat.glb"), picture = folder.file("picture.exr");
-    const auto bake = runPhat({"bake", PHAT_SOURCE_DIR "/scenes/gallery.glb", "-o", baked, "--resolution",
-                               "200k", "--quiet"});
+    const auto bake = runPhat(
+        {"bake", PHAT_SOURCE_DIR "/scenes/gallery.glb", "-o", baked, "--resolution", "200k", "--quiet"});
     ASSERT_EQ(bake.exitCode, 0) << bake.err;
     const Image want = readExr(PHAT_SOURCE_DIR "/tests/data/references/gallery-spec.exr");
     const Image mask = readExr(PHAT_SOURCE_DIR "/tests/data/references/gallery.mask-chrome.exr");

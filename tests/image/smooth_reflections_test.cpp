@@ -40,7 +40,8 @@ PhatexelLayer layerOf(const RendererWorld& world, float radiance) {
     for (uint32_t y = 0; y < world.atlas.sizeTexels.y; ++y) {
         for (uint32_t x = 0; x < world.atlas.sizeTexels.x; ++x) {
             const glm::uvec2 inBlock =
-                (glm::uvec2(x, y) - world.atlas.charts[world.atlas.chartAt({x, y})].originTexel()) % kBlockSize;
+                (glm::uvec2(x, y) - world.atlas.charts[world.atlas.chartAt({x, y})].originTexel()) %
+                kBlockSize;
             const glm::uvec2 cell = mortonDecode(reverseBits(morton(inBlock.x, inBlock.y), 10));
             Phatexel phatexel;
             phatexel.directionBlock =
@@ -142,10 +143,9 @@ TEST(SmoothReflections, SmallLampBringsItsShareOfTheLobe) {
         const glm::vec2 at = (glm::vec2(i % kSteps, i / kSteps) + 0.5f) / float(kSteps) - 0.5f;
         const glm::vec3 way = lamp + kSide * glm::vec3(at.x, 0, at.y) - floorPlace;
         const glm::vec3 toward = glm::normalize(way);
-        const float solidAngle =
-            square(kSide / kSteps) * toward.y / glm::dot(way, way);
-        expected += 1000.0 * solidAngle *
-                    evaluateBrdf(brdf, frame.toLocal(towardEye), frame.toLocal(toward)).x;
+        const float solidAngle = square(kSide / kSteps) * toward.y / glm::dot(way, way);
+        expected +=
+            1000.0 * solidAngle * evaluateBrdf(brdf, frame.toLocal(towardEye), frame.toLocal(toward)).x;
     }
     expected /= specularAlbedo(brdf.f0, 1, brdf.alpha, towardEye.y).x;
     EXPECT_NEAR(FloorProbe(world).mean(kRoughness, 16384).area.x, expected, 0.02 * expected);
