@@ -9,7 +9,8 @@
 #include "lib/lights.glsl"
 
 #ifdef LOOKUP
-uniform sampler2DArray glossy;      // a picture a lobe, see pool.frag
+uniform sampler2DArray glossy;      // a picture a lobe, see pool.frag; then the same lobes by rays
+uniform int tracedLayer;            // where those begin; 0: there are none
 uniform sampler2D tileLight;        // rgb: the brightest radiance around
 #else
 uniform sampler2DArray relit;       // lobes: of the indirect light, of area lights, then their coats'
@@ -56,11 +57,21 @@ vec3 irradianceAt(int source, vec2 center, uint chart) {
 // What a lobe sees: a mean of real radiances, weighted by the lobe. Where no PHATexel under the lobe is anywhere
 // near, the mean over the hemisphere, an approximation.
 #ifdef LOOKUP
+// pool.frag's order has room for the area lights, whether there are any or not.
+int pictureOf(int lobeIndex) {
+    return lobeIndex < kSources ? lobeIndex : 2 + lobeIndex - kSources;
+}
+
 vec3 lobeRadiance(int lobeIndex, vec2 center, uint chart, vec3 fallback) {
-    // pool.frag's order has room for the area lights, whether there are any or not.
-    int picture = lobeIndex < kSources ? lobeIndex : 2 + lobeIndex - kSources;
-    vec4 sum = READ(texelFetch(glossy, ivec3(gl_FragCoord.xy, picture), 0));
+    vec4 sum = READ(texelFetch(glossy, ivec3(gl_FragCoord.xy, pictureOf(lobeIndex)), 0));
     return sum.a > 0.0 ? sum.rgb / sum.a : fallback;
+}
+
+// What rays saw takes the place of the lookup's answer, the more the smoother the lobe.
+vec3 tracedOver(vec3 seen, int lobeIndex) {
+    if (tracedLayer == 0) return seen;
+    vec4 traced = texelFetch(glossy, ivec3(gl_FragCoord.xy, tracedLayer + pictureOf(lobeIndex)), 0);
+    return mix(seen, traced.rgb, traced.a);
 }
 
 vec3 brightestHere(vec2 center) {
@@ -70,6 +81,10 @@ vec3 brightestHere(vec2 center) {
 vec3 lobeRadiance(int lobeIndex, vec2 center, uint chart, vec3 fallback) {
     vec4 sum = lobeSum(relit, radii, lobeIndex, center, chart);
     return sum.a > 0.0 ? sum.rgb / sum.a : fallback;
+}
+
+vec3 tracedOver(vec3 seen, int lobeIndex) {
+    return seen;
 }
 
 vec3 brightestHere(vec2 center) {
@@ -99,6 +114,8 @@ void findSeen(int firstLobe, vec2 center, uint chart, vec3 brightest, vec3 incid
     for (int source = kFirstSource; source < kSources; ++source)
         seen[source] = lobeRadiance(firstLobe + source, center, chart, incident[source] / kPi);
     boundByBrightest(seen, brightest);
+    for (int source = kFirstSource; source < kSources; ++source)
+        seen[source] = tracedOver(seen[source], firstLobe + source);
 #ifdef PAPER
     // What is reflected; the albedo's colour is to multiply it.
     seen[0] = paperMean(relit, firstLobe, center, chart) / max(albedo, 1e-6);

@@ -19,6 +19,7 @@ out vec4 vUv;  // uv0, uv1
 out vec4 vColor;
 out vec4 vTexel;  // front, back
 flat out uvec2 vCharts;
+flat out uint vTriangle;
 
 // The depth pass and the display pass must agree to the last bit.
 invariant gl_Position;
@@ -32,4 +33,5 @@ void main() {
     vColor = color;
     vTexel = vec4(texelFront, texelBack);
     vCharts = charts;
+    vTriangle = uint(gl_VertexID) / 3u;  // vertices are not shared
 }

@@ -51,6 +51,10 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     const std::vector<View> views = chooseViews(options, scene);
 
     const HeadlessContext context;
+    const RayScene rays(scene);
+    const LightSampler lights(scene);
+    const ReflectionScene reflectionScene(rays, lights, baked.atlas, baked.points, baked.phatexture);
+    const TracedReflections traced{reflectionScene, options.reflections, progress};
     Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, methodOf(options) == Method::phat,
                        options.countReads},
                       shaderFolder().string());
@@ -63,7 +67,8 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
                                                .method = methodOf(options),
                                                .quality = options.quality,
                                                .component = options.component,
-                                               .samplesPerPixel = options.samplesPerPixel});
+                                               .samplesPerPixel = options.samplesPerPixel,
+                                               .traced = &traced});
         progress.throwIfStopped();
         writePicture(options, view, picture);
         const FrameTimes times = renderer.lastFrameTimes();
@@ -77,7 +82,9 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
                             {{"relight", times.relight},
                              {"pyramid", times.pyramid},
                              {"shadows", times.shadows},
-                             {"display", times.display}}}});
+                             {"display", times.display},
+                             {"reflections", times.reflections}}},
+                           {"reflectionRays", times.reflectionRays}});
         json& report = reports.back();
         if (const LookupCost cost = renderer.lookupCost(); cost.bytesPerPhatexel > 0) {
             report["seconds"]["prepareLookup"] = cost.seconds;

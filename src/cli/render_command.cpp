@@ -29,6 +29,9 @@ const std::map<std::string, Quality> kQualities = {
 const std::map<std::string, ToneMap> kToneMaps = {
     {"linear", ToneMap::linear}, {"agx", ToneMap::agx}, {"aces", ToneMap::aces}};
 
+const std::map<std::string, Reflections> kReflections = {
+    {"auto", Reflections::automatic}, {"rays", Reflections::rays}, {"lookup", Reflections::lookup}};
+
 constexpr int kMaxDrawnSamples = 4096, kMaxTracedSamples = 65536;
 
 std::vector<std::string> methodNames() {
@@ -71,9 +74,12 @@ void printReport(const json& report, bool traced) {
                    report["samplesPerPixel"].get<int>(), seconds.get<double>(),
                    report["raysPerSecond"].get<double>() * 1e-6);
     else
-        fmt::print("relight {:.1f} ms, pyramid {:.1f} ms, shadows {:.1f} ms, display {:.1f} ms\n",
-                   seconds["relight"].get<double>() * 1e3, seconds["pyramid"].get<double>() * 1e3,
-                   seconds["shadows"].get<double>() * 1e3, seconds["display"].get<double>() * 1e3);
+        fmt::print(
+            "relight {:.1f} ms, pyramid {:.1f} ms, shadows {:.1f} ms, display {:.1f} ms, "
+            "reflections {:.1f} ms ({:.2f} million rays)\n",
+            seconds["relight"].get<double>() * 1e3, seconds["pyramid"].get<double>() * 1e3,
+            seconds["shadows"].get<double>() * 1e3, seconds["display"].get<double>() * 1e3,
+            seconds["reflections"].get<double>() * 1e3, report["reflectionRays"].get<double>() * 1e-6);
     if (report.contains("bytesPerPhatexel"))
         fmt::print("lookup: {:.1f} bytes a PHATexel, prepared in {:.2f} s\n",
                    report["bytesPerPhatexel"].get<double>(), seconds["prepareLookup"].get<double>());
@@ -148,6 +154,11 @@ void addRenderCommand(CLI::App& app) {
     CLI::Option* traceVisibility =
         command->add_flag("--trace-visibility")
             ->description("phat-gather: ask the scene, not neighbouring PHATexels, what is in the way");
+    CLI::Option* reflections =
+        option("--reflections", "HOW",
+               "phat: auto traces rays for very smooth surfaces; rays for all; lookup for none")
+            ->check(CLI::IsMember(kReflections))
+            ->default_val("auto");
     CLI::Option* component =
         option("--component", "NAME", "all, direct, indirect, glossy-indirect or diffuse-indirect")
             ->check(CLI::IsMember(kComponents))
@@ -200,7 +211,7 @@ void addRenderCommand(CLI::App& app) {
         onlyFor({photons, neighbors}, options.method.readsPhotons);
         onlyFor({gatherRays}, name == "photons-gather");
         onlyFor({radius, traceVisibility}, name == "phat-gather");
-        onlyFor({quality, countReads}, name == "phat");
+        onlyFor({quality, countReads, reflections}, name == "phat");
         options.quality = kQualities.at(quality->as<std::string>());
         options.countReads = countReads->count() > 0;
         options.samplesPerPixel = *spp ? spp->as<int>() : options.method.samplesPerPixel;
@@ -212,6 +223,7 @@ void addRenderCommand(CLI::App& app) {
         options.photonRenderer.density.neighbors = neighbors->as<uint32_t>();
         options.photonRenderer.gatherRays = gatherRays->as<int>();
         if (*radius) options.gather.radiusMeters = radius->as<float>();
+        options.reflections = kReflections.at(reflections->as<std::string>());
         options.gather.traceVisibility = traceVisibility->count() > 0;
         if (*variance) options.varianceOutput = variance->as<std::string>();
         options.component = kComponents.at(component->as<std::string>());

@@ -52,9 +52,10 @@ struct RenderOptions {
     double seconds = 0;                   // traced methods; > 0: instead of samplesPerPixel
     uint64_t seed = 1;
     std::optional<int> threads;
-    uint64_t photons = PhotonSettings().count;  // photons-direct, photons-gather
-    PhotonRendererSettings photonRenderer;      // the same
-    PhatGatherSettings gather;                  // phat-gather
+    uint64_t photons = PhotonSettings().count;         // photons-direct, photons-gather
+    PhotonRendererSettings photonRenderer;             // the same
+    PhatGatherSettings gather;                         // phat-gather
+    Reflections reflections = Reflections::automatic;  // phat
     Component component = Component::all;
     std::vector<std::string> edits;
     float exposureStops = 0;

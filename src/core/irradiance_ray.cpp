@@ -1,5 +1,6 @@
 #include "core/irradiance_ray.h"
 
+#include "core/atlas_place.h"
 #include "core/path.h"
 #include "core/path_vertex.h"
 
@@ -20,18 +21,9 @@ SurfacePoint withoutDiffuse(SurfacePoint point) {
 }  // namespace
 
 std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t>& wanted, const Hit& hit) {
-    uint32_t chart = atlas.triangleChart[hit.triangle];
-    if (chart == kNoChart) return {};
-    const auto& corner = atlas.triangleTexels[hit.triangle];
-    glm::vec2 place =
-        corner[0] + hit.barycentric.x * (corner[1] - corner[0]) + hit.barycentric.y * (corner[2] - corner[0]);
-    if (atlas.charts[chart].back != hit.backFace) {
-        const uint32_t other = atlas.charts[chart].otherSide;
-        if (other == kNoChart) return {};
-        place += glm::vec2(atlas.charts[other].originTexel()) - glm::vec2(atlas.charts[chart].originTexel());
-        chart = other;
-    }
-    const glm::ivec2 center(place), last = glm::ivec2(atlas.sizeTexels) - 1;
+    const AtlasPlace place = atlasPlaceOf(atlas, hit);
+    if (place.chart == kNoChart) return {};
+    const glm::ivec2 center(place.texel), last = glm::ivec2(atlas.sizeTexels) - 1;
     // At edges and contacts the texel's own centre may be off the surface or covered. The middle first.
     constexpr int kOrder[9] = {4, 1, 3, 5, 7, 0, 2, 6, 8};
     for (const int i : kOrder) {
@@ -39,7 +31,7 @@ std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t
         if (glm::any(glm::lessThan(texel, glm::ivec2(0))) || glm::any(glm::greaterThan(texel, last)))
             continue;
         const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
-        if (wanted[index] && atlas.chartAt(texel) == chart) return uint32_t(index);
+        if (wanted[index] && atlas.chartAt(texel) == place.chart) return uint32_t(index);
     }
     return {};
 }
@@ -48,7 +40,7 @@ namespace {
 
 /// A walk through mirrors and gloss until it ends in a texel. Each step returns whether it goes on.
 struct Walk {
-    const GatherInput& input;
+    const TexelWorld& world;
     const std::vector<uint32_t>& areaIrradiance;
     Rng& rng;
     uint64_t& rayCount;
@@ -66,13 +58,13 @@ struct Walk {
 // The diffuse part stops here, or the specular part goes on.
 bool Walk::ends(int bouncesLeft) {
     if (maxComponent(reflectance(point.brdf, eyeLocal())) <= 0.0f) return true;
-    const std::optional<uint32_t> texel = texelOfHit(input.atlas, input.irradianceTexels, hit);
+    const std::optional<uint32_t> texel = texelOfHit(world.atlas, world.irradianceTexels, hit);
     if (!texel) {
         found.light += throughput *
-                       traceReflected(input.rays, input.lights, point, towardEye, bouncesLeft, rng, rayCount);
+                       traceReflected(world.rays, world.lights, point, towardEye, bouncesLeft, rng, rayCount);
         return true;
     }
-    found.light += throughput * punctualLight(input.rays, input.lights, point, towardEye, rng, rayCount);
+    found.light += throughput * punctualLight(world.rays, world.lights, point, towardEye, rng, rayCount);
     const glm::vec3 diffuse = diffuseAlbedo(point.brdf, eyeLocal());
     if (!areaIrradiance.empty())
         found.light += throughput * diffuse / kPi * unpackRgb9e5(areaIrradiance[*texel]);
@@ -89,10 +81,10 @@ bool Walk::ends(int bouncesLeft) {
 }
 
 bool Walk::reflectsGlossily(int bounce) {
-    const RayScene& rays = input.rays;
+    const RayScene& rays = world.rays;
     const SurfacePoint glossy = withoutDiffuse(point);
-    if (input.lights.hasArea())
-        found.light += throughput * areaLight(rays, input.lights, glossy, towardEye, rng, rayCount);
+    if (world.lights.hasArea())
+        found.light += throughput * areaLight(rays, world.lights, glossy, towardEye, rng, rayCount);
     const float lobe = rng.uniform();
     const BrdfSample sample = sampleBrdf(glossy.brdf, eyeLocal(), lobe, rng.uniform2());
     if (sample.pdf <= 0.0f) return false;
@@ -105,9 +97,9 @@ bool Walk::reflectsGlossily(int bounce) {
 
     ++rayCount;
     hit = rays.closestHit(originOn(point, direction), direction);
-    const float weight = sample.pdf / (sample.pdf + areaPdf(input.lights, point.position, hit, direction));
+    const float weight = sample.pdf / (sample.pdf + areaPdf(world.lights, point.position, hit, direction));
     if (!hit) {
-        found.light += throughput * weight * input.lights.environmentRadiance(direction);
+        found.light += throughput * weight * world.lights.environmentRadiance(direction);
         return false;
     }
     point = surfaceAt(rays.scene(), hit, direction);
@@ -124,12 +116,51 @@ IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t
     ++rayCount;
     const Hit hit = input.rays.closestHit(origin, direction);
     if (!hit) return {};
-    Walk walk{input,      areaIrradiance, rng, rayCount, hit, surfaceAt(input.rays.scene(), hit, direction),
+    const TexelWorld world{input.rays, input.lights, input.atlas, input.irradianceTexels};
+    Walk walk{world,      areaIrradiance, rng, rayCount, hit, surfaceAt(input.rays.scene(), hit, direction),
               -direction, glm::vec3(1),   {}};
     walk.found.distance = hit.distance;
     for (int bounce = 0; bounce < maxBounces; ++bounce)
         if (walk.ends(maxBounces - bounce) || !walk.reflectsGlossily(bounce)) break;
     return walk.found;
+}
+
+glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance, const Hit& hit,
+                              const SurfacePoint& point, glm::vec3 towardEye, const PathSettings& settings,
+                              Rng& rng, uint64_t& rayCount) {
+    const glm::vec3 eyeLocal = point.shading.toLocal(towardEye);
+    if (maxComponent(reflectance(point.brdf, eyeLocal)) <= 0.0f) return glm::vec3(0);
+
+    const int paths = std::max(settings.pathsPerHit, 1);
+    const std::optional<uint32_t> texel = texelOfHit(world.atlas, world.irradianceTexels, hit);
+    if (!texel) {
+        glm::vec3 reflected(0);
+        for (int i = 0; i < paths; ++i)
+            reflected += traceReflected(world.rays, world.lights, point, towardEye, settings.maxBounces, rng,
+                                        rayCount);
+        return reflected / float(paths);
+    }
+    const auto arriving = [&](const std::vector<uint32_t>& map) {
+        if (map.empty()) return glm::vec3(0);
+        if (!irradiance.interpolated) return unpackRgb9e5(map[*texel]);
+        return bilinearAt(world.atlas, atlasPlaceOf(world.atlas, hit),
+                          [&](size_t at) { return unpackRgb9e5(map[at]); });
+    };
+    const glm::vec3 diffuse = diffuseAlbedo(point.brdf, eyeLocal) / kPi *
+                              (arriving(irradiance.indirect) + arriving(irradiance.area));
+    const glm::vec3 punctual = punctualLight(world.rays, world.lights, point, towardEye, rng, rayCount);
+    if (maxComponent(reflectance(withoutDiffuse(point).brdf, eyeLocal)) <= 0.0f) return punctual + diffuse;
+
+    glm::vec3 glossy(0);
+    for (int i = 0; i < paths; ++i) {
+        Walk walk{world, irradiance.area, rng, rayCount, hit, point, towardEye, glm::vec3(1), {}};
+        for (int bounce = 0; bounce < settings.maxBounces; ++bounce)
+            if (!walk.reflectsGlossily(bounce) || walk.ends(settings.maxBounces - bounce - 1)) break;
+        glossy += walk.found.light;
+        if (walk.found.texel != kNoTexel)
+            glossy += walk.found.weight * unpackRgb9e5(irradiance.indirect[walk.found.texel]);
+    }
+    return punctual + diffuse + glossy / float(paths);
 }
 
 IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradiance& irradiance,
@@ -140,35 +171,10 @@ IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradia
     const Hit hit = input.rays.closestHit(origin, direction);
     if (!hit) return incident;
     incident.distance = hit.distance;
-    const SurfacePoint point = surfaceAt(input.rays.scene(), hit, direction);
-    const glm::vec3 towardEye = -direction, eyeLocal = point.shading.toLocal(towardEye);
-    if (maxComponent(reflectance(point.brdf, eyeLocal)) <= 0.0f) return incident;
-
-    const int paths = std::max(settings.pathsPerHit, 1);
-    const std::optional<uint32_t> texel = texelOfHit(input.atlas, input.irradianceTexels, hit);
-    if (!texel) {
-        for (int i = 0; i < paths; ++i)
-            incident.reflected += traceReflected(input.rays, input.lights, point, towardEye,
-                                                 settings.maxBounces, rng, incident.rays);
-        incident.reflected /= float(paths);
-        return incident;
-    }
-    glm::vec3 arriving = unpackRgb9e5(irradiance.indirect[*texel]);
-    if (!irradiance.area.empty()) arriving += unpackRgb9e5(irradiance.area[*texel]);
-    incident.reflected = punctualLight(input.rays, input.lights, point, towardEye, rng, incident.rays) +
-                         diffuseAlbedo(point.brdf, eyeLocal) / kPi * arriving;
-    if (maxComponent(reflectance(withoutDiffuse(point).brdf, eyeLocal)) <= 0.0f) return incident;
-
-    glm::vec3 glossy(0);
-    for (int i = 0; i < paths; ++i) {
-        Walk walk{input, irradiance.area, rng, incident.rays, hit, point, towardEye, glm::vec3(1), {}};
-        for (int bounce = 0; bounce < settings.maxBounces; ++bounce)
-            if (!walk.reflectsGlossily(bounce) || walk.ends(settings.maxBounces - bounce - 1)) break;
-        glossy += walk.found.light;
-        if (walk.found.texel != kNoTexel)
-            glossy += walk.found.weight * unpackRgb9e5(irradiance.indirect[walk.found.texel]);
-    }
-    incident.reflected += glossy / float(paths);
+    const TexelWorld world{input.rays, input.lights, input.atlas, input.irradianceTexels};
+    incident.reflected =
+        reflectedFromTexels(world, irradiance, hit, surfaceAt(input.rays.scene(), hit, direction), -direction,
+                            settings, rng, incident.rays);
     return incident;
 }
 

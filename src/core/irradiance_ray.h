@@ -13,6 +13,14 @@ inline constexpr uint32_t kNoTexel = ~0u;
 /// The wanted texel under a hit, or one beside it; none where the surface has no texels on that side.
 std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t>& wanted, const Hit& hit);
 
+/// What a ray that ends in texels reads.
+struct TexelWorld {
+    const RayScene& rays;
+    const LightSampler& lights;
+    const Atlas& atlas;
+    const std::vector<uint8_t>& irradianceTexels;  // as GatherInput's
+};
+
 /// Radiance that a ray brings back, without what lamps send straight along it:
 /// light + weight * indirect irradiance of `texel`.
 struct IrradianceRay {
@@ -34,11 +42,20 @@ IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t
 struct TexelIrradiance {
     const std::vector<uint32_t>& indirect;
     const std::vector<uint32_t>& area;  // may be empty
+    /// Between texels for the eye, which would see their squares; else the nearest.
+    bool interpolated = false;
 };
 
+/// What the surface under a ray's hit reflects back along the ray: its diffuse part lit by the irradiance of
+/// the texel there and by shadow rays to the punctual lights, its glossy part by `pathsPerHit` walks through
+/// further glossy reflections until they end in a texel. Where there is no texel, ordinary paths.
+/// `point`: the surface at `hit`.
+glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance, const Hit& hit,
+                              const SurfacePoint& point, glm::vec3 towardEye, const PathSettings& settings,
+                              Rng& rng, uint64_t& rayCount);
+
 /// What arrives along a ray, as traceIncident finds it, but with the irradiance of the texel that the ray
-/// hits in place of diffuse paths: all noise that is left is that of glossy reflections, which `pathsPerHit`
-/// walks sample. Emission is not looked for. pre: |direction| = 1.
+/// hits in place of diffuse paths (reflectedFromTexels). Emission is not looked for. pre: |direction| = 1.
 IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradiance& irradiance,
                                     glm::vec3 origin, glm::vec3 direction, const PathSettings& settings,
                                     Rng rng);

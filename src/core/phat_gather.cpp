@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/atlas_place.h"
 #include "core/lobe_gather.h"
 #include "core/path_vertex.h"
 #include "core/visible_lobe.h"
@@ -28,52 +29,6 @@ constexpr double kPlentyOfSamples = 64.0;
 constexpr float kLeastNormalCosine = 0.5f;
 // Distances are stored in steps of 5.6 %: a ray to where the light came from must stop short of it.
 constexpr float kShortOfEnd = 0.94f;
-
-/// Where a visible point is in the atlas.
-struct AtlasPlace {
-    uint32_t chart = kNoChart;
-    glm::vec2 texel{0};
-};
-
-AtlasPlace placeOf(const Atlas& atlas, const Hit& hit) {
-    AtlasPlace place;
-    if (atlas.triangleChart.empty()) return place;
-    place.chart = atlas.triangleChart[hit.triangle];
-    if (place.chart == kNoChart) return place;
-    const std::array<glm::vec2, 3>& corner = atlas.triangleTexels[hit.triangle];
-    place.texel =
-        corner[0] + hit.barycentric.x * (corner[1] - corner[0]) + hit.barycentric.y * (corner[2] - corner[0]);
-    const Chart& chart = atlas.charts[place.chart];
-    if (hit.backFace != chart.back) {
-        if (chart.otherSide == kNoChart) return {};
-        // Twins have the same size and the same layout.
-        place.texel +=
-            glm::vec2(atlas.charts[chart.otherSide].originTexel()) - glm::vec2(chart.originTexel());
-        place.chart = chart.otherSide;
-    }
-    return place;
-}
-
-/// Bilinear inside the chart.
-template <typename Lookup>
-glm::vec3 bilinear(const Atlas& atlas, const AtlasPlace& place, const Lookup& lookup) {
-    const glm::vec2 corner = glm::floor(place.texel - 0.5f);
-    const glm::vec2 t = place.texel - 0.5f - corner;
-    glm::vec3 sum(0);
-    float weights = 0;
-    for (int i = 0; i < 4; ++i) {
-        const glm::ivec2 side(i & 1, i >> 1);
-        const glm::ivec2 texel = glm::ivec2(corner) + side;
-        if (glm::any(glm::lessThan(texel, glm::ivec2(0))) ||
-            glm::any(glm::greaterThanEqual(texel, glm::ivec2(atlas.sizeTexels))) ||
-            atlas.chartAt(texel) != place.chart)
-            continue;
-        const glm::vec2 w = glm::mix(1.0f - t, t, glm::vec2(side));
-        sum += w.x * w.y * lookup(size_t(texel.y) * atlas.sizeTexels.x + size_t(texel.x));
-        weights += w.x * w.y;
-    }
-    return weights > 0.0f ? sum / weights : glm::vec3(0);
-}
 
 /// A visible point with all that its lobes share.
 struct Visible {
@@ -240,7 +195,7 @@ glm::vec3 PhatGather::diffuse(const Visible& visible) const {
     const auto add = [&](const std::vector<uint32_t>& map) {
         if (map.empty()) return;
         irradiance +=
-            bilinear(scene_.atlas, visible.place, [&](size_t texel) { return unpackRgb9e5(map[texel]); });
+            bilinearAt(scene_.atlas, visible.place, [&](size_t texel) { return unpackRgb9e5(map[texel]); });
     };
     if (showsDiffuseIndirect(settings_.component)) add(scene_.phatexture.indirectIrradiance);
     if (showsDirect()) add(scene_.phatexture.areaIrradiance);
@@ -255,7 +210,7 @@ glm::vec3 PhatGather::radianceAlong(const CameraRay& ray, PixelSample& sample) c
     if (showsDirect())
         radiance += point.emission +
                     punctualLight(scene_.rays, scene_.lights, point, -ray.direction, sample.rng, sample.rays);
-    Visible visible{point, -ray.direction, placeOf(scene_.atlas, hit), sample.rays, {}};
+    Visible visible{point, -ray.direction, atlasPlaceOf(scene_.atlas, hit), sample.rays, {}};
     if (visible.place.chart == kNoChart || !reflects(point.brdf)) return radiance;
     return radiance + diffuse(visible) + glossy(visible);
 }

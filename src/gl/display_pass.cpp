@@ -1,6 +1,7 @@
 #include "gl/display_pass.h"
 
 #include <algorithm>
+#include <chrono>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "core/random.h"
@@ -121,8 +122,9 @@ void bindCamera(const ShaderProgram& program, const CameraMatrices& camera, cons
 
 // A display program's tables, and where its glossy light is: pictures that were looked up, or the pyramid.
 void bindShared(const ShaderProgram& program, const DisplayInput& input, const CameraMatrices& camera,
-                const FrameSettings& settings, const LookupTargets* looked) {
+                const FrameSettings& settings, const LookupTargets* looked, bool traced = false) {
     if (looked) {
+        program.set("tracedLayer", traced ? lookedUpLayers(input.lookupPass) : 0);
         program.bind("glossy", 0, looked->glossy.name());
         program.bind("tileLight", 1, input.atlas.tileLight.name());
     } else {
@@ -207,8 +209,35 @@ void lookUp(const DisplayInput& input, const CameraMatrices& camera, const Frame
     poolDraws(input.lookupPass, input.atlas, input.relit, targets);
 }
 
+// Whether there are reflections that rays answer.
+bool traceSmooth(const DisplayInput& input, const CameraMatrices& matrices, const FrameSettings& settings,
+                 const FrameTargets& targets, glm::vec2 jitter, uint32_t frame, ReflectionCost& cost) {
+    const glm::vec3 shown = shownParts(settings.component);
+    if (!settings.traced || shown.x + shown.y == 0.0f) return false;
+    const auto& [scene, reflections, progress] = *settings.traced;
+    if (std::none_of(input.materials.begin(), input.materials.end(),
+                     [&](const Material& m) { return mayReflectSmoothly(m, reflections); }))
+        return false;
+    const ShaderProgram& program = input.reflectionPass.program;
+    beginReflections(targets.reflections);
+    bindCamera(program, matrices, settings);
+    drawOpaque(program, input);
+
+    const std::vector<SmoothSurface> surfaces = readSmoothSurfaces(targets.reflections, reflections, jitter);
+    if (surfaces.empty()) return false;
+    const auto start = std::chrono::steady_clock::now();  // not before: reading waits for the GPU
+    const ReflectionView view{settings.camera, int(targets.size.x), int(targets.size.y),
+                              frame,           shown.y > 0,         shown.x > 0};
+    const std::vector<SeenBySurface> seen =
+        traceReflections(scene, view, reflections, surfaces, progress, cost.rays);
+    uploadReflections(input.reflectionPass, targets.reflections, surfaces, seen, targets.lookup.glossy.name(),
+                      lookedUpLayers(input.lookupPass));
+    cost.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return true;
+}
+
 void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
-                 const FrameTargets& targets, glm::vec2 jitter, uint32_t seed) {
+                 const FrameTargets& targets, glm::vec2 jitter, uint32_t frame, ReflectionCost& cost) {
     const CameraMatrices camera = matricesOf(settings.camera, targets.size, input.scene.bounds, jitter);
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
     glViewport(0, 0, GLsizei(targets.size.x), GLsizei(targets.size.y));
@@ -218,13 +247,15 @@ void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettin
     glBindVertexArray(input.scene.vertexArray.name());
     drawDepth(pass, input, camera);
     const LookupTargets* looked = settings.method == Method::phat ? &targets.lookup : nullptr;
+    bool traced = false;
     if (looked) {
         glDepthMask(GL_FALSE);  // clearing the pictures must leave the depth
-        lookUp(input, camera, settings, *looked, seed);
+        lookUp(input, camera, settings, *looked, frame);
+        traced = traceSmooth(input, camera, settings, targets, jitter, frame, cost);
         glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
     }
     const ShaderProgram& program = looked ? pass.lookedUpProgram : pass.displayProgram;
-    bindShared(program, input, camera, settings, looked);
+    bindShared(program, input, camera, settings, looked, traced);
     drawOpaque(program, input);
     drawBlended(pass, input, camera, settings);
     glDepthMask(GL_TRUE);
@@ -246,7 +277,7 @@ void accumulate(const DisplayPass& pass, const FrameTargets& targets, float weig
 
 }  // namespace
 
-FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup) {
+FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool traced) {
     FrameTargets targets;
     targets.size = size;
     targets.picture = createTexture2D(GL_RGBA32F, size);
@@ -254,7 +285,8 @@ FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup) {
     targets.sum = createTexture2D(GL_RGBA32F, size);
     targets.pictureTarget = createFramebuffer({{targets.picture.name()}}, targets.depth.name());
     targets.sumTarget = createFramebuffer({{targets.sum.name()}});
-    if (lookup) targets.lookup = createLookupTargets(*lookup, size, targets.depth.name());
+    if (lookup) targets.lookup = createLookupTargets(*lookup, size, targets.depth.name(), traced);
+    if (lookup && traced) targets.reflections = createReflectionTargets(size, targets.depth.name());
     checkGl("creating the frame's targets");
     return targets;
 }
@@ -280,16 +312,18 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, 
     return pass;
 }
 
-void display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
-             const FrameTargets& targets) {
+ReflectionCost display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
+                       const FrameTargets& targets) {
     const int count = std::max(1, settings.samplesPerPixel);
     glBindFramebuffer(GL_FRAMEBUFFER, targets.sumTarget.name());
     const GLfloat black[4] = {0, 0, 0, 0};
     glClearBufferfv(GL_COLOR, 0, black);
+    ReflectionCost cost;
     for (int i = 0; i < count; ++i) {
-        drawPicture(pass, input, settings, targets, jitterOf(i, count), uint32_t(i));
+        drawPicture(pass, input, settings, targets, jitterOf(i, count), uint32_t(i), cost);
         accumulate(pass, targets, 1.0f / float(count));
     }
+    return cost;
 }
 
 Eye eyeOf(const Camera& camera) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gl/lookup_pass.h"
+#include "gl/reflection_pass.h"
 #include "gl/relight_pass.h"
 #include "gl/renderer.h"
 #include "gl/scene_upload.h"
@@ -16,10 +17,11 @@ struct FrameTargets {
     glm::uvec2 size{0};
     GlTexture picture, depth, sum;
     GlFramebuffer pictureTarget, sumTarget;
-    LookupTargets lookup;  // empty when nothing is looked up
+    LookupTargets lookup;           // empty when nothing is looked up
+    ReflectionTargets reflections;  // empty when nothing is traced
 };
-/// `lookup` null: nothing is looked up.
-FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup);
+/// `lookup` null: nothing is looked up, nor traced.
+FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool traced);
 
 struct DisplayPass {
     ShaderProgram displayProgram, lookedUpProgram, depthProgram, backgroundProgram, accumulateProgram;
@@ -38,14 +40,21 @@ struct DisplayInput {
     const ShadowMaps& shadows;
     const GpuLookup& lookup;
     const LookupPass& lookupPass;
+    const ReflectionPass& reflectionPass;
     const std::vector<Material>& materials;
+};
+
+/// What rays cost a frame.
+struct ReflectionCost {
+    double seconds = 0;
+    uint64_t rays = 0;
 };
 
 /// Draws `settings.samplesPerPixel` jittered pictures and leaves their mean in `targets.sum`. Blended
 /// surfaces take their glossy light from the pyramid with either method, for a pixel of the lookup holds one
 /// surface.
-void display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
-             const FrameTargets& targets);
+ReflectionCost display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
+                       const FrameTargets& targets);
 
 /// The eye of a camera.
 Eye eyeOf(const Camera& camera);

@@ -122,12 +122,12 @@ LookupPass createLookupPass(const std::string& folder, const GpuAtlas& atlas, co
     return pass;
 }
 
-LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth) {
+LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth, bool traced) {
     LookupTargets t;
     t.seen = createTexture2D(GL_RGBA32UI, size);
     t.pooled = createTexture2D(GL_RGBA32UI, size);
     t.places = createTexture2D(GL_RGBA32F, size);
-    t.glossy = createTextureArray(GL_RGBA32F, size, pass.clearcoat ? 4 : 2);
+    t.glossy = createTextureArray(GL_RGBA32F, size, (traced ? 2 : 1) * lookedUpLayers(pass));
     const GLuint seen = t.seen.name(), pooled = t.pooled.name(), places = t.places.name();
     const GLuint glossy = t.glossy.name();
     if (pass.clearcoat) {

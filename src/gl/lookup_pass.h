@@ -25,7 +25,7 @@ struct LookupTargets {
     GlTexture seen, seenCoat;      // RGBA32UI, see shaders/lib/packed_draws.glsl
     GlTexture pooled, pooledCoat;  // the same, pooled along the rows
     GlTexture places;              // RGBA32F, see lookup.frag
-    GlTexture glossy;              // RGBA32F [lobe]: indirect, area lights, then their coats'
+    GlTexture glossy;  // RGBA32F [lobe]: indirect, area lights, then their coats'; then the same by rays
     GlFramebuffer lookupTarget, acrossTarget, poolTarget;
 };
 
@@ -39,7 +39,12 @@ struct LookupPass {
 /// `countReads`: the pictures hold how many texels were read for them. Throws GlError.
 LookupPass createLookupPass(const std::string& shaderFolder, const GpuAtlas& atlas, const GpuLookup& lookup,
                             bool clearcoat, bool countReads);
-LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth);
+/// `traced`: with layers for what rays see, see reflection_pass.h.
+LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth, bool traced);
+/// How many layers of `glossy` are the lookup's own.
+inline int lookedUpLayers(const LookupPass& pass) {
+    return pass.clearcoat ? 4 : 2;
+}
 
 /// Clears the targets, binds what the lookup of every surface shares, and reseeds the
 /// draws, at most 32 a pixel.

@@ -9,6 +9,7 @@
 #include "gl/display_pass.h"
 #include "gl/gl_error.h"
 #include "gl/phatexture_upload.h"
+#include "gl/reflection_pass.h"
 #include "gl/relight_pass.h"
 #include "gl/scene_upload.h"
 #include "gl/shadow_maps.h"
@@ -84,6 +85,7 @@ struct Renderer::State {
     GpuLookup lookup;
     RelightPass relight;
     LookupPass lookupPass;
+    ReflectionPass reflectionPass;
     DisplayPass display;
     ShadowMaps shadows;
     FrameTargets targets;
@@ -98,6 +100,7 @@ struct Renderer::State {
         relight = createRelightPass(shaderFolder, atlas, clearcoat, paper);
         if (lookup.guideCount > 0)
             lookupPass = createLookupPass(shaderFolder, atlas, lookup, clearcoat, countReads);
+        reflectionPass = createReflectionPass(shaderFolder, clearcoat);
         targets = {};
         display = createDisplayPass(shaderFolder, atlas, clearcoat, paper, countReads);
         materialsChanged = true;
@@ -140,7 +143,9 @@ Image Renderer::render(const FrameSettings& wanted) {
     if (const bool paper = settings.method == Method::phatPaper; paper != s.relight.paper)
         s.createPasses(paper);
     const glm::uvec2 size(std::max(settings.width, 1), std::max(settings.height, 1));
-    if (s.targets.size != size) s.targets = createFrameTargets(size, canLookUp ? &s.lookupPass : nullptr);
+    const bool traced = settings.traced && settings.method == Method::phat;
+    if (s.targets.size != size || (traced && !s.targets.reflections.target))
+        s.targets = createFrameTargets(size, canLookUp ? &s.lookupPass : nullptr, traced);
 
     // A query needs a complete framebuffer; a context without a window has none of its own.
     glBindFramebuffer(GL_FRAMEBUFFER, s.targets.sumTarget.name());
@@ -169,14 +174,21 @@ Image Renderer::render(const FrameSettings& wanted) {
     s.pyramidTimer.stop();
 
     s.displayTimer.start();
-    phat::display(s.display, {s.scene, s.atlas, s.relight, s.shadows, s.lookup, s.lookupPass, s.materials},
-                  settings, s.targets);
+    const ReflectionCost reflections = phat::display(
+        s.display,
+        {s.scene, s.atlas, s.relight, s.shadows, s.lookup, s.lookupPass, s.reflectionPass, s.materials},
+        settings, s.targets);
     s.displayTimer.stop();
 
     Image image = readPicture(s.targets);
     checkGl("drawing a frame");
-    s.times = {s.relightTimer.seconds(), s.pyramidTimer.seconds(),
-               needShadows ? s.shadowTimer.seconds() : 0.0, s.displayTimer.seconds()};
+    // The GPU's clock goes on while the CPU traces.
+    s.times = {s.relightTimer.seconds(),
+               s.pyramidTimer.seconds(),
+               needShadows ? s.shadowTimer.seconds() : 0.0,
+               std::max(s.displayTimer.seconds() - reflections.seconds, 0.0),
+               reflections.seconds,
+               reflections.rays};
     return image;
 }
 

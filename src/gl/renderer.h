@@ -14,6 +14,7 @@
 #include "core/phatexture.h"
 #include "core/picture.h"
 #include "core/scene.h"
+#include "core/smooth_reflections.h"
 
 namespace phat {
 
@@ -27,6 +28,14 @@ enum class Method : uint8_t {
 enum class Quality : uint8_t { fast, standard, high };
 enum class ToneMap : uint8_t { linear, agx, aces };
 
+/// Rays that take the place of the lookup on smooth surfaces. What they read is the caller's, as are its
+/// materials.
+struct TracedReflections {
+    const ReflectionScene& scene;
+    Reflections reflections = Reflections::automatic;
+    Progress& progress;  // render() throws Interrupted when it asks
+};
+
 struct FrameSettings {
     int width = 640;
     int height = 360;
@@ -37,14 +46,18 @@ struct FrameSettings {
     /// Anti-aliasing: this many whole pictures, shifted inside the pixel, are averaged (a box filter of one
     /// pixel, over edges, textures and highlights alike). 1 turns it off.
     int samplesPerPixel = 4;
+    /// Of Method::phat; null: all reflections are looked up.
+    const TracedReflections* traced = nullptr;
 };
 
-/// Seconds on the GPU by pass.
+/// Seconds by pass, on the GPU unless said otherwise.
 struct FrameTimes {
     double relight = 0;
     double pyramid = 0;
-    double shadows = 0;  // first frame only
-    double display = 0;  // with the lookup
+    double shadows = 0;      // first frame only
+    double display = 0;      // with the lookup
+    double reflections = 0;  // rays on the CPU
+    uint64_t reflectionRays = 0;
 };
 
 /// What the renderer needs of a bake. Everything is uploaded in the constructor; the CPU's copies may go.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "core/light_bound.h"
+
 namespace phat {
 namespace {
 
@@ -15,16 +17,6 @@ struct TileSums {
     float lit = 0, all = 0;          // sums of 1 / pdf over the area lights' PHATexels, steradians
     glm::vec3 area{0}, indirect{0};  // the brightest
 };
-
-// Light is what a surface emits plus what it reflects. Where all that emits is black, one of the two is zero.
-// The environment is black in this sense.
-bool emittersReflect(const Scene& scene) {
-    return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
-        if (m.unlit || m.emission == glm::vec3(0)) return false;
-        const bool dielectric = m.metallic < 1 && m.specular > 0 && m.specularColor != glm::vec3(0);
-        return glm::vec3(m.baseColor) != glm::vec3(0) || dielectric || m.clearcoat > 0;
-    });
-}
 
 TileSums sumTile(const Atlas& atlas, const Phatexture& phatexture, glm::uvec2 tile) {
     TileSums sums;
@@ -45,10 +37,8 @@ TileSums sumTile(const Atlas& atlas, const Phatexture& phatexture, glm::uvec2 ti
     return sums;
 }
 
-// No path through surfaces that reflect at most what they receive ends on more than the brightest emission,
-// if all that emits is black (but for grazing Fresnel, under .4 % of the hemisphere's light). Without it the
-// noise of the brightest indirect PHATexels would be taken for light. A punctual light may come near enough
-// to exceed any bound.
+// See brightestRadiance; the brightest area PHATexel tells as much, and less where lamps are textured.
+// Without it the noise of the brightest indirect PHATexels would be taken for light.
 glm::vec3 brightestOfScene(const Scene& scene, const std::vector<TileSums>& sums) {
     glm::vec3 brightest(0);
     for (const TileSums& tile : sums) brightest = glm::max(brightest, tile.area);

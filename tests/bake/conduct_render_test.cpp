@@ -31,7 +31,8 @@ TEST(ConductRender, DrawsABakedFileAndRefusesWhatDoesNotExist) {
                                                                    {"--set", "*.shininess=1"},
                                                                    {"--set", "*.roughness=2"},
                                                                    {"--eye", "1,2"},
-                                                                   {"--component", "half"}}) {
+                                                                   {"--component", "half"},
+                                                                   {"--reflections", "some"}}) {
         const auto result = with(wrong);
         EXPECT_EQ(result.exitCode, 2) << wrong[1] << result.err;
         EXPECT_NE(result.err.find("phat: "), std::string::npos);

@@ -56,6 +56,7 @@ TEST(Shaders, UseAtMostSixteenSamplers) {
                                 {"surface.vert", "display.frag", {"AREA", "CLEARCOAT", "PAPER"}},
                                 {"surface.vert", "lookup.frag", {"AREA", "CLEARCOAT", "LAYERS"}},
                                 {"surface.vert", "lookup.frag", {"CLEARCOAT", "COUNT_READS"}},
+                                {"surface.vert", "smooth_surfaces.frag", {"CLEARCOAT"}},
                                 {"fullscreen.vert", "pool.frag", {"AREA", "CLEARCOAT"}},
                                 {"fullscreen.vert", "pool.frag", {"AREA", "CLEARCOAT", "COUNT_READS"}},
                                 {"fullscreen.vert", "pool.frag", {"CLEARCOAT", "ACROSS", "COUNT_READS"}},

@@ -1,0 +1,28 @@
+// What rays ask of a pixel: which triangle it shows, and the lobes there with textures and normal maps as they
+// are drawn. src/core/smooth_reflections.h traces them.
+#include "lib/atlas.glsl"
+#include "lib/visible_surface.glsl"
+
+uniform int alphaMode;
+
+flat in uint vTriangle;
+
+layout(location = 0) out vec4 base;      // world normal; alpha, 0: no lobe
+layout(location = 1) out vec4 coat;      // the same
+layout(location = 2) out uvec2 surface;  // twice the triangle's index + 1 for its back, + 1; F0 and F90 as halves
+
+void main() {
+    if (alphaMode == 1 && opacity() < material[3].a) discard;
+    vec4 rows[kFactorRows];
+    for (int i = 0; i < kFactorRows; ++i) rows[i] = material[i];
+    VisibleSurface s = visibleSurface(unpackFactors(rows));
+    float f0 = maxComponent(s.brdf.f0);
+    bool reflects = s.chart != kNoChart && (f0 > 0.0 || s.brdf.f90 > 0.0);
+    base = vec4(s.worldFromLocal[2], reflects ? s.brdf.alpha : 0.0);
+    coat = vec4(0.0);
+#ifdef CLEARCOAT
+    if (s.chart != kNoChart && s.brdf.clearcoat > 0.0)
+        coat = vec4(s.worldFromLocal * s.brdf.clearcoatNormal, s.brdf.clearcoatAlpha);
+#endif
+    surface = uvec2(2u * vTriangle + (gl_FrontFacing ? 1u : 2u), packHalf2x16(vec2(f0, s.brdf.f90)));
+}
