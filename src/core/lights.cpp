@@ -105,6 +105,7 @@ LightSample LightSampler::sampleArea(glm::vec3 point, float choice, glm::vec2 sq
     if (!(distanceSquared > 0)) return {};
     sample.distance = std::sqrt(distanceSquared);
     sample.towardLight = toward / sample.distance;
+    sample.triangle = emitter.triangle;
     const float cosine = emittingCosine(emitter, -sample.towardLight);
     if (!(cosine > kLeastCosine)) return {};
     sample.radiance = emitter.uniform ? emitter.radiance : emittedRadiance(*scene_, emitter, barycentric);

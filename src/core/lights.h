@@ -21,6 +21,7 @@ struct LightSample {
     glm::vec3 radiance{0};     // delta lights: irradiance on a plane facing the light, W/m2; else W/(m2 sr)
     float pdf = 0;             // 1/sr; of a delta light, the probability of having chosen it; 0: no sample
     bool delta = false;
+    uint32_t triangle = ~0u;   // that shines; ~0u: none
 };
 
 /// A photon as it leaves a light.

@@ -17,12 +17,6 @@ constexpr float kRouletteScale = 2.0f;
 // rays of a bounce then cost a few times the path's own.
 constexpr size_t kMaxLightsEach = 4;
 
-// Whether light from `distance` away arrives; the ray stops just short of the lamp itself.
-bool seesLight(const RayScene& rays, glm::vec3 origin, const LightSample& light) {
-    constexpr float kShortOfLamp = 1.0f - 1e-4f;
-    return !rays.anyHit(origin, light.towardLight, light.distance * kShortOfLamp);
-}
-
 glm::vec3 emissionToward(const RayScene& rays, const LightSampler& lights, const Hit& hit,
                          glm::vec3 direction) {
     if (!hit) return lights.environmentRadiance(direction);
@@ -34,6 +28,20 @@ glm::vec3 emissionToward(const RayScene& rays, const LightSampler& lights, const
 glm::vec3 originOn(const SurfacePoint& point, glm::vec3 direction) {
     const float side = glm::dot(direction, point.normalGeometric) >= 0.0f ? 1.0f : -1.0f;
     return offsetOrigin(point.position, side * point.normalGeometric);
+}
+
+bool seesLight(const RayScene& rays, glm::vec3 position, glm::vec3 origin, const LightSample& light) {
+    // Points of light may lie on the surface of their bulb.
+    constexpr float kShortOfLamp = 1.0f - 1e-4f;
+    if (light.triangle == kNoTriangle)
+        return !rays.anyHit(origin, light.towardLight, light.distance * kShortOfLamp);
+    // Toward the very place: a parallel ray from the origin off the surface would pass a rim by that offset.
+    const glm::vec3 toward = position + light.distance * light.towardLight - origin;
+    const float distance = glm::length(toward);
+    // Another triangle in the lamp's plane is met as early as the lamp, but for rounding.
+    constexpr float kRounding = 2e-6f;
+    const Hit hit = rays.closestHit(origin, toward / distance, distance * (1.0f + kRounding));
+    return !hit || hit.triangle == light.triangle || hit.distance >= distance * (1.0f - kRounding);
 }
 
 bool leavesSurface(const SurfacePoint& point, glm::vec3 direction) {
@@ -61,7 +69,7 @@ glm::vec3 shadowed(const RayScene& rays, const SurfacePoint& point, const Unshad
                    uint64_t& rayCount) {
     if (maxComponent(candidate.reflected) <= 0.0f) return glm::vec3(0);
     ++rayCount;
-    return seesLight(rays, originOn(point, candidate.light.towardLight), candidate.light)
+    return seesLight(rays, point.position, originOn(point, candidate.light.towardLight), candidate.light)
                ? candidate.reflected
                : glm::vec3(0);
 }
@@ -112,7 +120,7 @@ glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const Path
     const glm::vec3 value = evaluateBrdf(vertex.brdf, lightLocal);
     if (maxComponent(value) <= 0.0f) return glm::vec3(0);
     ++rayCount;
-    if (!seesLight(rays, originOn(point, light.towardLight), light)) return glm::vec3(0);
+    if (!seesLight(rays, point.position, originOn(point, light.towardLight), light)) return glm::vec3(0);
     return value * light.radiance / (light.pdf + sampleBrdfPdf(vertex.brdf, lightLocal));
 }
 
@@ -160,7 +168,7 @@ IrradianceRound irradianceRound(const RayScene& rays, const LightSampler& lights
         if (maxComponent(light.radiance) <= 0.0f) continue;
         ++round.seen;
         ++rayCount;
-        if (!seesLight(rays, origin, light)) continue;
+        if (!seesLight(rays, position, origin, light)) continue;
         ++round.visible;
         round.light += weight * light.radiance;
     }

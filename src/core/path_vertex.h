@@ -11,6 +11,10 @@ namespace phat {
 /// Where a ray along `direction` starts.
 glm::vec3 originOn(const SurfacePoint& point, glm::vec3 direction);
 
+/// Whether light that was sampled for `position` arrives at `origin`, which is `position` moved off its surface. What touches the lamp hides it only where it lies in
+/// front: the case of a lamp keeps the light of its rim from what is behind.
+bool seesLight(const RayScene& rays, glm::vec3 position, glm::vec3 origin, const LightSample& light);
+
 /// A direction that the shading normal allows may still point into the flat triangle: light does not pass.
 bool leavesSurface(const SurfacePoint& point, glm::vec3 direction);
 

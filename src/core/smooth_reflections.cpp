@@ -18,8 +18,7 @@ constexpr int kMostRays = 16;
 // Where rays hit something glossy, walks go on from there: so many a pixel and picture, shared by its rays,
 // and of so many reflections at most.
 constexpr int kWalks = 8, kMostBounces = 8;
-constexpr uint64_t kStream = 0x5e1f;          // of hashOf
-constexpr float kShortOfLamp = 1.0f - 1e-4f;  // shadow rays stop here
+constexpr uint64_t kStream = 0x5e1f;  // of hashOf
 
 float smoothstep(float low, float high, float x) {
     const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
@@ -76,8 +75,7 @@ glm::vec3 LobeRays::seenByLightSample(Rng& rng) const {
     constexpr float kLeastWeight = 1e-6f;
     if (weight < kLeastWeight) return glm::vec3(0);
     ++rayCount;
-    if (scene.rays.anyHit(originOn(point, light.towardLight), light.towardLight,
-                          light.distance * kShortOfLamp))
+    if (!seesLight(scene.rays, point.position, originOn(point, light.towardLight), light))
         return glm::vec3(0);
     return value * weight / light.pdf / albedo * light.radiance;
 }
