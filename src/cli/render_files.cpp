@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "cli/material_edit.h"
+#include "io/material_edit.h"
 #include "core/bake.h"
 #include "io/atomic_file.h"
 #include "io/file_error.h"

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gl/lookup_pass.h"
+#include "gl/picture_sum.h"
 #include "gl/relight_pass.h"
 #include "gl/renderer.h"
 #include "gl/scene_upload.h"
@@ -11,11 +12,11 @@
 
 namespace phat {
 
-/// Colour, depth and the box filter's sum, of one size.
+/// Colour and depth of one sample.
 struct FrameTargets {
     glm::uvec2 size{0};
-    GlTexture picture, depth, sum;
-    GlFramebuffer pictureTarget, sumTarget;
+    GlTexture picture, depth;
+    GlFramebuffer pictureTarget;
     LookupTargets lookup;  // empty when nothing is looked up
 };
 /// `lookup` null: nothing is looked up.
@@ -39,11 +40,10 @@ struct DisplayInput {
     const std::vector<Material>& materials;
 };
 
-/// Draws `settings.samplesPerPixel` jittered pictures and leaves their mean in `targets.sum`. Blended
-/// surfaces take their glossy light from the pyramid with either method, for a pixel of the lookup holds one
-/// surface.
+/// Adds the next jittered pictures of `settings.samplesPerPixel` to `sum`. Blended surfaces take their glossy
+/// light from the pyramid with either method, for a pixel of the lookup holds one surface.
 void display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
-             const FrameTargets& targets);
+             const FrameTargets& targets, PictureSum& sum);
 
 /// The eye of a camera.
 Eye eyeOf(const Camera& camera);

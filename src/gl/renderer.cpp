@@ -7,6 +7,7 @@
 #include "gl/display_pass.h"
 #include "gl/gl_error.h"
 #include "gl/phatexture_upload.h"
+#include "gl/picture_sum.h"
 #include "gl/relight_pass.h"
 #include "gl/scene_upload.h"
 #include "gl/shadow_maps.h"
@@ -51,18 +52,6 @@ class PassTimer {
     GlQuery query_;
 };
 
-Image readPicture(const FrameTargets& targets) {
-    Image image(int(targets.size.x), int(targets.size.y));
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, targets.sumTarget.name());
-    glReadBuffer(GL_COLOR_ATTACHMENT0);
-    glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glReadPixels(0, 0, image.width, image.height, GL_RGB, GL_FLOAT, image.pixels.data());
-    // OpenGL's row 0 is the bottom.
-    for (int y = 0; y < image.height / 2; ++y)
-        std::swap_ranges(&image.at(0, y), &image.at(0, y) + image.width, &image.at(0, image.height - 1 - y));
-    return image;
-}
-
 }  // namespace
 
 struct Renderer::State {
@@ -78,7 +67,7 @@ struct Renderer::State {
     ShadowMaps shadows;
     FrameTargets targets;
     PassTimer relightTimer, pyramidTimer, shadowTimer, displayTimer;
-    FrameTimes times;
+    bool shadowsDrawn = false;  // by the last frame
     bool materialsChanged = true;
 
     void createPasses() {
@@ -110,7 +99,7 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
 
 Renderer::~Renderer() = default;
 
-Image Renderer::render(const FrameSettings& wanted) {
+void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     State& s = *state_;
     FrameSettings settings = wanted;
     const bool canLookUp = s.lookup.guideCount > 0;
@@ -118,9 +107,10 @@ Image Renderer::render(const FrameSettings& wanted) {
     const bool pyramidOfIndirect = settings.method == Method::phatPyramid || anyBlended(s.materials);
     const glm::uvec2 size(std::max(settings.width, 1), std::max(settings.height, 1));
     if (s.targets.size != size) s.targets = createFrameTargets(size, canLookUp ? &s.lookupPass : nullptr);
+    if (sum.size != size) sum = createPictureSum(size);
 
     // A query needs a complete framebuffer; a context without a window has none of its own.
-    glBindFramebuffer(GL_FRAMEBUFFER, s.targets.sumTarget.name());
+    glBindFramebuffer(GL_FRAMEBUFFER, sum.target.name());
 
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
@@ -128,8 +118,8 @@ Image Renderer::render(const FrameSettings& wanted) {
     if (s.materialsChanged) applyMaterials(s.relight, s.atlas, s.materials);
     s.materialsChanged = false;
 
-    const bool needShadows = !s.shadows.depth;
-    if (needShadows) {
+    s.shadowsDrawn = !s.shadows.depth;
+    if (s.shadowsDrawn) {
         s.shadowTimer.start();
         s.shadows = renderShadowMaps(s.lights, s.scene, s.materials, s.display.depthProgram);
         s.shadowTimer.stop();
@@ -147,18 +137,21 @@ Image Renderer::render(const FrameSettings& wanted) {
 
     s.displayTimer.start();
     phat::display(s.display, {s.scene, s.atlas, s.relight, s.shadows, s.lookup, s.lookupPass, s.materials},
-                  settings, s.targets);
+                  settings, s.targets, sum);
     s.displayTimer.stop();
-
-    Image image = readPicture(s.targets);
     checkGl("drawing a frame");
-    s.times = {s.relightTimer.seconds(), s.pyramidTimer.seconds(),
-               needShadows ? s.shadowTimer.seconds() : 0.0, s.displayTimer.seconds()};
-    return image;
+}
+
+Image Renderer::render(const FrameSettings& settings) {
+    PictureSum sum;
+    draw(settings, sum);
+    return readMean(sum);
 }
 
 FrameTimes Renderer::lastFrameTimes() const {
-    return state_->times;
+    const State& s = *state_;
+    return {s.relightTimer.seconds(), s.pyramidTimer.seconds(),
+            s.shadowsDrawn ? s.shadowTimer.seconds() : 0.0, s.displayTimer.seconds()};
 }
 
 void Renderer::setMaterials(const std::vector<Material>& materials) {
@@ -169,6 +162,11 @@ void Renderer::setMaterials(const std::vector<Material>& materials) {
     s.materials = materials;
     s.materialsChanged = true;
     if (coatAppears) s.createPasses();
+}
+
+void Renderer::setLights(const std::vector<PunctualLight>& lights) {
+    state_->lights = lights;
+    state_->shadows = {};
 }
 
 }  // namespace phat

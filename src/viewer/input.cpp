@@ -1,0 +1,117 @@
+#include "viewer/input.h"
+
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+#include "core/picture.h"
+
+namespace phat {
+namespace {
+
+// The diagonal of the scene in ten seconds; with Shift in two and a half.
+constexpr float kDiagonalsPerSecond = 0.1f, kFaster = 4;
+
+Bounds boundsOf(const Scene& scene, const Surface& surface) {
+    Bounds bounds;
+    for (uint32_t i = 0; i < surface.triangleCount; ++i)
+        for (int corner = 0; corner < 3; ++corner)
+            bounds.add(scene.positions[scene.triangles[surface.firstTriangle + i][corner]]);
+    return bounds;
+}
+
+std::optional<uint32_t> pick(const ViewerState& state, glm::vec2 place, glm::vec2 size) {
+    const CameraRay ray = cameraRay(state.navigation.camera, int(size.x), int(size.y), place);
+    uint64_t rays = 0;
+    const Hit hit = visibleHit(state.document->rays, ray, rays);
+    if (!hit) return std::nullopt;
+    return state.document->scene().triangleSurface[hit.triangle];
+}
+
+void handleMouse(ViewerState& state, glm::vec2 size) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const glm::vec2 moved(io.MouseDelta.x, io.MouseDelta.y);
+    Navigation& navigation = state.navigation;
+    const Camera before = navigation.camera;
+    const bool left = ImGui::IsMouseDragging(ImGuiMouseButton_Left);
+    if (left || ImGui::IsMouseDragging(ImGuiMouseButton_Middle, 0)) {
+        if (io.KeyShift)
+            pan(navigation, moved, size.y);
+        else
+            orbit(navigation, moved, size.y);
+    } else if (ImGui::IsMouseDragging(ImGuiMouseButton_Right, 0)) {
+        look(navigation, moved, size.y);
+    }
+    if (io.MouseWheel != 0) zoom(navigation, io.MouseWheel);
+    const ImVec2 dragged = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0);
+    const bool still = dragged.x * dragged.x + dragged.y * dragged.y < io.MouseDragThreshold * io.MouseDragThreshold;
+    if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && still)
+        state.selectedSurface = pick(state, {io.MousePos.x, io.MousePos.y}, size);
+    if (navigation.camera.worldFromCamera != before.worldFromCamera || navigation.camera.ymag != before.ymag) {
+        state.camera = -1;
+        state.touch();
+    }
+}
+
+void handleFlight(ViewerState& state) {
+    const ImGuiIO& io = ImGui::GetIO();
+    if (io.KeyCtrl) return;
+    const auto axis = [](int forward, int backward) {
+        return float(ImGui::IsKeyDown(forward)) - float(ImGui::IsKeyDown(backward));
+    };
+    const glm::vec3 direction(axis(GLFW_KEY_D, GLFW_KEY_A), axis(GLFW_KEY_E, GLFW_KEY_Q),
+                              axis(GLFW_KEY_S, GLFW_KEY_W));
+    if (direction == glm::vec3(0)) return;
+    const float speed = kDiagonalsPerSecond * boundsOf(state.document->scene()).diagonal();
+    // A frame that took long must not throw the eye through a wall.
+    const float seconds = std::min(io.DeltaTime, 0.1f);
+    fly(state.navigation, direction * (speed * seconds * (io.KeyShift ? kFaster : 1.0f)));
+    state.camera = -1;
+    state.touch();
+}
+
+void frameSelection(ViewerState& state, glm::vec2 size) {
+    const Scene& scene = state.document->scene();
+    const Bounds bounds =
+        state.selectedSurface ? boundsOf(scene, scene.surfaces[*state.selectedSurface]) : boundsOf(scene);
+    frameBounds(state.navigation, bounds, size.x / size.y);
+    state.camera = -1;
+    state.touch();
+}
+
+void handleKeys(ViewerState& state, glm::vec2 size, Wishes& wishes) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
+    if (pressed(GLFW_KEY_TAB)) state.view.panels = !state.view.panels;
+    wishes.fullScreen = pressed(GLFW_KEY_F11);
+    if (!state.document) return;
+    if (io.KeyCtrl) {
+        EditHistory& edits = state.document->edits;
+        const bool redo = (io.KeyShift && pressed(GLFW_KEY_Z)) || pressed(GLFW_KEY_Y);
+        if (redo)
+            edits.redo();
+        else if (pressed(GLFW_KEY_Z))
+            edits.undo();
+        wishes.save = pressed(GLFW_KEY_S);
+        return;
+    }
+    if (pressed(GLFW_KEY_F)) frameSelection(state, size);
+    if (pressed(GLFW_KEY_HOME)) showCamera(state, 0);
+    if (pressed(GLFW_KEY_ESCAPE)) state.selectedSurface.reset();
+    if (pressed(GLFW_KEY_C)) state.view.compare = !state.view.compare;
+    wishes.screenshot = pressed(GLFW_KEY_P);
+}
+
+}  // namespace
+
+Wishes handleInput(ViewerState& state, glm::vec2 windowSize) {
+    Wishes wishes;
+    const ImGuiIO& io = ImGui::GetIO();
+    if (!io.WantTextInput) {
+        handleKeys(state, windowSize, wishes);
+        if (state.document) handleFlight(state);
+    }
+    if (!io.WantCaptureMouse && state.document) handleMouse(state, windowSize);
+    return wishes;
+}
+
+}  // namespace phat

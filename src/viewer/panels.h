@@ -1,0 +1,29 @@
+#pragma once
+// The panels: what they change, they change in the state.
+
+#include "viewer/pictures.h"
+#include "viewer/viewer_state.h"
+
+namespace phat {
+
+/// What the panels tell beside the state, and what they may ask for.
+struct PanelInput {
+    const Pictures& pictures;
+    std::string bakeStatus;  // empty: no bake is running
+    float bakeShare = 0;
+    float uiScale = 1;
+};
+
+struct PanelWishes {
+    bool screenshot = false;
+    bool copyCommand = false;
+    bool save = false;
+    bool turntable = false;
+    int turntableFrames = 0;
+    std::string open;  // a file; empty: none
+};
+
+/// pre: between beginFrame and endFrame.
+PanelWishes drawPanels(ViewerState& state, const PanelInput& input);
+
+}  // namespace phat
