@@ -3,7 +3,8 @@
 
 uniform sampler2D left;
 uniform sampler2D right;
-uniform vec2 targetSize;   // pixels
+uniform vec2 corner;       // of the picture in the target, pixels
+uniform vec2 size;
 uniform float leftScale;   // 1 / samples
 uniform float rightScale;
 uniform float wipe;        // pixels from the left
@@ -24,7 +25,8 @@ vec3 heat(float x) {
 }
 
 void main() {
-    vec2 uv = gl_FragCoord.xy / targetSize;
+    vec2 place = gl_FragCoord.xy - corner;
+    vec2 uv = place / size;
     vec3 a = texture(left, uv).rgb * leftScale;
     vec3 b = texture(right, uv).rgb * rightScale;
     if (difference == 1) {
@@ -34,6 +36,6 @@ void main() {
         color = vec4(heat(max(apart.r, max(apart.g, apart.b))), 1.0);
         return;
     }
-    vec3 picture = gl_FragCoord.x < wipe ? a : b;
+    vec3 picture = place.x < wipe ? a : b;
     color = vec4(srgbFromLinear(toneMap(picture, toneMapping, exposureStops)), 1.0);
 }

@@ -20,9 +20,9 @@ PresentPass createPresentPass(const std::string& folder) {
 }
 
 void present(const PresentPass& pass, const Presented& left, const Presented& right, GLuint target,
-             glm::uvec2 targetSize, const PresentSettings& settings) {
+             glm::ivec4 viewport, const PresentSettings& settings) {
     glBindFramebuffer(GL_FRAMEBUFFER, target);
-    glViewport(0, 0, GLsizei(targetSize.x), GLsizei(targetSize.y));
+    glViewport(viewport.x, viewport.y, viewport.z, viewport.w);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
     glDisable(GL_BLEND);
@@ -31,8 +31,9 @@ void present(const PresentPass& pass, const Presented& left, const Presented& ri
     program.bind("right", 1, right.texture, pass.linear.name());
     program.set("leftScale", 1.0f / float(std::max(left.samples, 1)));
     program.set("rightScale", 1.0f / float(std::max(right.samples, 1)));
-    program.set("targetSize", glm::vec2(targetSize));
-    program.set("wipe", settings.wipe * float(targetSize.x));
+    program.set("corner", glm::vec2(viewport.x, viewport.y));
+    program.set("size", glm::vec2(viewport.z, viewport.w));
+    program.set("wipe", settings.wipe * float(viewport.z));
     program.set("toneMapping", int(settings.toneMap));
     program.set("exposureStops", settings.exposureStops);
     program.set("difference", int(settings.difference));

@@ -30,8 +30,8 @@ struct PresentSettings {
     bool difference = false;  // |left - right| / (right + .05) after tone mapping, as heat from 0 to 1
 };
 
-/// Draws over all of `target` (0: the window), sRGB-encoded.
+/// Draws over `viewport` (x, y from the bottom left, width, height) of `target` (0: the window), sRGB-encoded.
 void present(const PresentPass& pass, const Presented& left, const Presented& right, GLuint target,
-             glm::uvec2 targetSize, const PresentSettings& settings);
+             glm::ivec4 viewport, const PresentSettings& settings);
 
 }  // namespace phat

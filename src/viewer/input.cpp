@@ -3,6 +3,9 @@
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/picture.h"
 
 namespace phat {
@@ -10,6 +13,7 @@ namespace {
 
 // The diagonal of the scene in ten seconds; with Shift in two and a half.
 constexpr float kDiagonalsPerSecond = 0.1f, kFaster = 4;
+constexpr float kWipeReach = 8;  // unscaled pixels
 
 Bounds boundsOf(const Scene& scene, const Surface& surface) {
     Bounds bounds;
@@ -27,25 +31,42 @@ std::optional<uint32_t> pick(const ViewerState& state, glm::vec2 place, glm::vec
     return state.document->scene().triangleSurface[hit.triangle];
 }
 
-void handleMouse(ViewerState& state, glm::vec2 size) {
+// Coordinates of Dear ImGui to pixels of the picture.
+struct Place {
+    glm::vec2 corner{0}, size{1}, scale{1};
+    glm::vec2 operator()(ImVec2 p) const { return glm::vec2(p.x, p.y) * scale - corner; }
+};
+
+void handleMouse(ViewerState& state, const Place& place) {
     const ImGuiIO& io = ImGui::GetIO();
-    const glm::vec2 moved(io.MouseDelta.x, io.MouseDelta.y);
+    const glm::vec2 moved = glm::vec2(io.MouseDelta.x, io.MouseDelta.y) * place.scale;
+    const glm::vec2 mouse = place(io.MousePos);
     Navigation& navigation = state.navigation;
     const Camera before = navigation.camera;
     const bool left = ImGui::IsMouseDragging(ImGuiMouseButton_Left);
-    if (left || ImGui::IsMouseDragging(ImGuiMouseButton_Middle, 0)) {
+    const bool middle = ImGui::IsMouseDragging(ImGuiMouseButton_Middle, 0);
+    // The wipe's line is taken by the hand that comes near it.
+    const float line = state.view.wipe * place.size.x;
+    if (ImGui::IsMouseClicked(ImGuiMouseButton_Left))
+        state.draggingWipe =
+            state.view.compare && !state.view.difference && std::abs(mouse.x - line) < kWipeReach * place.scale.x;
+    if (!ImGui::IsMouseDown(ImGuiMouseButton_Left)) state.draggingWipe &= ImGui::IsMouseReleased(ImGuiMouseButton_Left);
+    if (state.draggingWipe) {
+        state.view.wipe = std::clamp(mouse.x / place.size.x, 0.0f, 1.0f);
+    } else if (left || middle) {
         if (io.KeyShift)
-            pan(navigation, moved, size.y);
+            pan(navigation, moved, place.size.y);
         else
-            orbit(navigation, moved, size.y);
+            orbit(navigation, moved, place.size.y);
     } else if (ImGui::IsMouseDragging(ImGuiMouseButton_Right, 0)) {
-        look(navigation, moved, size.y);
+        look(navigation, moved, place.size.y);
     }
     if (io.MouseWheel != 0) zoom(navigation, io.MouseWheel);
     const ImVec2 dragged = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0);
-    const bool still = dragged.x * dragged.x + dragged.y * dragged.y < io.MouseDragThreshold * io.MouseDragThreshold;
-    if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && still)
-        state.selectedSurface = pick(state, {io.MousePos.x, io.MousePos.y}, size);
+    const bool still =
+        dragged.x * dragged.x + dragged.y * dragged.y < io.MouseDragThreshold * io.MouseDragThreshold;
+    if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && still && !state.draggingWipe)
+        state.selectedSurface = pick(state, mouse, place.size);
     if (navigation.camera.worldFromCamera != before.worldFromCamera || navigation.camera.ymag != before.ymag) {
         state.camera = -1;
         state.touch();
@@ -98,19 +119,21 @@ void handleKeys(ViewerState& state, glm::vec2 size, Wishes& wishes) {
     if (pressed(GLFW_KEY_HOME)) showCamera(state, 0);
     if (pressed(GLFW_KEY_ESCAPE)) state.selectedSurface.reset();
     if (pressed(GLFW_KEY_C)) state.view.compare = !state.view.compare;
-    wishes.screenshot = pressed(GLFW_KEY_P);
+    wishes.keepPicture = pressed(GLFW_KEY_P);
 }
 
 }  // namespace
 
-Wishes handleInput(ViewerState& state, glm::vec2 windowSize) {
+Wishes handleInput(ViewerState& state, glm::ivec4 area) {
     Wishes wishes;
     const ImGuiIO& io = ImGui::GetIO();
+    const Place place{glm::vec2(area.x, area.y), glm::vec2(area.z, area.w),
+                      {io.DisplayFramebufferScale.x, io.DisplayFramebufferScale.y}};
     if (!io.WantTextInput) {
-        handleKeys(state, windowSize, wishes);
+        handleKeys(state, place.size, wishes);
         if (state.document) handleFlight(state);
     }
-    if (!io.WantCaptureMouse && state.document) handleMouse(state, windowSize);
+    if (!io.WantCaptureMouse && state.document) handleMouse(state, place);
     return wishes;
 }
 

@@ -8,13 +8,14 @@ namespace phat {
 
 /// What a frame's keys asked for, beside what was done to the state at once.
 struct Wishes {
-    bool screenshot = false;
+    bool keepPicture = false;
     bool save = false;
     bool fullScreen = false;
 };
 
-/// Moves the camera, picks, undoes. pre: between beginFrame and endFrame; not while a panel has the mouse or keys.
-Wishes handleInput(ViewerState& state, glm::vec2 windowSize);
+/// Moves the camera, picks, undoes. `area`: the picture's x, y, width and height in the window, in pixels.
+/// pre: between beginFrame and endFrame.
+Wishes handleInput(ViewerState& state, glm::ivec4 area);
 
 struct KeyHelp {
     const char* keys;

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
+
 #include "viewer/input.h"
 
 namespace phat {
@@ -10,6 +12,8 @@ namespace {
 
 // Unscaled pixels: the longest label beside a usable slider.
 constexpr float kPanelWidth = 330;
+// Four seconds at 30 pictures a second.
+constexpr int kTurntableFrames = 120;
 
 void text(const std::string& line) {
     ImGui::TextUnformatted(line.c_str());
@@ -143,13 +147,18 @@ void drawPerformance(const Pictures& pictures) {
     text(fmt::format("one of {0} x {0} pixels", pictures.coarseness()));
 }
 
-void drawKeep(ViewerState& state, PanelWishes& wishes) {
+void drawKeep(ViewerState& state, bool turning, PanelWishes& wishes) {
     if (!ImGui::CollapsingHeader("Keep")) return;
-    wishes.screenshot = ImGui::Button("Picture (P)");
+    wishes.keepPicture = ImGui::Button("Picture (P)");
     ImGui::SameLine();
     wishes.copyCommand = ImGui::Button("Copy render command");
     ImGui::BeginDisabled(!state.document->hasBake);
     wishes.save = ImGui::Button("Save (Ctrl+S)");
+    ImGui::SameLine();
+    if (turning)
+        wishes.stopTurntable = ImGui::Button("Stop the turntable");
+    else if (ImGui::Button("Turntable"))
+        wishes.turntableFrames = kTurntableFrames;
     ImGui::EndDisabled();
 }
 
@@ -170,8 +179,20 @@ std::string samplesLine(const char* source, Pictures::SideReport report) {
                                            : fmt::format("{}, {} samples", source, report.samples);
 }
 
+// Files to choose from.
+void drawFiles(const ViewerState& state, PanelWishes& wishes) {
+    if (state.fileChanged) {
+        wrapped("The file has changed on disk.");
+        ImGui::SameLine();
+        if (ImGui::SmallButton("Read it again")) wishes.open = state.document->path;
+    }
+    if (state.recentFiles.empty() || !ImGui::CollapsingHeader("Recent files")) return;
+    for (const std::string& path : state.recentFiles)
+        if (ImGui::Selectable(path.c_str())) wishes.open = path;
+}
+
 // What each side shows, at the window's lower edge.
-void drawLabels(const ViewerState& state, const Pictures& pictures) {
+void drawLabels(const ViewerState& state, const Pictures& pictures, float leftEdge) {
     ImDrawList* list = ImGui::GetBackgroundDrawList();
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const float line = ImGui::GetTextLineHeight();
@@ -187,21 +208,25 @@ void drawLabels(const ViewerState& state, const Pictures& pictures) {
         return;
     }
     const std::string right = samplesLine(kSourceNames[size_t(state.view.right)], pictures.right());
-    const float wipe = state.view.wipe * size.x;
+    const float wipe = leftEdge + state.view.wipe * (size.x - leftEdge);
     if (!state.view.difference) list->AddLine({wipe, 0}, {wipe, size.y}, IM_COL32(255, 255, 255, 160));
-    label(std::max(wipe - width(left) - line, 0.0f), left);
+    label(std::max(wipe - width(left) - line, leftEdge), left);
     label(std::min(wipe + line, size.x - width(right)), right);
 }
 
 }  // namespace
 
+float panelWidth(float uiScale) {
+    return kPanelWidth * uiScale;
+}
+
 PanelWishes drawPanels(ViewerState& state, const PanelInput& input) {
     PanelWishes wishes;
-    if (state.document) drawLabels(state, input.pictures);
+    if (state.document)
+        drawLabels(state, input.pictures, state.view.panels ? panelWidth(input.uiScale) : 0.0f);
     if (!state.view.panels) return wishes;
     ImGui::SetNextWindowPos({0, 0});
-    ImGui::SetNextWindowSize({kPanelWidth * input.uiScale, ImGui::GetIO().DisplaySize.y});
-    ImGui::SetNextWindowBgAlpha(0.85f);
+    ImGui::SetNextWindowSize({panelWidth(input.uiScale), ImGui::GetIO().DisplaySize.y});
     const ImGuiWindowFlags flags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                                    ImGuiWindowFlags_NoSavedSettings;
     ImGui::Begin("panels", nullptr, flags);
@@ -215,6 +240,7 @@ PanelWishes drawPanels(ViewerState& state, const PanelInput& input) {
         wrapped(state.message);
         ImGui::PopStyleColor();
     }
+    drawFiles(state, wishes);
     if (!state.document) {
         wrapped("Drop a .glb, .gltf or baked .phat.glb file on this window.");
     } else {
@@ -224,7 +250,7 @@ PanelWishes drawPanels(ViewerState& state, const PanelInput& input) {
         drawLights(state, edit);
         drawCompare(state, input.pictures);
         drawPerformance(input.pictures);
-        drawKeep(state, wishes);
+        drawKeep(state, input.turning, wishes);
         drawKeys();
         if (edit.changed) {
             // Held sliders go on with the edit that their first motion began.

@@ -12,16 +12,20 @@ struct PanelInput {
     std::string bakeStatus;  // empty: no bake is running
     float bakeShare = 0;
     float uiScale = 1;
+    bool turning = false;  // a turntable is being written
 };
 
 struct PanelWishes {
-    bool screenshot = false;
+    bool keepPicture = false;
     bool copyCommand = false;
     bool save = false;
-    bool turntable = false;
-    int turntableFrames = 0;
+    int turntableFrames = 0;  // 0: none
+    bool stopTurntable = false;
     std::string open;  // a file; empty: none
 };
+
+/// Pixels of a window's width that the panels take.
+float panelWidth(float uiScale);
 
 /// pre: between beginFrame and endFrame.
 PanelWishes drawPanels(ViewerState& state, const PanelInput& input);

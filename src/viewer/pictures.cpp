@@ -169,7 +169,7 @@ void Pictures::measure(const ViewerState& state) {
     });
 }
 
-void Pictures::show(const ViewerState& state, glm::uvec2 size) {
+void Pictures::show(const ViewerState& state, glm::ivec4 area, int windowHeight) {
     const auto presented = [&](const Side& side) {
         if (side.source == Source::pathTracer && side.version == state.version && side.tracedSamples > 0)
             return Presented{side.traced.name(), 1};
@@ -179,12 +179,15 @@ void Pictures::show(const ViewerState& state, glm::uvec2 size) {
     // Until the path tracer's first pass is there, the drawn picture stands in.
     if (left.texture == 0) left = right;
     if (right.texture == 0) right = left;
+    if (left.texture == 0) return;
     PresentSettings settings;
     settings.toneMap = state.view.toneMap;
     settings.exposureStops = state.view.exposureStops;
     settings.wipe = state.view.compare ? state.view.wipe : 1.0f;
     settings.difference = state.view.compare && state.view.difference;
-    present(present_, left, right, 0, size, settings);
+    // OpenGL's row 0 is the bottom.
+    const glm::ivec4 viewport(area.x, windowHeight - area.y - area.w, area.z, area.w);
+    present(present_, left, right, 0, viewport, settings);
 }
 
 }  // namespace phat

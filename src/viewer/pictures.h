@@ -23,8 +23,8 @@ class Pictures {
     /// Brings the pictures of `size` pixels nearer to what the state asks for. Returns whether more can be done at
     /// once; what the path tracer still has to do wakes the window by itself.
     bool refine(ViewerState& state, glm::uvec2 size);
-    /// Draws them into the window.
-    void show(const ViewerState& state, glm::uvec2 size);
+    /// Draws them into `area` (x, y from the top left, width, height) of a window so many pixels high.
+    void show(const ViewerState& state, glm::ivec4 area, int windowHeight);
 
     struct SideReport {
         int samples = 0, wanted = 0;

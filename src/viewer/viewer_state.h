@@ -36,8 +36,11 @@ struct ViewerState {
     int camera = 0;  // of the file, or -1: moved by hand
     std::optional<uint32_t> selectedSurface;
     ViewSettings view;
-    bool editing = false;  // a slider is held
+    bool editing = false;       // a slider is held
+    bool draggingWipe = false;
     std::string message;  // the last error or notice, one sentence
+    std::vector<std::string> recentFiles;
+    bool fileChanged = false;  // on disk, since it was read
     /// Grows with every change that asks for a new picture.
     uint64_t version = 0;
 

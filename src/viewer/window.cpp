@@ -96,6 +96,12 @@ void Window::beginFrame() {
     ImGui::NewFrame();
 }
 
+void Window::clear() {
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glClearColor(0, 0, 0, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+}
+
 void Window::endFrame() {
     ImGui::Render();
     glBindFramebuffer(GL_FRAMEBUFFER, 0);

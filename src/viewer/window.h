@@ -22,6 +22,8 @@ class Window {
     /// Handles what happened; with `wait`, sleeps until something does.
     void handleEvents(bool wait);
     void beginFrame();
+    /// Black, where no picture is drawn.
+    void clear();
     /// Draws the panels over what is in the window and shows both.
     void endFrame();
 
