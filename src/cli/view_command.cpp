@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.h"
+#include "cli/size_option.h"
 #include "cli/shader_folder.h"
 #include "viewer/viewer.h"
 
@@ -15,6 +16,7 @@ void addViewCommand(CLI::App& app) {
     CLI::Option* environment =
         command->add_option("--environment", "Sky of a scene that is not baked: latitude-longitude .hdr or .exr")
             ->type_name("FILE");
+    CLI::Option* size = command->add_option("--size", "Of the window; default: 1280x720")->type_name("WxH");
     CLI::Option* scale = command->add_option("--ui-scale", "Size of the panels; default: the screen's")
                              ->type_name("FACTOR")
                              ->check(CLI::Range(0.5, 4.0));
@@ -23,6 +25,7 @@ void addViewCommand(CLI::App& app) {
         ViewerOptions options;
         if (*input) options.path = input->as<std::string>();
         if (*environment) options.environment = environment->as<std::string>();
+        if (*size) options.size = parseSize(size);
         if (*scale) options.uiScale = scale->as<float>();
         options.shaderFolder = shaderFolder();
         runViewer(options);

@@ -69,6 +69,8 @@ struct Renderer::State {
     PassTimer relightTimer, pyramidTimer, shadowTimer, displayTimer;
     bool shadowsDrawn = false;  // by the last frame
     bool materialsChanged = true;
+    Eye relitFor;  // what the pyramid holds
+    bool relitIndirect = false;
 
     void createPasses() {
         const bool clearcoat = anyClearcoat(materials);
@@ -115,6 +117,9 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
+    const Eye eye = eyeOf(settings.camera);
+    const bool relit = !s.materialsChanged && eye.place == s.relitFor.place &&
+                       eye.atInfinity == s.relitFor.atInfinity && pyramidOfIndirect == s.relitIndirect;
     if (s.materialsChanged) applyMaterials(s.relight, s.atlas, s.materials);
     s.materialsChanged = false;
 
@@ -129,11 +134,13 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
     s.relightTimer.start();
-    relight(s.relight, s.atlas, s.scene.splitSum.name(), eyeOf(settings.camera), pyramidOfIndirect);
+    if (!relit) relight(s.relight, s.atlas, s.scene.splitSum.name(), eye, pyramidOfIndirect);
     s.relightTimer.stop();
     s.pyramidTimer.start();
-    buildPyramid(s.relight, s.atlas, pyramidOfIndirect);
+    if (!relit) buildPyramid(s.relight, s.atlas, pyramidOfIndirect);
     s.pyramidTimer.stop();
+    s.relitFor = eye;
+    s.relitIndirect = pyramidOfIndirect;
 
     s.displayTimer.start();
     phat::display(s.display, {s.scene, s.atlas, s.relight, s.shadows, s.lookup, s.lookupPass, s.materials},

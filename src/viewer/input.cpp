@@ -99,38 +99,35 @@ void frameSelection(ViewerState& state, glm::vec2 size) {
     state.touch();
 }
 
-void handleKeys(ViewerState& state, glm::vec2 size, Wishes& wishes) {
-    const ImGuiIO& io = ImGui::GetIO();
-    const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
-    if (pressed(GLFW_KEY_TAB)) state.view.panels = !state.view.panels;
-    wishes.fullScreen = pressed(GLFW_KEY_F11);
+void handleKey(ViewerState& state, const Window::KeyPress& press, glm::vec2 size, Wishes& wishes) {
+    if (press.key == GLFW_KEY_TAB) state.view.panels = !state.view.panels;
+    wishes.fullScreen |= press.key == GLFW_KEY_F11;
     if (!state.document) return;
-    if (io.KeyCtrl) {
+    if (press.control) {
         EditHistory& edits = state.document->edits;
-        const bool redo = (io.KeyShift && pressed(GLFW_KEY_Z)) || pressed(GLFW_KEY_Y);
-        if (redo)
+        if (press.key == GLFW_KEY_Y || (press.key == GLFW_KEY_Z && press.shift))
             edits.redo();
-        else if (pressed(GLFW_KEY_Z))
+        else if (press.key == GLFW_KEY_Z)
             edits.undo();
-        wishes.save = pressed(GLFW_KEY_S);
+        wishes.save |= press.key == GLFW_KEY_S;
         return;
     }
-    if (pressed(GLFW_KEY_F)) frameSelection(state, size);
-    if (pressed(GLFW_KEY_HOME)) showCamera(state, 0);
-    if (pressed(GLFW_KEY_ESCAPE)) state.selectedSurface.reset();
-    if (pressed(GLFW_KEY_C)) state.view.compare = !state.view.compare;
-    wishes.keepPicture = pressed(GLFW_KEY_P);
+    if (press.key == GLFW_KEY_F) frameSelection(state, size);
+    if (press.key == GLFW_KEY_HOME) showCamera(state, 0);
+    if (press.key == GLFW_KEY_ESCAPE) state.selectedSurface.reset();
+    if (press.key == GLFW_KEY_C) state.view.compare = !state.view.compare;
+    wishes.keepPicture |= press.key == GLFW_KEY_P;
 }
 
 }  // namespace
 
-Wishes handleInput(ViewerState& state, glm::ivec4 area) {
+Wishes handleInput(ViewerState& state, const std::vector<Window::KeyPress>& pressed, glm::ivec4 area) {
     Wishes wishes;
     const ImGuiIO& io = ImGui::GetIO();
     const Place place{glm::vec2(area.x, area.y), glm::vec2(area.z, area.w),
                       {io.DisplayFramebufferScale.x, io.DisplayFramebufferScale.y}};
     if (!io.WantTextInput) {
-        handleKeys(state, place.size, wishes);
+        for (const Window::KeyPress& press : pressed) handleKey(state, press, place.size, wishes);
         if (state.document) handleFlight(state);
     }
     if (!io.WantCaptureMouse && state.document) handleMouse(state, place);

@@ -15,7 +15,7 @@ struct Wishes {
 
 /// Moves the camera, picks, undoes. `area`: the picture's x, y, width and height in the window, in pixels.
 /// pre: between beginFrame and endFrame.
-Wishes handleInput(ViewerState& state, glm::ivec4 area);
+Wishes handleInput(ViewerState& state, const std::vector<Window::KeyPress>& pressed, glm::ivec4 area);
 
 struct KeyHelp {
     const char* keys;

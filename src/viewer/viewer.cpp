@@ -275,7 +275,7 @@ bool Viewer::frame() {
     noticeFileChange();
     window_.beginFrame();
     const glm::ivec4 area = pictureArea();
-    const Wishes keys = handleInput(state_, area);
+    const Wishes keys = handleInput(state_, window_.takeKeyPresses(), area);
     const PanelWishes wishes = drawPanels(state_, panelInput());
     fulfill(wishes, keys);
     applyEdits();

@@ -57,6 +57,12 @@ Window::Window(const std::string& title, glm::ivec2 size, float uiScale) {
         dropped.insert(dropped.end(), paths, paths + count);
     });
 
+    glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int mods) {
+        if (action != GLFW_PRESS) return;
+        static_cast<Window*>(glfwGetWindowUserPointer(window))
+            ->pressed_.push_back({key, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0});
+    });
+
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
     ImGui_ImplGlfw_InitForOpenGL(window_, true);
@@ -137,6 +143,10 @@ void Window::toggleFullScreen() {
 
 void Window::setClipboard(const std::string& text) {
     glfwSetClipboardString(window_, text.c_str());
+}
+
+std::vector<Window::KeyPress> Window::takeKeyPresses() {
+    return std::exchange(pressed_, {});
 }
 
 std::vector<std::string> Window::takeDroppedFiles() {

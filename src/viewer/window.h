@@ -33,6 +33,12 @@ class Window {
     void setTitle(const std::string& title);
     void toggleFullScreen();
     void setClipboard(const std::string& text);
+    /// Keys pressed since the last call, also those that were let go before a frame could see them.
+    struct KeyPress {
+        int key = 0;  // GLFW_KEY_...
+        bool control = false, shift = false;
+    };
+    std::vector<KeyPress> takeKeyPresses();
     /// Files dropped on the window since the last call.
     std::vector<std::string> takeDroppedFiles();
 
@@ -42,6 +48,7 @@ class Window {
   private:
     GLFWwindow* window_ = nullptr;
     float uiScale_ = 1;
+    std::vector<KeyPress> pressed_;
     std::vector<std::string> dropped_;
     glm::ivec4 windowedPlace_{0};  // x, y, width, height before full screen
 };
