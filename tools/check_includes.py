@@ -15,7 +15,7 @@ MAY_INCLUDE = {
     "core": {"core"},
     "io": {"core", "io"},
     "gl": {"core", "gl"},
-    "cli": {"core", "io", "gl", "cli"},
+    "cli": {"core", "io", "gl", "viewer", "cli"},
     "viewer": {"core", "io", "gl", "viewer"},
 }
 

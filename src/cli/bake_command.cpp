@@ -7,7 +7,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -20,6 +19,7 @@
 #include "core/glossy_density.h"
 #include "io/atomic_file.h"
 #include "io/bake_journal.h"
+#include "io/bake_record.h"
 #include "io/baked_file.h"
 #include "io/file_error.h"
 #include "io/gltf_loader.h"
@@ -29,24 +29,12 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kGenerator = "phatextures " PHAT_VERSION;
-
-const std::map<std::string, Directions> kDirections = {{"guided", Directions::guided},
-                                                       {"photons", Directions::photons},
-                                                       {"nearest-photon", Directions::nearestPhoton},
-                                                       {"uniform", Directions::uniform},
-                                                       {"cosine", Directions::cosine}};
-const std::map<std::string, RadianceSource> kRadiance = {{"texels", RadianceSource::texels},
-                                                         {"path", RadianceSource::path},
-                                                         {"photons", RadianceSource::photons},
-                                                         {"splat", RadianceSource::splat}};
-
 struct BakeOptions {
     std::string input;
     std::string output;
     std::string environment;  // empty: none
     BakeSettings settings;
-    std::string settingsLine;  // the settings as JSON
+    BakeRecord record;
     std::optional<int> threads;
     double memoryLimitBytes = 0;
     bool resume = false;
@@ -75,27 +63,6 @@ double physicalMemoryBytes() {
     return double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
 }
 
-std::string describe(const BakeSettings& s, const std::string& directions, const std::string& radiance,
-                     const std::string& environment) {
-    json line = {{"samples", s.layers},
-                 {"photons", s.photons.count},
-                 {"directions", directions},
-                 {"radiance", radiance},
-                 {"bounces", s.maxBounces},
-                 {"gatherNeighbors", s.density.neighbors},
-                 {"paths", s.pathsPerPhatexel},
-                 {"gutter", s.atlas.gutterTexels},
-                 {"glossyDensity", s.atlas.glossyDensity},
-                 {"seed", s.seed}};
-    if (s.atlas.texelSizeMeters > 0)
-        line["texelSize"] = s.atlas.texelSizeMeters;
-    else
-        line["resolution"] = s.atlas.texelBudget;
-    if (s.atlas.useUvSet >= 0) line["useUv"] = s.atlas.useUvSet;
-    if (!environment.empty()) line["environment"] = std::filesystem::path(environment).filename().string();
-    return line.dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
 LoadedScene loadInput(const BakeOptions& options) {
     LoadedScene loaded;
     if (isBakedFile(options.input))
@@ -119,8 +86,8 @@ void refuseTooLarge(const BakeOptions& options, const Scene& scene) {
 
 uint64_t fingerprintOf(const BakeOptions& options) {
     Fingerprint fingerprint;
-    fingerprint.add(kGenerator);
-    fingerprint.add(options.settingsLine);
+    fingerprint.add(options.record.generator);
+    fingerprint.add(options.record.settings);
     addGltfFile(fingerprint, options.input);
     if (!options.environment.empty()) addFile(fingerprint, options.environment);
     return fingerprint.value();
@@ -160,11 +127,9 @@ void runBake(const BakeOptions& options) {
     try {
         ProgressBar progress(progressStyle(options.quiet), bakeStages(options.settings));
         const Bake result = bake(loaded.scene, options.settings, progress, &journal);
-        const BakeRecord record{kGenerator, std::filesystem::path(options.input).filename().string(),
-                                options.settingsLine, options.settings.seed};
         std::vector<std::string> notes = loaded.notes;
         for (std::string& note :
-             writeBakedFile(options.output, options.input, loaded.scene, result, record, &progress))
+             writeBakedFile(options.output, options.input, loaded.scene, result, options.record, &progress))
             notes.push_back(std::move(note));
         report = reportOf(options.output, result, journal.resumedRecords(), progress.stageTimes(), notes);
     } catch (const std::exception& error) {
@@ -208,17 +173,18 @@ void addBakeCommand(CLI::App& app) {
                                  ->default_val(defaults.density.neighbors);
     CLI::Option* directions =
         option("--directions", "NAME", "guided, photons, nearest-photon, uniform or cosine")
-            ->check(CLI::IsMember(kDirections))
+            ->check(CLI::IsMember(directionNames()))
             ->default_val("guided");
     CLI::Option* radiance = option("--radiance", "NAME", "texels, path, photons or splat")
-                                ->check(CLI::IsMember(kRadiance))
+                                ->check(CLI::IsMember(radianceNames()))
                                 ->default_val("texels");
     CLI::Option* bounces = option("--bounces,--max-bounces", "N", "Longest path, in reflections")
                                ->check(CLI::Range(1, 1000))
                                ->default_val(defaults.maxBounces);
-    CLI::Option* paths = option("--paths", "N", "Paths per PHATexel (--radiance texels: through glossy reflections; path)")
-                             ->check(CLI::Range(1, 65'536))
-                             ->default_val(defaults.pathsPerPhatexel);
+    CLI::Option* paths =
+        option("--paths", "N", "Paths per PHATexel (--radiance texels: through glossy reflections; path)")
+            ->check(CLI::Range(1, 65'536))
+            ->default_val(defaults.pathsPerPhatexel);
     CLI::Option* environment = option("--environment", "FILE", "Sky: latitude-longitude .hdr or .exr");
     CLI::Option* useUv = option("--use-uv", "N", "Take the charts of TEXCOORD_N instead of unwrapping")
                              ->check(CLI::Range(0, 1));
@@ -253,16 +219,15 @@ void addBakeCommand(CLI::App& app) {
         settings.atlas.gutterTexels = gutter->as<uint32_t>();
         settings.layers = samples->as<int>();
         settings.density.neighbors = neighbors->as<uint32_t>();
-        settings.directions = kDirections.at(directions->as<std::string>());
-        settings.radiance = kRadiance.at(radiance->as<std::string>());
+        settings.directions = directionNames().at(directions->as<std::string>());
+        settings.radiance = radianceNames().at(radiance->as<std::string>());
         if (settings.radiance == RadianceSource::splat && !choosesPhotons(settings.directions))
             throw CLI::ValidationError("--radiance", "splat needs --directions photons or nearest-photon");
         settings.maxBounces = bounces->as<int>();
         if (*bounces) settings.photons.maxBounces = settings.maxBounces;
         settings.pathsPerPhatexel = paths->as<int>();
         settings.seed = settings.photons.seed = seed->as<uint64_t>();
-        options.settingsLine = describe(settings, directions->as<std::string>(), radiance->as<std::string>(),
-                                        options.environment);
+        options.record = recordOf(settings, options.input, options.environment);
         if (*threads) options.threads = threads->as<int>();
         options.memoryLimitBytes = *memory ? memory->as<double>() * 1e9 : physicalMemoryBytes();
         options.resume = resume->count() > 0;

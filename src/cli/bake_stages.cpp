@@ -18,7 +18,8 @@ std::vector<PlannedStage> bakeStages(const BakeSettings& settings) {
                                         {"diffuse contacts", texels},
                                         {"diffuse contacts", texels},
                                         {"guides", 28 * texels}};
-    const double indirect = settings.radiance == RadianceSource::path ? 12.0 * settings.pathsPerPhatexel : 8.0;
+    const double indirect =
+        settings.radiance == RadianceSource::path ? 12.0 * settings.pathsPerPhatexel : 8.0;
     for (int layer = 0; layer < settings.layers; ++layer) {
         stages.push_back({"directions", 2 * texels});
         stages.push_back({"indirect light", indirect * texels});

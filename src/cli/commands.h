@@ -14,5 +14,6 @@ void addRenderCommand(CLI::App& app);
 void addCompareCommand(CLI::App& app);
 void addInfoCommand(CLI::App& app);
 void addExportCommand(CLI::App& app);
+void addViewCommand(CLI::App& app);
 
 }  // namespace phat

@@ -3,26 +3,17 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
+#include "cli/shader_folder.h"
 #include "gl/gl_context.h"
 
 namespace phat {
 namespace {
 
 using nlohmann::json;
-
-std::filesystem::path shaderFolder() {
-    // Installed beside the program, or where it was built.
-    std::error_code ignored;
-    const auto program = std::filesystem::read_symlink("/proc/self/exe", ignored);
-    const auto installed = program.parent_path().parent_path() / "share/phatextures/shaders";
-    return std::filesystem::is_directory(installed, ignored) ? installed
-                                                             : std::filesystem::path(PHAT_SHADER_DIR);
-}
 
 Method methodOf(const RenderOptions& options) {
     const std::string_view name = options.method.name;
@@ -57,7 +48,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     const TracedReflections traced{reflectionScene, options.reflections, progress};
     Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, methodOf(options) == Method::phat,
                        options.countReads},
-                      shaderFolder().string());
+                      shaderFolder());
     std::vector<json> reports;
     for (const View& view : views) {
         progress.throwIfStopped();

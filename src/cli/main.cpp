@@ -33,6 +33,7 @@ int run(int argc, char** argv) {
     phat::addCompareCommand(app);
     phat::addInfoCommand(app);
     phat::addExportCommand(app);
+    phat::addViewCommand(app);
     try {
         app.parse(argc, argv);
         return kDone;

@@ -8,6 +8,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <set>
 
+#include "cli/size_option.h"
+
 namespace phat {
 namespace {
 

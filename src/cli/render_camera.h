@@ -10,7 +10,6 @@
 namespace phat {
 
 inline constexpr const char* kAllCameras = "all";
-inline constexpr int kMaxPictureSide = 16384;
 
 /// One picture to make.
 struct View {

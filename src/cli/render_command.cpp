@@ -13,6 +13,7 @@
 #include "cli/interrupt.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
+#include "cli/size_option.h"
 
 namespace phat {
 namespace {
@@ -53,16 +54,6 @@ glm::vec3 parsePoint(const CLI::Option* option) {
         !std::isfinite(p.x + p.y + p.z))
         throw CLI::ValidationError(option->get_name(), fmt::format("\"{}\" is not x,y,z", text));
     return p;
-}
-
-void parseSize(const CLI::Option* option, RenderOptions& options) {
-    const auto text = option->as<std::string>();
-    char end = 0;
-    if (std::sscanf(text.c_str(), "%dx%d%c", &options.width, &options.height, &end) != 2 ||
-        options.width < 1 || options.height < 1 || options.width > kMaxPictureSide ||
-        options.height > kMaxPictureSide)
-        throw CLI::ValidationError(
-            option->get_name(), fmt::format("\"{}\" is not WxH, each from 1 to {}", text, kMaxPictureSide));
 }
 
 void printReport(const json& report, bool traced) {
@@ -191,7 +182,11 @@ void addRenderCommand(CLI::App& app) {
         if (*eye) options.eye = parsePoint(eye);
         if (*target) options.target = parsePoint(target);
         if (*fov) options.fovDegrees = fov->as<float>();
-        if (*size) parseSize(size, options);
+        if (*size) {
+            const glm::ivec2 pixels = parseSize(size);
+            options.width = pixels.x;
+            options.height = pixels.y;
+        }
         if (!options.method.traced) {
             for (const CLI::Option* traced : {time, seed, variance})
                 if (*traced)

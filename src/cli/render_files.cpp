@@ -5,11 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "cli/material_edit.h"
 #include "core/bake.h"
 #include "io/atomic_file.h"
 #include "io/file_error.h"
 #include "io/image_file.h"
+#include "io/material_edit.h"
 
 namespace phat {
 namespace {

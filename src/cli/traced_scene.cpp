@@ -26,9 +26,9 @@ Integrator integratorFor(const TracedScene& traced, const RenderOptions& options
     if (name == "phat-gather") {
         PhatGatherSettings settings = options.gather;
         settings.component = options.component;
-        return phatGather({traced.rays, traced.lights, traced.baked.atlas, traced.baked.points,
-                           traced.baked.phatexture},
-                          settings);
+        return phatGather(
+            {traced.rays, traced.lights, traced.baked.atlas, traced.baked.points, traced.baked.phatexture},
+            settings);
     }
     if (options.method.readsPhotons) {
         PhotonRendererSettings settings = options.photonRenderer;

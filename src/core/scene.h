@@ -87,6 +87,7 @@ struct PunctualLight {
     float cosInnerCone = 1;
     float cosOuterCone = 0.70710678f;
     float rangeMeters = 0;  // 0: unlimited
+    uint32_t node = 0;      // glTF index, to find the way back into the file
 };
 
 struct Camera {

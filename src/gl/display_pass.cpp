@@ -37,11 +37,16 @@ CameraMatrices matricesOf(const Camera& camera, glm::uvec2 size, const Bounds& b
             glm::inverse(clipFromCamera * glm::mat4(glm::mat3(cameraFromWorld)))};
 }
 
-// Hammersley's points, centred: every n is evenly spread over the pixel's box, and one sample is its centre.
+// Sobol's first two dimensions [Kollig and Keller 2002 for the second], moved so that the first of many
+// points is near the pixel's centre and the mean of a power of two of them is there.
 glm::vec2 jitterOf(int index, int count) {
     if (count == 1) return glm::vec2(0);
-    const float y = float(reverseBits(uint32_t(index), 16)) / 65536.0f + 0.5f / float(count);
-    return glm::vec2((float(index) + 0.5f) / float(count), y - std::floor(y)) - 0.5f;
+    uint32_t y = 0;
+    for (uint32_t direction = 1u << 31, i = uint32_t(index); i != 0; i >>= 1, direction ^= direction >> 1)
+        if (i & 1) y ^= direction;
+    const glm::vec2 point = glm::vec2(glm::uvec2(reverseBits(uint32_t(index), 16), y >> 16)) / 65536.0f +
+                            0.5f + 0.5f / float(count);
+    return glm::fract(point) - 0.5f;
 }
 
 // Draws a pixel. Measured: see docs/pipeline.md, "Lookup".
@@ -261,14 +266,13 @@ void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettin
     glDepthMask(GL_TRUE);
 }
 
-void accumulate(const DisplayPass& pass, const FrameTargets& targets, float weight) {
-    glBindFramebuffer(GL_FRAMEBUFFER, targets.sumTarget.name());
+void accumulate(const DisplayPass& pass, const FrameTargets& targets, const PictureSum& sum) {
+    glBindFramebuffer(GL_FRAMEBUFFER, sum.target.name());
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
     pass.accumulateProgram.bind("picture", 0, targets.picture.name());
-    pass.accumulateProgram.set("weight", weight);
     glBindVertexArray(pass.noVertices.name());
     pass.accumulateProgram.use();
     glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -282,9 +286,7 @@ FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool 
     targets.size = size;
     targets.picture = createTexture2D(GL_RGBA32F, size);
     targets.depth = createTexture2D(GL_DEPTH_COMPONENT32F, size);
-    targets.sum = createTexture2D(GL_RGBA32F, size);
     targets.pictureTarget = createFramebuffer({{targets.picture.name()}}, targets.depth.name());
-    targets.sumTarget = createFramebuffer({{targets.sum.name()}});
     if (lookup) targets.lookup = createLookupTargets(*lookup, size, targets.depth.name(), traced);
     if (lookup && traced) targets.reflections = createReflectionTargets(size, targets.depth.name());
     checkGl("creating the frame's targets");
@@ -313,15 +315,22 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, 
 }
 
 ReflectionCost display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
-                       const FrameTargets& targets) {
+                       const FrameTargets& targets, PictureSum& sum) {
     const int count = std::max(1, settings.samplesPerPixel);
-    glBindFramebuffer(GL_FRAMEBUFFER, targets.sumTarget.name());
-    const GLfloat black[4] = {0, 0, 0, 0};
-    glClearBufferfv(GL_COLOR, 0, black);
+    if (sum.samples >= count) sum.samples = 0;
+    if (sum.samples == 0) {
+        glBindFramebuffer(GL_FRAMEBUFFER, sum.target.name());
+        const GLfloat black[4] = {0, 0, 0, 0};
+        glClearBufferfv(GL_COLOR, 0, black);
+    }
+    const int left = count - sum.samples;
+    const int now = settings.samplesPerDraw > 0 ? std::min(settings.samplesPerDraw, left) : left;
     ReflectionCost cost;
-    for (int i = 0; i < count; ++i) {
-        drawPicture(pass, input, settings, targets, jitterOf(i, count), uint32_t(i), cost);
-        accumulate(pass, targets, 1.0f / float(count));
+    for (int i = 0; i < now; ++i) {
+        drawPicture(pass, input, settings, targets, jitterOf(sum.samples, count), uint32_t(sum.samples),
+                    cost);
+        accumulate(pass, targets, sum);
+        ++sum.samples;
     }
     return cost;
 }

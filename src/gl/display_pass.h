@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gl/lookup_pass.h"
+#include "gl/picture_sum.h"
 #include "gl/reflection_pass.h"
 #include "gl/relight_pass.h"
 #include "gl/renderer.h"
@@ -12,11 +13,11 @@
 
 namespace phat {
 
-/// Colour, depth and the box filter's sum, of one size.
+/// Colour and depth of one sample.
 struct FrameTargets {
     glm::uvec2 size{0};
-    GlTexture picture, depth, sum;
-    GlFramebuffer pictureTarget, sumTarget;
+    GlTexture picture, depth;
+    GlFramebuffer pictureTarget;
     LookupTargets lookup;           // empty when nothing is looked up
     ReflectionTargets reflections;  // empty when nothing is traced
 };
@@ -30,8 +31,8 @@ struct DisplayPass {
 };
 
 /// `paper`: as of the RelightPass whose pyramid is displayed; `countReads`: see createLookupPass.
-DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat, bool paper,
-                              bool countReads);
+DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat,
+                              bool paper, bool countReads);
 
 struct DisplayInput {
     const GpuScene& scene;
@@ -50,11 +51,10 @@ struct ReflectionCost {
     uint64_t rays = 0;
 };
 
-/// Draws `settings.samplesPerPixel` jittered pictures and leaves their mean in `targets.sum`. Blended
-/// surfaces take their glossy light from the pyramid with either method, for a pixel of the lookup holds one
-/// surface.
+/// Adds the next jittered pictures of `settings.samplesPerPixel` to `sum`. Blended surfaces take their glossy
+/// light from the pyramid with either method, for a pixel of the lookup holds one surface.
 ReflectionCost display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
-                       const FrameTargets& targets);
+                       const FrameTargets& targets, PictureSum& sum);
 
 /// The eye of a camera.
 Eye eyeOf(const Camera& camera);

@@ -9,6 +9,7 @@
 #include "gl/display_pass.h"
 #include "gl/gl_error.h"
 #include "gl/phatexture_upload.h"
+#include "gl/picture_sum.h"
 #include "gl/reflection_pass.h"
 #include "gl/relight_pass.h"
 #include "gl/scene_upload.h"
@@ -54,18 +55,6 @@ class PassTimer {
     GlQuery query_;
 };
 
-Image readPicture(const FrameTargets& targets) {
-    Image image(int(targets.size.x), int(targets.size.y));
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, targets.sumTarget.name());
-    glReadBuffer(GL_COLOR_ATTACHMENT0);
-    glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glReadPixels(0, 0, image.width, image.height, GL_RGB, GL_FLOAT, image.pixels.data());
-    // OpenGL's row 0 is the bottom.
-    for (int y = 0; y < image.height / 2; ++y)
-        std::swap_ranges(&image.at(0, y), &image.at(0, y) + image.width, &image.at(0, image.height - 1 - y));
-    return image;
-}
-
 double bytesPerPhatexel(const LookupTables& tables, size_t tiles, const Phatexture& phatexture) {
     if (tables.warps.empty()) return 0;
     const double texels = double(tiles) * kTileSize * kTileSize, layers = double(phatexture.indirect.size());
@@ -90,10 +79,13 @@ struct Renderer::State {
     ShadowMaps shadows;
     FrameTargets targets;
     PassTimer relightTimer, pyramidTimer, shadowTimer, displayTimer;
-    FrameTimes times;
     LookupCost lookupCost;
     bool countReads = false;
+    bool shadowsDrawn = false;  // by the last frame
+    ReflectionCost reflections;
     bool materialsChanged = true;
+    Eye relitFor;  // what the pyramid holds
+    bool relitIndirect = false;
 
     void createPasses(bool paper) {
         const bool clearcoat = anyClearcoat(materials);
@@ -134,7 +126,7 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
 
 Renderer::~Renderer() = default;
 
-Image Renderer::render(const FrameSettings& wanted) {
+void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     State& s = *state_;
     FrameSettings settings = wanted;
     const bool canLookUp = s.lookup.guideCount > 0;
@@ -146,18 +138,22 @@ Image Renderer::render(const FrameSettings& wanted) {
     const bool traced = settings.traced && settings.method == Method::phat;
     if (s.targets.size != size || (traced && !s.targets.reflections.target))
         s.targets = createFrameTargets(size, canLookUp ? &s.lookupPass : nullptr, traced);
+    if (sum.size != size) sum = createPictureSum(size);
 
     // A query needs a complete framebuffer; a context without a window has none of its own.
-    glBindFramebuffer(GL_FRAMEBUFFER, s.targets.sumTarget.name());
+    glBindFramebuffer(GL_FRAMEBUFFER, sum.target.name());
 
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
+    const Eye eye = eyeOf(settings.camera);
+    const bool relit = !s.materialsChanged && eye.place == s.relitFor.place &&
+                       eye.atInfinity == s.relitFor.atInfinity && pyramidOfIndirect == s.relitIndirect;
     if (s.materialsChanged) applyMaterials(s.relight, s.atlas, s.materials);
     s.materialsChanged = false;
 
-    const bool needShadows = !s.shadows.depth;
-    if (needShadows) {
+    s.shadowsDrawn = !s.shadows.depth;
+    if (s.shadowsDrawn) {
         s.shadowTimer.start();
         s.shadows = renderShadowMaps(s.lights, s.scene, s.materials, s.display.depthProgram);
         s.shadowTimer.stop();
@@ -167,33 +163,38 @@ Image Renderer::render(const FrameSettings& wanted) {
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
     s.relightTimer.start();
-    relight(s.relight, s.atlas, s.scene.splitSum.name(), eyeOf(settings.camera), pyramidOfIndirect);
+    if (!relit) relight(s.relight, s.atlas, s.scene.splitSum.name(), eye, pyramidOfIndirect);
     s.relightTimer.stop();
     s.pyramidTimer.start();
-    buildPyramid(s.relight, s.atlas, pyramidOfIndirect);
+    if (!relit) buildPyramid(s.relight, s.atlas, pyramidOfIndirect);
     s.pyramidTimer.stop();
+    s.relitFor = eye;
+    s.relitIndirect = pyramidOfIndirect;
 
     s.displayTimer.start();
-    const ReflectionCost reflections = phat::display(
+    s.reflections = phat::display(
         s.display,
         {s.scene, s.atlas, s.relight, s.shadows, s.lookup, s.lookupPass, s.reflectionPass, s.materials},
-        settings, s.targets);
+        settings, s.targets, sum);
     s.displayTimer.stop();
-
-    Image image = readPicture(s.targets);
     checkGl("drawing a frame");
-    // The GPU's clock goes on while the CPU traces.
-    s.times = {s.relightTimer.seconds(),
-               s.pyramidTimer.seconds(),
-               needShadows ? s.shadowTimer.seconds() : 0.0,
-               std::max(s.displayTimer.seconds() - reflections.seconds, 0.0),
-               reflections.seconds,
-               reflections.rays};
-    return image;
+}
+
+Image Renderer::render(const FrameSettings& settings) {
+    PictureSum sum;
+    draw(settings, sum);
+    return readMean(sum);
 }
 
 FrameTimes Renderer::lastFrameTimes() const {
-    return state_->times;
+    const State& s = *state_;
+    // The GPU's clock goes on while the CPU traces.
+    return {s.relightTimer.seconds(),
+            s.pyramidTimer.seconds(),
+            s.shadowsDrawn ? s.shadowTimer.seconds() : 0.0,
+            std::max(s.displayTimer.seconds() - s.reflections.seconds, 0.0),
+            s.reflections.seconds,
+            s.reflections.rays};
 }
 
 LookupCost Renderer::lookupCost() const {
@@ -208,6 +209,11 @@ void Renderer::setMaterials(const std::vector<Material>& materials) {
     s.materials = materials;
     s.materialsChanged = true;
     if (coatAppears) s.createPasses(s.relight.paper);
+}
+
+void Renderer::setLights(const std::vector<PunctualLight>& lights) {
+    state_->lights = lights;
+    state_->shadows = {};
 }
 
 }  // namespace phat

@@ -18,6 +18,8 @@
 
 namespace phat {
 
+struct PictureSum;
+
 /// Where indirect light on glossy surfaces comes from.
 enum class Method : uint8_t {
     phat,         // looked up by the pixel: draws from the BRDF, answered by PHATexels around
@@ -46,6 +48,8 @@ struct FrameSettings {
     /// Anti-aliasing: this many whole pictures, shifted inside the pixel, are averaged (a box filter of one
     /// pixel, over edges, textures and highlights alike). 1 turns it off.
     int samplesPerPixel = 4;
+    /// How many of them one draw() adds; 0: all.
+    int samplesPerDraw = 0;
     /// Of Method::phat; null: all reflections are looked up.
     const TracedReflections* traced = nullptr;
 };
@@ -88,13 +92,18 @@ class Renderer {
     Renderer(const Renderer&) = delete;
     Renderer& operator=(const Renderer&) = delete;
 
-    /// Linear radiance, row 0 on top. Synchronous.
+    /// Adds samples to `sum`, which begins anew when its size or its number of samples is not this picture's.
+    void draw(const FrameSettings& settings, PictureSum& sum);
+    /// The whole picture in linear radiance, row 0 on top. Waits for the GPU.
     Image render(const FrameSettings& settings);
+    /// Of the last draw. Waits for the GPU.
     FrameTimes lastFrameTimes() const;
     LookupCost lookupCost() const;
 
     /// Materials may change between frames (roughness, colour ...); textures stay.
     void setMaterials(const std::vector<Material>& materials);
+    /// Punctual lights may change too; their direct light follows, the bake's indirect light does not.
+    void setLights(const std::vector<PunctualLight>& lights);
 
   private:
     struct State;

@@ -97,6 +97,7 @@ void readLightsAndCameras(const Document& document, const std::vector<WorldNode>
             const auto& light = model.lights[index];
             scene.lights.push_back(
                 lightOf(light, nameOf(node.name, light.name, "light", index), world.worldFromNode));
+            scene.lights.back().node = world.node;
         }
     }
 }

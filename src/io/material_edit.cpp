@@ -1,4 +1,4 @@
-#include "cli/material_edit.h"
+#include "io/material_edit.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -17,20 +17,28 @@ struct ScalarProperty {
     float low, high;
 };
 constexpr ScalarProperty kScalars[] = {
-    {"metallic", &Material::metallic, 0, 1},   {"roughness", &Material::roughness, 0, 1},
-    {"specular", &Material::specular, 0, 1},   {"ior", &Material::ior, 1, 10},
-    {"clearcoat", &Material::clearcoat, 0, 1}, {"clearcoatRoughness", &Material::clearcoatRoughness, 0, 1},
+    {"metallic", &Material::metallic, 0, 1},
+    {"roughness", &Material::roughness, 0, 1},
+    {"specular", &Material::specular, 0, 1},
+    {"ior", &Material::ior, 1, 10},
+    {"normalScale", &Material::normalScale, 0, 10},
+    {"clearcoat", &Material::clearcoat, 0, 1},
+    {"clearcoatRoughness", &Material::clearcoatRoughness, 0, 1},
 };
 
 struct ColorProperty {
     const char* name;
     void (*set)(Material&, glm::vec3);
+    glm::vec3 (*get)(const Material&);
     float high;
 };
 constexpr ColorProperty kColors[] = {
-    {"baseColor", [](Material& m, glm::vec3 c) { m.baseColor = glm::vec4(c, m.baseColor.a); }, 1},
-    {"specularColor", [](Material& m, glm::vec3 c) { m.specularColor = c; }, 1},
-    {"emission", [](Material& m, glm::vec3 c) { m.emission = c; }, 1e30f},
+    {"baseColor", [](Material& m, glm::vec3 c) { m.baseColor = glm::vec4(c, m.baseColor.a); },
+     [](const Material& m) { return glm::vec3(m.baseColor); }, 1},
+    {"specularColor", [](Material& m, glm::vec3 c) { m.specularColor = c; },
+     [](const Material& m) { return m.specularColor; }, 1},
+    {"emission", [](Material& m, glm::vec3 c) { m.emission = c; },
+     [](const Material& m) { return m.emission; }, 1e30f},
 };
 
 std::vector<float> parseNumbers(const std::string& text) {
@@ -100,6 +108,22 @@ void editMaterial(const std::string& assignment, std::vector<Material>& material
     }
     throw std::invalid_argument(
         fmt::format("there is no property \"{}\"; there are: {}", property, fmt::join(known, ", ")));
+}
+
+std::vector<std::string> materialEdits(const std::vector<Material>& from, const std::vector<Material>& to) {
+    std::vector<std::string> edits;
+    for (size_t i = 0; i < from.size(); ++i) {
+        for (const ScalarProperty& scalar : kScalars)
+            if (from[i].*scalar.member != to[i].*scalar.member)
+                edits.push_back(fmt::format("{}.{}={}", to[i].name, scalar.name, to[i].*scalar.member));
+        for (const ColorProperty& color : kColors) {
+            const glm::vec3 value = color.get(to[i]);
+            if (color.get(from[i]) != value)
+                edits.push_back(
+                    fmt::format("{}.{}={},{},{}", to[i].name, color.name, value.x, value.y, value.z));
+        }
+    }
+    return edits;
 }
 
 }  // namespace phat

@@ -1,0 +1,37 @@
+// phat view: a window.
+
+#include <CLI/CLI.hpp>
+
+#include "cli/commands.h"
+#include "cli/shader_folder.h"
+#include "cli/size_option.h"
+#include "viewer/viewer.h"
+
+namespace phat {
+
+void addViewCommand(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("view", "Walk through a baked file, or watch a scene being baked");
+    CLI::Option* input =
+        command->add_option("IN", "A baked file or a scene; more can be dropped on the window")
+            ->type_name("FILE");
+    CLI::Option* environment =
+        command
+            ->add_option("--environment", "Sky of a scene that is not baked: latitude-longitude .hdr or .exr")
+            ->type_name("FILE");
+    CLI::Option* size = command->add_option("--size", "Of the window; default: 1280x720")->type_name("WxH");
+    CLI::Option* scale = command->add_option("--ui-scale", "Size of the panels; default: the screen's")
+                             ->type_name("FACTOR")
+                             ->check(CLI::Range(0.5, 4.0));
+    command->footer("Example: phat view room.phat.glb");
+    command->callback([=] {
+        ViewerOptions options;
+        if (*input) options.path = input->as<std::string>();
+        if (*environment) options.environment = environment->as<std::string>();
+        if (*size) options.size = parseSize(size);
+        if (*scale) options.uiScale = scale->as<float>();
+        options.shaderFolder = shaderFolder();
+        runViewer(options);
+    });
+}
+
+}  // namespace phat

@@ -1,0 +1,47 @@
+#include "gl/present_pass.h"
+
+#include <algorithm>
+
+namespace phat {
+
+PresentPass createPresentPass(const std::string& folder) {
+    PresentPass pass;
+    pass.program = ShaderProgram(folder, "fullscreen.vert", "present.frag");
+    GLuint name = 0;
+    glCreateSamplers(1, &name);
+    pass.linear = GlSampler(name);
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+        glSamplerParameteri(name, filter, GL_LINEAR);
+    for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+        glSamplerParameteri(name, wrap, GL_CLAMP_TO_EDGE);
+    glCreateVertexArrays(1, &name);
+    pass.noVertices = GlVertexArray(name);
+    return pass;
+}
+
+void present(const PresentPass& pass, const Presented& left, const Presented& right, GLuint target,
+             glm::ivec4 viewport, const PresentSettings& settings) {
+    glBindFramebuffer(GL_FRAMEBUFFER, target);
+    glViewport(viewport.x, viewport.y, viewport.z, viewport.w);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    glDisable(GL_BLEND);
+    const ShaderProgram& program = pass.program;
+    program.bind("left", 0, left.texture, pass.linear.name());
+    program.bind("right", 1, right.texture, pass.linear.name());
+    program.set("leftScale", 1.0f / float(std::max(left.samples, 1)));
+    program.set("rightScale", 1.0f / float(std::max(right.samples, 1)));
+    program.set("corner", glm::vec2(viewport.x, viewport.y));
+    program.set("size", glm::vec2(viewport.z, viewport.w));
+    program.set("wipe", settings.wipe * float(viewport.z));
+    program.set("toneMapping", int(settings.toneMap));
+    program.set("exposureStops", settings.exposureStops);
+    program.set("difference", int(settings.difference));
+    glBindVertexArray(pass.noVertices.name());
+    program.use();
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glBindSampler(0, 0);
+    glBindSampler(1, 0);
+}
+
+}  // namespace phat

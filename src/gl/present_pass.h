@@ -1,0 +1,38 @@
+#pragma once
+// Pictures onto a window.
+
+#include <string>
+
+#include "gl/gl_objects.h"
+#include "gl/renderer.h"
+#include "gl/shader_loader.h"
+
+namespace phat {
+
+struct PresentPass {
+    ShaderProgram program;
+    GlSampler linear;
+    GlVertexArray noVertices;
+};
+
+PresentPass createPresentPass(const std::string& shaderFolder);
+
+/// A texture whose texels are sums of `samples` radiances, row 0 at the bottom. Of any size: it is stretched.
+struct Presented {
+    GLuint texture = 0;
+    int samples = 1;
+};
+
+struct PresentSettings {
+    ToneMap toneMap = ToneMap::agx;
+    float exposureStops = 0;
+    float wipe = 1;           // the left picture's share of the width
+    bool difference = false;  // |left - right| / (right + .05) after tone mapping, as heat from 0 to 1
+};
+
+/// Draws over `viewport` (x, y from the bottom left, width, height) of `target` (0: the window),
+/// sRGB-encoded.
+void present(const PresentPass& pass, const Presented& left, const Presented& right, GLuint target,
+             glm::ivec4 viewport, const PresentSettings& settings);
+
+}  // namespace phat

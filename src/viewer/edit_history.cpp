@@ -1,0 +1,39 @@
+#include "viewer/edit_history.h"
+
+#include <utility>
+
+namespace phat {
+namespace {
+
+// A state is a few kilobytes.
+constexpr size_t kMostStates = 1000;
+
+}  // namespace
+
+EditHistory::EditHistory(Editable start) : original_(start), states_{std::move(start)} {}
+
+void EditHistory::change(Editable next, bool goesOn) {
+    ++revision_;
+    states_.resize(at_ + 1);
+    if (goesOn && at_ > 0) {
+        states_[at_] = std::move(next);
+        return;
+    }
+    if (states_.size() == kMostStates) states_.erase(states_.begin());
+    states_.push_back(std::move(next));
+    at_ = states_.size() - 1;
+}
+
+void EditHistory::undo() {
+    if (!canUndo()) return;
+    --at_;
+    ++revision_;
+}
+
+void EditHistory::redo() {
+    if (!canRedo()) return;
+    ++at_;
+    ++revision_;
+}
+
+}  // namespace phat

@@ -1,0 +1,140 @@
+#include "viewer/input.h"
+
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/picture.h"
+
+namespace phat {
+namespace {
+
+// The diagonal of the scene in ten seconds; with Shift in two and a half.
+constexpr float kDiagonalsPerSecond = 0.1f, kFaster = 4;
+constexpr float kWipeReach = 8;  // unscaled pixels
+
+Bounds boundsOf(const Scene& scene, const Surface& surface) {
+    Bounds bounds;
+    for (uint32_t i = 0; i < surface.triangleCount; ++i)
+        for (int corner = 0; corner < 3; ++corner)
+            bounds.add(scene.positions[scene.triangles[surface.firstTriangle + i][corner]]);
+    return bounds;
+}
+
+std::optional<uint32_t> pick(const ViewerState& state, glm::vec2 place, glm::vec2 size) {
+    const CameraRay ray = cameraRay(state.navigation.camera, int(size.x), int(size.y), place);
+    uint64_t rays = 0;
+    const Hit hit = visibleHit(state.document->rays, ray, rays);
+    if (!hit) return std::nullopt;
+    return state.document->scene().triangleSurface[hit.triangle];
+}
+
+// Coordinates of Dear ImGui to pixels of the picture.
+struct Place {
+    glm::vec2 corner{0}, size{1}, scale{1};
+    glm::vec2 operator()(ImVec2 p) const { return glm::vec2(p.x, p.y) * scale - corner; }
+};
+
+void handleMouse(ViewerState& state, const Place& place) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const glm::vec2 moved = glm::vec2(io.MouseDelta.x, io.MouseDelta.y) * place.scale;
+    const glm::vec2 mouse = place(io.MousePos);
+    Navigation& navigation = state.navigation;
+    const Camera before = navigation.camera;
+    const bool left = ImGui::IsMouseDragging(ImGuiMouseButton_Left);
+    const bool middle = ImGui::IsMouseDragging(ImGuiMouseButton_Middle, 0);
+    // The wipe's line is taken by the hand that comes near it.
+    const float line = state.view.wipe * place.size.x;
+    if (ImGui::IsMouseClicked(ImGuiMouseButton_Left))
+        state.draggingWipe = state.view.compare && !state.view.difference &&
+                             std::abs(mouse.x - line) < kWipeReach * place.scale.x;
+    if (!ImGui::IsMouseDown(ImGuiMouseButton_Left))
+        state.draggingWipe &= ImGui::IsMouseReleased(ImGuiMouseButton_Left);
+    if (state.draggingWipe) {
+        state.view.wipe = std::clamp(mouse.x / place.size.x, 0.0f, 1.0f);
+    } else if (left || middle) {
+        if (io.KeyShift)
+            pan(navigation, moved, place.size.y);
+        else
+            orbit(navigation, moved, place.size.y);
+    } else if (ImGui::IsMouseDragging(ImGuiMouseButton_Right, 0)) {
+        look(navigation, moved, place.size.y);
+    }
+    if (io.MouseWheel != 0) zoom(navigation, io.MouseWheel);
+    const ImVec2 dragged = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0);
+    const bool still =
+        dragged.x * dragged.x + dragged.y * dragged.y < io.MouseDragThreshold * io.MouseDragThreshold;
+    if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && still && !state.draggingWipe)
+        state.selectedSurface = pick(state, mouse, place.size);
+    if (navigation.camera.worldFromCamera != before.worldFromCamera ||
+        navigation.camera.ymag != before.ymag) {
+        state.camera = -1;
+        state.touch();
+    }
+}
+
+void handleFlight(ViewerState& state) {
+    const ImGuiIO& io = ImGui::GetIO();
+    if (io.KeyCtrl) return;
+    const auto axis = [](int forward, int backward) {
+        return float(ImGui::IsKeyDown(forward)) - float(ImGui::IsKeyDown(backward));
+    };
+    const glm::vec3 direction(axis(GLFW_KEY_D, GLFW_KEY_A), axis(GLFW_KEY_E, GLFW_KEY_Q),
+                              axis(GLFW_KEY_S, GLFW_KEY_W));
+    if (direction == glm::vec3(0)) return;
+    const float speed = kDiagonalsPerSecond * boundsOf(state.document->scene()).diagonal();
+    // A frame that took long must not throw the eye through a wall.
+    const float seconds = std::min(io.DeltaTime, 0.1f);
+    fly(state.navigation, direction * (speed * seconds * (io.KeyShift ? kFaster : 1.0f)));
+    state.camera = -1;
+    state.touch();
+}
+
+void frameSelection(ViewerState& state, glm::vec2 size) {
+    const Scene& scene = state.document->scene();
+    const Bounds bounds =
+        state.selectedSurface ? boundsOf(scene, scene.surfaces[*state.selectedSurface]) : boundsOf(scene);
+    frameBounds(state.navigation, bounds, size.x / size.y);
+    state.camera = -1;
+    state.touch();
+}
+
+void handleKey(ViewerState& state, const Window::KeyPress& press, glm::vec2 size, Wishes& wishes) {
+    if (press.key == GLFW_KEY_TAB) state.view.panels = !state.view.panels;
+    wishes.fullScreen |= press.key == GLFW_KEY_F11;
+    if (!state.document) return;
+    if (press.control) {
+        EditHistory& edits = state.document->edits;
+        if (press.key == GLFW_KEY_Y || (press.key == GLFW_KEY_Z && press.shift))
+            edits.redo();
+        else if (press.key == GLFW_KEY_Z)
+            edits.undo();
+        wishes.save |= press.key == GLFW_KEY_S;
+        return;
+    }
+    if (press.key == GLFW_KEY_F) frameSelection(state, size);
+    if (press.key == GLFW_KEY_HOME) showCamera(state, 0);
+    if (press.key == GLFW_KEY_ESCAPE) state.selectedSurface.reset();
+    if (press.key == GLFW_KEY_C) state.view.compare = !state.view.compare;
+    wishes.keepPicture |= press.key == GLFW_KEY_P;
+}
+
+}  // namespace
+
+Wishes handleInput(ViewerState& state, const std::vector<Window::KeyPress>& pressed, glm::ivec4 area) {
+    Wishes wishes;
+    const ImGuiIO& io = ImGui::GetIO();
+    const Place place{glm::vec2(area.x, area.y),
+                      glm::vec2(area.z, area.w),
+                      {io.DisplayFramebufferScale.x, io.DisplayFramebufferScale.y}};
+    if (!io.WantTextInput) {
+        for (const Window::KeyPress& press : pressed) handleKey(state, press, place.size, wishes);
+        if (state.document) handleFlight(state);
+    }
+    if (!io.WantCaptureMouse && state.document) handleMouse(state, place);
+    return wishes;
+}
+
+}  // namespace phat

@@ -1,0 +1,41 @@
+#pragma once
+// Mouse and keys over the picture.
+
+#include "viewer/viewer_state.h"
+#include "viewer/window.h"
+
+namespace phat {
+
+/// What a frame's keys asked for, beside what was done to the state at once.
+struct Wishes {
+    bool keepPicture = false;
+    bool save = false;
+    bool fullScreen = false;
+};
+
+/// Moves the camera, picks, undoes. `area`: the picture's x, y, width and height in the window, in pixels.
+/// pre: between beginFrame and endFrame.
+Wishes handleInput(ViewerState& state, const std::vector<Window::KeyPress>& pressed, glm::ivec4 area);
+
+struct KeyHelp {
+    const char* keys;
+    const char* does;
+};
+inline constexpr KeyHelp kKeyHelp[] = {
+    {"Left or middle drag", "orbit"},
+    {"Shift + drag", "pan"},
+    {"Wheel", "zoom"},
+    {"Right drag", "look around"},
+    {"W A S D, E Q", "fly; Shift: faster"},
+    {"Click", "select"},
+    {"F", "frame the selection"},
+    {"Home", "the file's camera again"},
+    {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
+    {"Ctrl+S", "save"},
+    {"C", "compare"},
+    {"P", "keep the picture"},
+    {"Tab", "panels on and off"},
+    {"F11", "full screen"},
+};
+
+}  // namespace phat

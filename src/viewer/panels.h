@@ -1,0 +1,33 @@
+#pragma once
+// The panels: what they change, they change in the state.
+
+#include "viewer/pictures.h"
+#include "viewer/viewer_state.h"
+
+namespace phat {
+
+/// What the panels tell beside the state, and what they may ask for.
+struct PanelInput {
+    const Pictures& pictures;
+    std::string bakeStatus;  // empty: no bake is running
+    float bakeShare = 0;
+    float uiScale = 1;
+    bool turning = false;  // a turntable is being written
+};
+
+struct PanelWishes {
+    bool keepPicture = false;
+    bool copyCommand = false;
+    bool save = false;
+    int turntableFrames = 0;  // 0: none
+    bool stopTurntable = false;
+    std::string open;  // a file; empty: none
+};
+
+/// Pixels of a window's width that the panels take.
+float panelWidth(float uiScale);
+
+/// pre: between beginFrame and endFrame.
+PanelWishes drawPanels(ViewerState& state, const PanelInput& input);
+
+}  // namespace phat

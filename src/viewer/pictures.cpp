@@ -1,0 +1,195 @@
+#include "viewer/pictures.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+
+#include "gl/textures.h"
+
+namespace phat {
+namespace {
+
+// A still picture is this many samples a pixel.
+constexpr int kStillSamples = 16;
+// While something moves, pixels are left out so that a frame takes no longer than this.
+constexpr double kMovingFrameSeconds = 0.04;
+constexpr int kMostCoarseness = 8;
+// After the last motion the picture waits so long before it is drawn with all pixels, where that is slow.
+constexpr auto kSettleTime = std::chrono::milliseconds(150);
+
+GlTexture uploadPicture(const Image& image) {
+    const glm::uvec2 size(uint32_t(image.width), uint32_t(image.height));
+    GlTexture texture = createTexture2D(GL_RGB32F, size);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    // OpenGL's row 0 is the bottom.
+    for (int y = 0; y < image.height; ++y)
+        glTextureSubImage2D(texture.name(), 0, 0, image.height - 1 - y, image.width, 1, GL_RGB, GL_FLOAT,
+                            image.pixels.data() + size_t(y) * size_t(image.width));
+    return texture;
+}
+
+Image readTexture(GLuint name, int width, int height) {
+    Image image(width, height);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glGetTextureImage(name, 0, GL_RGB, GL_FLOAT, GLsizei(image.pixels.size() * sizeof(glm::vec3)),
+                      image.pixels.data());
+    return image;
+}
+
+}  // namespace
+
+Pictures::Pictures(const std::string& shaderFolder, Wake wake)
+    : present_(createPresentPass(shaderFolder)), wake_(std::move(wake)) {}
+
+void Pictures::reset() {
+    path_.reset();
+    sides_ = {};
+    metrics_.reset();
+}
+
+Pictures::SideReport Pictures::reportOf(const Side& side) {
+    return {side.source == Source::pathTracer ? side.tracedSamples : side.drawn.samples, side.wanted};
+}
+
+int Pictures::coarsenessFor(glm::uvec2 size) const {
+    // Nothing is known of the first frame.
+    if (secondsPerPixel_ == 0) return 4;
+    int coarseness = 1;
+    while (coarseness < kMostCoarseness &&
+           secondsPerPixel_ * double(size.x) * double(size.y) > kMovingFrameSeconds * coarseness * coarseness)
+        coarseness *= 2;
+    return coarseness;
+}
+
+void Pictures::draw(ViewerState& state, Side& side, glm::uvec2 size, int samplesPerPixel) {
+    FrameSettings settings;
+    settings.width = int(size.x);
+    settings.height = int(size.y);
+    settings.camera = state.navigation.camera;
+    settings.method = side.source == Source::phatPyramid ? Method::phatPyramid : Method::phat;
+    settings.component = side.source == Source::direct ? Component::direct : state.view.component;
+    settings.samplesPerPixel = samplesPerPixel;
+    settings.samplesPerDraw = 1;
+    if (side.version != state.version) side.drawn.samples = 0;
+    state.renderer->draw(settings, side.drawn);
+    side.version = state.version;
+    side.wanted = samplesPerPixel;
+    frameTimes_ = state.renderer->lastFrameTimes();
+    const double seconds = frameTimes_.relight + frameTimes_.pyramid + frameTimes_.display;
+    secondsPerPixel_ = seconds / (double(size.x) * double(size.y));
+    coarseness_ = int(std::max(1u, size_.x / size.x));
+}
+
+void Pictures::askPathTracer(const ViewerState& state, Side& side, glm::uvec2 size) {
+    if (!path_ || pathDocument_ != state.document.get()) {
+        path_.reset();
+        path_ = std::make_unique<PathPreview>(state.document->scene(), wake_);
+        pathDocument_ = state.document.get();
+    }
+    path_->show({state.navigation.camera, int(size.x), int(size.y), state.view.component,
+                 state.document->edits.now()});
+    side.version = state.version;
+    side.tracedSamples = 0;
+    side.wanted = PathPreview::kMostSamples;
+    measuredSamples_ = 0;
+}
+
+void Pictures::takePathTracer(Side& side) {
+    const auto refined = path_ ? path_->take() : std::nullopt;
+    if (!refined) return;
+    side.traced = uploadPicture(refined->mean);
+    side.tracedSamples = refined->samplesPerPixel;
+}
+
+bool Pictures::refine(ViewerState& state, glm::uvec2 size) {
+    const auto now = std::chrono::steady_clock::now();
+    if (state.version != version_ || size != size_) {
+        version_ = state.version;
+        lastChange_ = now;
+        if (size != size_)
+            for (Side& side : sides_) side.version = ~0ull;
+        size_ = size;
+        metrics_.reset();
+    }
+    const bool settled = now - lastChange_ >= kSettleTime;
+    sides_[0].source = state.view.left;
+    sides_[1].source = state.view.right;
+    const size_t shown = state.view.compare ? 2 : 1;
+    bool tracing = false, more = false;
+    for (size_t i = 0; i < shown; ++i) {
+        Side& side = sides_[i];
+        const bool current = side.version == state.version;
+        if (side.source == Source::pathTracer) {
+            tracing = true;
+            if (!current && settled) askPathTracer(state, side, size);
+            more |= !current && !settled;
+            takePathTracer(side);
+            continue;
+        }
+        if (!state.renderer) continue;
+        const int coarseness = settled ? 1 : coarsenessFor(size);
+        const glm::uvec2 pixels = glm::max(size / uint32_t(coarseness), glm::uvec2(1));
+        const bool sharp = side.drawn.size == size;
+        if (current && sharp && side.drawn.samples >= side.wanted && side.wanted == kStillSamples) continue;
+        // Coarse pictures are drawn once a change and wait to be replaced by a sharp one.
+        if (!current || settled || coarseness == 1)
+            draw(state, side, pixels, coarseness > 1 ? 1 : kStillSamples);
+        more = true;
+    }
+    if (!tracing && path_) path_->pause();
+    measure(state);
+    return more;
+}
+
+void Pictures::measure(const ViewerState& state) {
+    if (measuring_.valid()) {
+        if (measuring_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+        metrics_ = measuring_.get();
+    }
+    if (!state.view.compare) return;
+    const auto ready = [&](const Side& side) {
+        return side.source == Source::pathTracer
+                   ? side.tracedSamples > 0
+                   : side.drawn.size == size_ && side.drawn.samples == side.wanted;
+    };
+    const int samples = std::max(left().samples, right().samples);
+    if (!ready(sides_[0]) || !ready(sides_[1]) || (metrics_ && samples < 2 * measuredSamples_)) return;
+    measuredSamples_ = samples;
+    const auto picture = [&](const Side& side) {
+        Image image = side.source == Source::pathTracer
+                          ? readTexture(side.traced.name(), int(size_.x), int(size_.y))
+                          : readTexture(side.drawn.texture.name(), int(size_.x), int(size_.y));
+        const float scale = side.source == Source::pathTracer ? 1.0f : 1.0f / float(side.drawn.samples);
+        for (glm::vec3& pixel : image.pixels) pixel *= scale;
+        return image;
+    };
+    measuring_ =
+        std::async(std::launch::async, [a = picture(sides_[0]), b = picture(sides_[1]), wake = wake_] {
+            const Metrics metrics = compareImages(a, b);
+            wake();
+            return metrics;
+        });
+}
+
+void Pictures::show(const ViewerState& state, glm::ivec4 area, int windowHeight) {
+    const auto presented = [&](const Side& side) {
+        if (side.source == Source::pathTracer && side.version == state.version && side.tracedSamples > 0)
+            return Presented{side.traced.name(), 1};
+        return Presented{side.drawn.texture.name(), side.drawn.samples};
+    };
+    Presented left = presented(sides_[0]), right = state.view.compare ? presented(sides_[1]) : left;
+    // Until the path tracer's first pass is there, the drawn picture stands in.
+    if (left.texture == 0) left = right;
+    if (right.texture == 0) right = left;
+    if (left.texture == 0) return;
+    PresentSettings settings;
+    settings.toneMap = state.view.toneMap;
+    settings.exposureStops = state.view.exposureStops;
+    settings.wipe = state.view.compare ? state.view.wipe : 1.0f;
+    settings.difference = state.view.compare && state.view.difference;
+    // OpenGL's row 0 is the bottom.
+    const glm::ivec4 viewport(area.x, windowHeight - area.y - area.w, area.z, area.w);
+    present(present_, left, right, 0, viewport, settings);
+}
+
+}  // namespace phat

@@ -1,0 +1,73 @@
+#pragma once
+// The pictures left and right of the wipe, refined by a sample a frame while nothing changes.
+
+#include <chrono>
+#include <future>
+#include <memory>
+#include <optional>
+
+#include "core/metrics.h"
+#include "gl/picture_sum.h"
+#include "gl/present_pass.h"
+#include "viewer/path_preview.h"
+#include "viewer/viewer_state.h"
+
+namespace phat {
+
+class Pictures {
+  public:
+    Pictures(const std::string& shaderFolder, Wake wake);
+
+    /// Another document: nothing of the last one is shown.
+    void reset();
+    /// Brings the pictures of `size` pixels nearer to what the state asks for. Returns whether more can be
+    /// done at once; what the path tracer still has to do wakes the window by itself.
+    bool refine(ViewerState& state, glm::uvec2 size);
+    /// Draws them into `area` (x, y from the top left, width, height) of a window so many pixels high.
+    void show(const ViewerState& state, glm::ivec4 area, int windowHeight);
+
+    struct SideReport {
+        int samples = 0, wanted = 0;
+    };
+    SideReport left() const { return reportOf(sides_[0]); }
+    SideReport right() const { return reportOf(sides_[1]); }
+    /// How far the left picture is from the right one; once both are there.
+    std::optional<Metrics> metrics() const { return metrics_; }
+    /// Seconds of the last drawn frame by pass, and how many times fewer pixels a side it had.
+    FrameTimes frameTimes() const { return frameTimes_; }
+    int coarseness() const { return coarseness_; }
+
+  private:
+    struct Side {
+        Source source = Source::phat;
+        uint64_t version = ~0ull;  // of the state, that the picture shows
+        PictureSum drawn;
+        GlTexture traced;
+        int tracedSamples = 0;
+        int wanted = 0;
+        bool complete = false;
+    };
+    static SideReport reportOf(const Side& side);
+    void draw(ViewerState& state, Side& side, glm::uvec2 size, int samplesPerPixel);
+    void askPathTracer(const ViewerState& state, Side& side, glm::uvec2 size);
+    void takePathTracer(Side& side);
+    void measure(const ViewerState& state);
+    int coarsenessFor(glm::uvec2 size) const;
+
+    PresentPass present_;
+    Wake wake_;
+    std::array<Side, 2> sides_;
+    std::unique_ptr<PathPreview> path_;
+    const Document* pathDocument_ = nullptr;
+    glm::uvec2 size_{0};
+    uint64_t version_ = 0;
+    std::chrono::steady_clock::time_point lastChange_{};
+    double secondsPerPixel_ = 0;
+    FrameTimes frameTimes_;
+    int coarseness_ = 1;
+    std::optional<Metrics> metrics_;
+    std::future<Metrics> measuring_;
+    int measuredSamples_ = 0;
+};
+
+}  // namespace phat

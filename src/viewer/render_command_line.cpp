@@ -1,0 +1,72 @@
+#include "viewer/render_command_line.h"
+
+#include <fmt/format.h>
+
+#include "io/material_edit.h"
+
+namespace phat {
+namespace {
+
+std::string quoted(const std::string& word) {
+    const bool plain = !word.empty() && word.find_first_not_of(
+                                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                            "0123456789_-+=.,/:") == std::string::npos;
+    if (plain) return word;
+    std::string out = "'";
+    for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + "'";
+}
+
+std::string point(glm::vec3 p) {
+    return fmt::format("{},{},{}", p.x, p.y, p.z);
+}
+
+const char* methodOf(Source source) {
+    switch (source) {
+        case Source::phat:
+        case Source::direct:
+            return "phat";
+        case Source::phatPyramid:
+            return "phat-pyramid";
+        case Source::pathTracer:
+            return "path";
+    }
+    return "phat";
+}
+
+const char* componentOf(Component component) {
+    constexpr const char* kNames[] = {"all", "direct", "indirect", "glossy-indirect", "diffuse-indirect"};
+    return kNames[size_t(component)];
+}
+
+const char* toneMapOf(ToneMap toneMap) {
+    constexpr const char* kNames[] = {"linear", "agx", "aces"};
+    return kNames[size_t(toneMap)];
+}
+
+}  // namespace
+
+std::string renderCommandLine(const ViewerState& state, glm::ivec2 size) {
+    const Document& document = *state.document;
+    const ViewSettings& view = state.view;
+    std::string line = fmt::format("phat render {} -o picture.png --method {} --size {}x{}",
+                                   quoted(document.path), methodOf(view.left), size.x, size.y);
+    if (state.camera > 0) {
+        line += fmt::format(" --camera {}", state.camera);
+    } else if (state.camera < 0) {
+        const Navigation& navigation = state.navigation;
+        line += fmt::format(" --eye {} --target {}", point(eyeOf(navigation)), point(focusOf(navigation)));
+        if (navigation.camera.perspective)
+            line += fmt::format(" --fov {}", glm::degrees(navigation.camera.yfovRadians));
+    }
+    const Component component = view.left == Source::direct ? Component::direct : view.component;
+    if (component != Component::all) line += fmt::format(" --component {}", componentOf(component));
+    if (view.exposureStops != 0) line += fmt::format(" --exposure {}", view.exposureStops);
+    if (view.toneMap != ToneMap::agx) line += fmt::format(" --tonemap {}", toneMapOf(view.toneMap));
+    const auto edits = materialEdits(document.edits.original().materials, document.edits.now().materials);
+    if (!edits.empty()) line += " --set";
+    for (const std::string& edit : edits) line += " " + quoted(edit);
+    return line;
+}
+
+}  // namespace phat

@@ -1,0 +1,318 @@
+#include "viewer/viewer.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "io/bake_record.h"
+#include "io/baked_edits.h"
+#include "io/image_file.h"
+#include "viewer/background_bake.h"
+#include "viewer/input.h"
+#include "viewer/panels.h"
+#include "viewer/recent_files.h"
+#include "viewer/render_command_line.h"
+#include "viewer/window.h"
+
+namespace phat {
+namespace {
+
+// Dear ImGui needs a second and third frame to settle after an event.
+constexpr int kFramesAfterEvent = 3;
+
+// Samples a pixel of pictures that are written.
+constexpr int kKeptSamples = 16;
+
+// `prefix` with the first number of which no file has any of the endings, so that nothing is overwritten.
+template <class... Endings>
+std::string freeName(const char* prefix, const Endings&... endings) {
+    for (int i = 1;; ++i) {
+        const std::string name = fmt::format("{}{:04}", prefix, i);
+        if (!(std::filesystem::exists(name + endings) || ...)) return name;
+    }
+}
+
+class Viewer {
+  public:
+    explicit Viewer(const ViewerOptions& options)
+        : options_(options),
+          window_("PHATextures", options.size, options.uiScale),
+          pictures_(options.shaderFolder, Window::wake) {
+        if (!options.path.empty()) open(options.path);
+    }
+
+    void run() {
+        bool idle = false;
+        while (!window_.closeRequested()) {
+            window_.handleEvents(idle && framesLeft_ == 0);
+            framesLeft_ = idle ? kFramesAfterEvent : std::max(framesLeft_ - 1, 0);
+            const bool more = frame();
+            idle = !more && framesLeft_ == 0;
+        }
+    }
+
+  private:
+    bool frame();
+    void open(const std::string& path);
+    void tryOpen(const std::string& path);
+    void takeBake();
+    void applyEdits();
+    void fulfill(const PanelWishes& panels, const Wishes& keys);
+    void keepPicture();
+    void save();
+    void beginTurntable(int frames);
+    bool turn();
+    void noticeFileChange();
+    void useBake();
+    Image drawWhole(const Camera& camera);
+    PanelInput panelInput() const;
+    /// Where the picture is in the window: beside the panels. x, y (from the top left), width, height in
+    /// pixels.
+    glm::ivec4 pictureArea() const;
+    glm::uvec2 pictureSize() const { return {pictureArea().z, pictureArea().w}; }
+
+    ViewerOptions options_;
+    Window window_;
+    Pictures pictures_;
+    ViewerState state_;
+    std::unique_ptr<BackgroundBake> bake_;
+    uint64_t appliedRevision_ = 0;
+    int framesLeft_ = kFramesAfterEvent;
+
+    struct Turntable {
+        Navigation start;
+        std::string folder;
+        int frames = 0, done = 0;
+    };
+    std::optional<Turntable> turntable_;
+};
+
+void Viewer::open(const std::string& path) {
+    auto document = std::make_unique<Document>(path, options_.environment);
+    bake_.reset();
+    state_.renderer.reset();
+    pictures_.reset();
+    state_.document = std::move(document);
+    state_.selectedSurface.reset();
+    appliedRevision_ = 0;
+    showCamera(state_, 0);
+    rememberFile(path);
+    state_.recentFiles = recentFiles();
+    window_.setTitle(fmt::format("{} - PHATextures", std::filesystem::path(path).filename().string()));
+    if (state_.document->hasBake)
+        useBake();
+    else
+        bake_ = std::make_unique<BackgroundBake>(state_.document->scene(), BakeSettings(), Window::wake);
+}
+
+void Viewer::tryOpen(const std::string& path) {
+    try {
+        open(path);
+        state_.message.clear();
+    } catch (const std::exception& error) {
+        state_.message = error.what();
+    }
+}
+
+void Viewer::useBake() {
+    const BakedScene& baked = state_.document->baked;
+    state_.renderer.reset();
+    state_.renderer = std::make_unique<Renderer>(
+        RendererInput{baked.loaded.scene, baked.atlas, baked.points, baked.phatexture},
+        options_.shaderFolder);
+    appliedRevision_ = ~0ull;
+    state_.touch();
+}
+
+void Viewer::takeBake() {
+    if (!bake_) return;
+    try {
+        auto result = bake_->take();
+        if (result) {
+            BakedScene& baked = state_.document->baked;
+            baked.atlas = std::move(result->atlas);
+            baked.points = std::move(result->points);
+            baked.phatexture = std::move(result->phatexture);
+            state_.document->hasBake = true;
+            useBake();
+        }
+        if (bake_->done()) bake_.reset();
+    } catch (const std::exception& error) {
+        state_.message = fmt::format("{}: {}", state_.document->path, error.what());
+        bake_.reset();
+    }
+}
+
+void Viewer::applyEdits() {
+    if (!state_.document || state_.document->edits.revision() == appliedRevision_) return;
+    appliedRevision_ = state_.document->edits.revision();
+    if (state_.renderer) {
+        state_.renderer->setMaterials(state_.document->edits.now().materials);
+        state_.renderer->setLights(state_.document->edits.now().lights);
+    }
+    state_.touch();
+}
+
+PanelInput Viewer::panelInput() const {
+    PanelInput input{pictures_, {}, 0, window_.uiScale(), turntable_.has_value()};
+    if (!bake_) return input;
+    const auto report = bake_->report();
+    input.bakeStatus =
+        fmt::format("Baking, step {} of {}: {}, {:.0f} s", std::min(bake_->step(), BackgroundBake::kSteps),
+                    BackgroundBake::kSteps, report.stage, report.elapsedSeconds);
+    input.bakeShare = report.share;
+    return input;
+}
+
+Image Viewer::drawWhole(const Camera& camera) {
+    FrameSettings settings;
+    const glm::uvec2 size = pictureSize();
+    settings.width = int(size.x);
+    settings.height = int(size.y);
+    settings.camera = camera;
+    settings.method = state_.view.left == Source::phatPyramid ? Method::phatPyramid : Method::phat;
+    settings.component = state_.view.left == Source::direct ? Component::direct : state_.view.component;
+    settings.samplesPerPixel = kKeptSamples;
+    return state_.renderer->render(settings);
+}
+
+void Viewer::keepPicture() {
+    const std::string name = freeName("phat-", ".png", ".exr");
+    const Image picture = drawWhole(state_.navigation.camera);
+    writePng(name + ".png", toneMap(picture, state_.view.toneMap, state_.view.exposureStops));
+    writeExr(name + ".exr", picture);
+    state_.message = fmt::format("Kept as {0}.png and {0}.exr.", name);
+}
+
+// A bake that was made here goes beside its scene; edits go into the baked file.
+void Viewer::save() {
+    Document& document = *state_.document;
+    std::string out = document.path;
+    if (!isBakedFile(document.path)) {
+        out = std::filesystem::path(document.path).replace_extension(".phat.glb").string();
+        Scene& scene = document.baked.loaded.scene;
+        Bake whole{std::move(document.baked.atlas),
+                   std::move(document.baked.points),
+                   std::move(document.baked.phatexture),
+                   {}};
+        const auto giveBack = [&] {
+            document.baked.atlas = std::move(whole.atlas);
+            document.baked.points = std::move(whole.points);
+            document.baked.phatexture = std::move(whole.phatexture);
+        };
+        try {
+            BakeSettings settings;
+            settings.atlas.texelBudget = whole.atlas.texelCount();
+            writeBakedFile(out, document.path, scene, whole,
+                           recordOf(settings, document.path, options_.environment));
+        } catch (...) {
+            giveBack();
+            throw;
+        }
+        giveBack();
+    }
+    const Editable& edited = document.edits.now();
+    writeEdits(out, out, document.scene(), edited.materials, edited.lights);
+    state_.message = fmt::format("Saved as {}.", out);
+    if (out == document.path) document.writeTime = std::filesystem::last_write_time(out);
+    rememberFile(out);
+}
+
+void Viewer::beginTurntable(int frames) {
+    const std::string folder = freeName("turntable-", "");
+    std::filesystem::create_directory(folder);
+    turntable_ = Turntable{state_.navigation, folder, frames, 0};
+}
+
+// One picture a frame, so that the window stays alive.
+bool Viewer::turn() {
+    if (!turntable_) return false;
+    Turntable& t = *turntable_;
+    Navigation navigation = t.start;
+    // A drag over the window's height is half a turn.
+    orbit(navigation, {2.0f * float(t.done) / float(t.frames), 0}, 1);
+    const Image picture = drawWhole(navigation.camera);
+    ++t.done;
+    writePng(fmt::format("{}/{:04}.png", t.folder, t.done),
+             toneMap(picture, state_.view.toneMap, state_.view.exposureStops));
+    state_.message = fmt::format("Turntable: {} of {} pictures in {}.", t.done, t.frames, t.folder);
+    if (t.done == t.frames) turntable_.reset();
+    return turntable_.has_value();
+}
+
+void Viewer::noticeFileChange() {
+    if (!state_.document) return;
+    std::error_code missing;
+    const auto time = std::filesystem::last_write_time(state_.document->path, missing);
+    state_.fileChanged = !missing && time != state_.document->writeTime;
+}
+
+void Viewer::fulfill(const PanelWishes& panels, const Wishes& keys) {
+    try {
+        if (keys.fullScreen) window_.toggleFullScreen();
+        if (!panels.open.empty()) open(panels.open);
+        if (panels.copyCommand) {
+            window_.setClipboard(renderCommandLine(state_, glm::ivec2(pictureSize())));
+            state_.message = "The command is in the clipboard.";
+        }
+        if (!state_.renderer) return;
+        if (panels.keepPicture || keys.keepPicture) keepPicture();
+        if (panels.save || keys.save) save();
+        if (panels.stopTurntable) turntable_.reset();
+        if (panels.turntableFrames > 0) beginTurntable(panels.turntableFrames);
+    } catch (const std::exception& error) {
+        state_.message = error.what();
+    }
+}
+
+glm::ivec4 Viewer::pictureArea() const {
+    const glm::ivec2 size = glm::max(window_.framebufferSize(), glm::ivec2(1));
+    const int left = state_.view.panels ? std::min(int(panelWidth(window_.uiScale())), size.x - 1) : 0;
+    return {left, 0, size.x - left, size.y};
+}
+
+bool Viewer::frame() {
+    for (const std::string& path : window_.takeDroppedFiles()) tryOpen(path);
+    takeBake();
+    noticeFileChange();
+    window_.beginFrame();
+    const glm::ivec4 area = pictureArea();
+    const Wishes keys = handleInput(state_, window_.takeKeyPresses(), area);
+    const PanelWishes wishes = drawPanels(state_, panelInput());
+    fulfill(wishes, keys);
+    applyEdits();
+    bool more = false;
+    try {
+        more = turn();
+        if (state_.document) more |= pictures_.refine(state_, pictureSize());
+    } catch (const std::exception& error) {  // such as out of video memory
+        state_.message = error.what();
+        state_.renderer.reset();
+        turntable_.reset();
+    }
+    window_.clear();
+    pictures_.show(state_, pictureArea(), window_.framebufferSize().y);
+    window_.endFrame();
+    return more;
+}
+
+}  // namespace
+
+void showCamera(ViewerState& state, int index) {
+    const Scene& scene = state.document->scene();
+    const Camera camera = scene.cameras.empty() ? defaultCamera(scene) : scene.cameras[size_t(index)];
+    // What is in the middle of the view is orbited.
+    uint64_t rays = 0;
+    const Hit hit = visibleHit(state.document->rays, cameraRay(camera, 2, 2, {1, 1}), rays);
+    state.navigation = navigationOf(camera, hit ? hit.distance : 0.5f * boundsOf(scene).diagonal());
+    state.camera = index;
+    state.touch();
+}
+
+void runViewer(const ViewerOptions& options) {
+    Viewer(options).run();
+}
+
+}  // namespace phat

@@ -1,0 +1,21 @@
+#pragma once
+// phat view: a window to walk through a bake.
+
+#include <glm/glm.hpp>
+#include <string>
+
+namespace phat {
+
+struct ViewerOptions {
+    std::string path;         // empty: asks for a file
+    std::string environment;  // of a scene that is not baked; empty: the file's own
+    std::string shaderFolder;
+    glm::ivec2 size{1280, 720};
+    float uiScale = 0;  // 0: the screen's
+};
+
+/// Returns when the window is closed. A file that cannot be opened first throws FileError; later ones are
+/// reported in the window. Throws GlError where there is no display or no OpenGL 4.5.
+void runViewer(const ViewerOptions& options);
+
+}  // namespace phat

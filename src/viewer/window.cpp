@@ -1,0 +1,159 @@
+#include "viewer/window.h"
+
+#include <epoxy/gl.h>
+// After epoxy, which replaces the system's OpenGL headers.
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "gl/gl_error.h"
+
+namespace phat {
+namespace {
+
+std::string lastGlfwError() {
+    const char* description = nullptr;
+    glfwGetError(&description);
+    return description ? description : "unknown reason";
+}
+
+// Frees what the constructor had before it threw.
+struct GlfwLibrary {
+    GlfwLibrary() {
+        if (!glfwInit()) throw GlError(fmt::format("cannot open a window: {}", lastGlfwError()));
+    }
+    ~GlfwLibrary() {
+        if (owned) glfwTerminate();
+    }
+    bool owned = true;
+};
+
+}  // namespace
+
+Window::Window(const std::string& title, glm::ivec2 size, float uiScale) {
+    GlfwLibrary library;
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+    // The pictures are drawn elsewhere.
+    glfwWindowHint(GLFW_DEPTH_BITS, 0);
+    glfwWindowHint(GLFW_STENCIL_BITS, 0);
+    window_ = glfwCreateWindow(size.x, size.y, title.c_str(), nullptr, nullptr);
+    if (!window_) throw GlError(fmt::format("cannot open a window with OpenGL 4.5: {}", lastGlfwError()));
+    library.owned = false;
+    glfwMakeContextCurrent(window_);
+    glfwSwapInterval(1);
+    glfwSetWindowUserPointer(window_, this);
+    glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
+        auto& dropped = static_cast<Window*>(glfwGetWindowUserPointer(window))->dropped_;
+        dropped.insert(dropped.end(), paths, paths + count);
+    });
+
+    glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int mods) {
+        if (action != GLFW_PRESS) return;
+        static_cast<Window*>(glfwGetWindowUserPointer(window))
+            ->pressed_.push_back({key, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0});
+    });
+
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;
+    ImGui_ImplGlfw_InitForOpenGL(window_, true);
+    ImGui_ImplOpenGL3_Init("#version 450 core");
+    uiScale_ = uiScale;
+    if (uiScale_ <= 0) glfwGetWindowContentScale(window_, &uiScale_, nullptr);
+    uiScale_ = std::clamp(uiScale_, 0.5f, 4.0f);
+    ImGui::StyleColorsDark();
+    ImGui::GetStyle().ScaleAllSizes(uiScale_);
+    ImFontConfig font;
+    font.SizePixels = 13 * uiScale_;
+    ImGui::GetIO().Fonts->AddFontDefault(&font);
+}
+
+Window::~Window() {
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+    glfwDestroyWindow(window_);
+    glfwTerminate();
+}
+
+bool Window::closeRequested() const {
+    return glfwWindowShouldClose(window_);
+}
+
+void Window::handleEvents(bool wait) {
+    if (wait)
+        glfwWaitEvents();
+    else
+        glfwPollEvents();
+}
+
+void Window::beginFrame() {
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGui::NewFrame();
+}
+
+void Window::clear() {
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glClearColor(0, 0, 0, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+}
+
+void Window::endFrame() {
+    ImGui::Render();
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    const glm::ivec2 size = framebufferSize();
+    glViewport(0, 0, size.x, size.y);
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    glfwSwapBuffers(window_);
+}
+
+glm::ivec2 Window::framebufferSize() const {
+    glm::ivec2 size(0);
+    glfwGetFramebufferSize(window_, &size.x, &size.y);
+    return size;
+}
+
+void Window::setTitle(const std::string& title) {
+    glfwSetWindowTitle(window_, title.c_str());
+}
+
+void Window::toggleFullScreen() {
+    if (glfwGetWindowMonitor(window_)) {
+        glfwSetWindowMonitor(window_, nullptr, windowedPlace_.x, windowedPlace_.y, windowedPlace_.z,
+                             windowedPlace_.w, 0);
+        return;
+    }
+    GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+    const GLFWvidmode* mode = monitor ? glfwGetVideoMode(monitor) : nullptr;
+    if (!mode) return;
+    glfwGetWindowPos(window_, &windowedPlace_.x, &windowedPlace_.y);
+    glfwGetWindowSize(window_, &windowedPlace_.z, &windowedPlace_.w);
+    glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+}
+
+void Window::setClipboard(const std::string& text) {
+    glfwSetClipboardString(window_, text.c_str());
+}
+
+std::vector<Window::KeyPress> Window::takeKeyPresses() {
+    return std::exchange(pressed_, {});
+}
+
+std::vector<std::string> Window::takeDroppedFiles() {
+    return std::exchange(dropped_, {});
+}
+
+void Window::wake() {
+    glfwPostEmptyEvent();
+}
+
+}  // namespace phat

@@ -1,0 +1,61 @@
+#include "io/baked_edits.h"
+
+#include <gtest/gtest.h>
+
+#include "baked_scene.h"
+#include "io/file_error.h"
+#include "io/gltf_source.h"
+#include "io/material_edit.h"
+
+namespace phat::test {
+namespace {
+
+struct BakedEdits : testing::Test {
+    BakedEdits() {
+        writeBytes(source, hardScene().glb());
+        const LoadedScene loaded = loadGltf(source);
+        writeBakedFile(baked, source, loaded.scene, randomBake(loaded.scene, 1, false, 1), someRecord());
+        before = readBakedFile(baked);
+    }
+    TemporaryFolder folder;
+    const std::string source = folder.file("hard.glb"), baked = folder.file("hard.phat.glb");
+    BakedScene before;
+};
+
+TEST_F(BakedEdits, ComeBackWhenTheFileIsRead) {
+    Scene edited = before.loaded.scene;
+    for (const char* edit : {"paint.roughness=0.55", "paint.metallic=0.25", "paint.baseColor=.1,.2,.3",
+                             "paint.ior=1.7", "paint.specular=0.5", "paint.specularColor=.9,.8,.7",
+                             "paint.clearcoat=1", "paint.clearcoatRoughness=.125", "paint.emission=2,4,8"})
+        editMaterial(edit, edited.materials);
+    edited.lights.at(0).intensity = {1, 2, 3};
+    writeEdits(baked, baked, before.loaded.scene, edited.materials, edited.lights);
+
+    const BakedScene after = readBakedFile(baked);
+    const auto differences = materialEdits(after.loaded.scene.materials, edited.materials);
+    EXPECT_TRUE(differences.empty()) << differences.front();
+    for (int c = 0; c < 3; ++c)
+        EXPECT_FLOAT_EQ(after.loaded.scene.lights.at(0).intensity[c], edited.lights[0].intensity[c]);
+    EXPECT_EQ(after.phatexture.indirect[0].texels.size(), before.phatexture.indirect[0].texels.size());
+    EXPECT_EQ(after.phatexture.indirectIrradiance, before.phatexture.indirectIrradiance);
+    EXPECT_EQ(readGltfJson(baked)["extensions"]["KHR_lights_punctual"]["lights"].size(), 1u);
+}
+
+TEST_F(BakedEdits, ChangeNothingWhereThereAreNone) {
+    const auto bytes = readBytes(baked);
+    writeEdits(baked, baked, before.loaded.scene, before.loaded.scene.materials, before.loaded.scene.lights);
+    EXPECT_EQ(readBytes(baked), bytes);
+}
+
+TEST_F(BakedEdits, NameTheFileThatCannotBeRead) {
+    const std::string missing = folder.file("missing.phat.glb");
+    try {
+        writeEdits(missing, missing, before.loaded.scene, before.loaded.scene.materials, {});
+        FAIL();
+    } catch (const FileError& error) {
+        EXPECT_EQ(error.path, missing);
+    }
+}
+
+}  // namespace
+}  // namespace phat::test
