@@ -118,6 +118,37 @@ TEST(Path, AreaIrradianceOfASquareLamp) {
 
 // A metal floor under a small and a large lamp, where one of the two techniques alone would be hopeless;
 // twin: midpoint rule over the lamp.
+// A flat lamp that shines from both faces of its lower side, in a case that closes it above and all around. What lies
+// above its plane sees nothing of it, not even of its rim.
+TEST(Path, NoLightPassesTheRimOfALampsCase) {
+    Scene scene;
+    const glm::vec3 low(-0.325f, 2.745f, -0.2625f), size(0.65f, 0.02f, 0.525f);
+    const glm::vec3 x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);
+    Material lamp = emitter(glm::vec3(22));
+    lamp.doubleSided = true;
+    addQuad(scene, lamp, low, x, z);
+    Material plate = lambert(0.5f);
+    plate.doubleSided = true;
+    addQuad(scene, plate, low + y, z, x);
+    addQuad(scene, plate, low, y, x);
+    addQuad(scene, plate, low + z, x, y);
+    addQuad(scene, plate, low, z, y);
+    addQuad(scene, plate, low + x, y, z);
+    const World world(scene);
+
+    Rng rng(1);
+    uint64_t rayCount = 0;
+    double sum = 0;
+    for (int i = 0; i < 20'000; ++i) {
+        const float angle = 2 * kPi * rng.uniform(), away = 0.4f + 0.2f * rng.uniform();
+        const glm::vec3 place(away * std::cos(angle), 2.775f, away * std::sin(angle));
+        sum += areaIrradiance(world.rays, world.lights, place, kDown, 16, 2, Rng(uint64_t(i)), rayCount).value.x;
+    }
+    EXPECT_EQ(sum, 0);
+    // And below it, it shines.
+    EXPECT_GT(areaIrradiance(world.rays, world.lights, {0, 1, 0}, kUp, 16, 2, Rng(1), rayCount).value.x, 1);
+}
+
 TEST(Path, GlossyFloorUnderSmallAndLargeLamps) {
     Material metal;
     metal.roughness = 0.3f;
