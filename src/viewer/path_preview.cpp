@@ -19,7 +19,8 @@ class PathPreview::Stop : public SilentProgress {
     uint64_t mine_;
 };
 
-PathPreview::PathPreview(const Scene& scene, Wake wake) : scene_(scene), wake_(std::move(wake)) {
+PathPreview::PathPreview(const Scene& scene, Wake wake)
+    : scene_(scene), rays_(scene_), wake_(std::move(wake)) {
     thread_ = std::thread([this] { run(); });
 }
 
@@ -76,9 +77,8 @@ void PathPreview::refine(const View& view, uint64_t version) {
     scene_.lights = view.edits.lights;
     Stop stop(version_, version);
     try {
-        const RayScene rays(scene_);
         const LightSampler lights(scene_);
-        const Integrator integrator = pathTracer(rays, lights, view.component);
+        const Integrator integrator = pathTracer(rays_, lights, view.component);
         PictureSettings settings;
         settings.width = view.width;
         settings.height = view.height;

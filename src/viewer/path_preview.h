@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "core/picture.h"
+#include "core/rays.h"
 #include "viewer/background.h"
 #include "viewer/edit_history.h"
 
@@ -47,6 +48,7 @@ class PathPreview {
     void refine(const View& view, uint64_t version);
 
     Scene scene_;
+    RayScene rays_;  // of scene_, whose geometry and opacity no edit changes
     Wake wake_;
     std::mutex mutex_;
     std::condition_variable changed_;

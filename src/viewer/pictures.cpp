@@ -28,14 +28,6 @@ GlTexture uploadPicture(const Image& image) {
     return texture;
 }
 
-Image readTexture(GLuint name, int width, int height) {
-    Image image(width, height);
-    glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glGetTextureImage(name, 0, GL_RGB, GL_FLOAT, GLsizei(image.pixels.size() * sizeof(glm::vec3)),
-                      image.pixels.data());
-    return image;
-}
-
 }  // namespace
 
 Pictures::Pictures(const std::string& shaderFolder, Wake wake)
@@ -95,9 +87,10 @@ void Pictures::askPathTracer(const ViewerState& state, Side& side, glm::uvec2 si
 }
 
 void Pictures::takePathTracer(Side& side) {
-    const auto refined = path_ ? path_->take() : std::nullopt;
+    auto refined = path_ ? path_->take() : std::nullopt;
     if (!refined) return;
-    side.traced = uploadPicture(refined->mean);
+    side.traced = std::move(refined->mean);
+    side.tracedTexture = uploadPicture(side.traced);
     side.tracedSamples = refined->samplesPerPixel;
 }
 
@@ -155,13 +148,8 @@ void Pictures::measure(const ViewerState& state) {
     const int samples = std::max(left().samples, right().samples);
     if (!ready(sides_[0]) || !ready(sides_[1]) || (metrics_ && samples < 2 * measuredSamples_)) return;
     measuredSamples_ = samples;
-    const auto picture = [&](const Side& side) {
-        Image image = side.source == Source::pathTracer
-                          ? readTexture(side.traced.name(), int(size_.x), int(size_.y))
-                          : readTexture(side.drawn.texture.name(), int(size_.x), int(size_.y));
-        const float scale = side.source == Source::pathTracer ? 1.0f : 1.0f / float(side.drawn.samples);
-        for (glm::vec3& pixel : image.pixels) pixel *= scale;
-        return image;
+    const auto picture = [](const Side& side) {
+        return side.source == Source::pathTracer ? side.traced : readMean(side.drawn);
     };
     measuring_ =
         std::async(std::launch::async, [a = picture(sides_[0]), b = picture(sides_[1]), wake = wake_] {
@@ -174,7 +162,7 @@ void Pictures::measure(const ViewerState& state) {
 void Pictures::show(const ViewerState& state, glm::ivec4 area, int windowHeight) {
     const auto presented = [&](const Side& side) {
         if (side.source == Source::pathTracer && side.version == state.version && side.tracedSamples > 0)
-            return Presented{side.traced.name(), 1};
+            return Presented{side.tracedTexture.name(), 1};
         return Presented{side.drawn.texture.name(), side.drawn.samples};
     };
     Presented left = presented(sides_[0]), right = state.view.compare ? presented(sides_[1]) : left;

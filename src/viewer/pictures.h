@@ -42,7 +42,8 @@ class Pictures {
         Source source = Source::phat;
         uint64_t version = ~0ull;  // of the state, that the picture shows
         PictureSum drawn;
-        GlTexture traced;
+        Image traced;  // what tracedTexture shows
+        GlTexture tracedTexture;
         int tracedSamples = 0;
         int wanted = 0;
         bool complete = false;

@@ -1,7 +1,6 @@
 #include "viewer/viewer.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <imgui.h>
 
 #include <algorithm>
