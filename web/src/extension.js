@@ -1,0 +1,154 @@
+// The GLTFLoader plug-in, and the light that it loads.
+import { DataTexture, EquirectangularReflectionMapping, ExternalTexture, FloatType, LinearFilter, LinearSRGBColorSpace,
+    Matrix4, Vector2, Vector3 } from 'three';
+import { canLookUp, kName, readAtlas, readDistances, readEnvironment, readGuides, readLayer } from './file.js';
+import { isSupported } from './gl.js';
+import { injectLight } from './inject.js';
+import { alphaMode, kBlend } from './material.js';
+import { Passes } from './passes.js';
+import { gatherSurfaces, surfaceMeshes, triangleCount } from './surfaces.js';
+
+// loader.register((parser) => new PhatexturesExtension(parser))
+export class PhatexturesExtension {
+    constructor(parser) {
+        this.name = kName;
+        this.parser = parser;
+    }
+
+    // Diffuse light is there when the file is; the PHATexels follow (BakedLight.ready).
+    async afterRoot(gltf) {
+        const description = this.parser.json.extensions?.[kName];
+        if (!description) return;
+        const meshes = surfaceMeshes(gltf, description);
+        const triangles = meshes.reduce((sum, mesh) => sum + triangleCount(mesh), 0);
+        const atlas = await readAtlas(this.parser, description, triangles);
+        const surfaces = gatherSurfaces(gltf.scene, meshes, atlas, description.texCoord);
+        gltf.userData.bakedLight = new BakedLight(gltf.scene, this.parser, description, { atlas, surfaces, distances: null, indirect: null });
+    }
+}
+
+function isVisible(object) {
+    for (let o = object; o; o = o.parent) if (!o.visible) return false;
+    return true;
+}
+
+export class BakedLight {
+    constructor(root, parser, description, bake) {
+        this.root = root;
+        this.enabled = true;
+        this.quality = 'default';
+        this.seed = 0;
+        this.wipe = 1;
+        this.progress = 0;
+        this.bake = bake;
+        this.passes = null;
+        this.drawnFor = { frame: -1, camera: null };
+        this.drawing = false;
+        this.uniforms = { phatLight: { value: new ExternalTexture() }, phatDepth: { value: new ExternalTexture() } };
+        const materials = new Set();
+        this.undo = bake.surfaces.draws.map(({ mesh }) => {
+            const { onBeforeRender } = mesh;
+            mesh.onBeforeRender = (renderer, scene, camera, ...rest) => {
+                onBeforeRender.call(mesh, renderer, scene, camera, ...rest);
+                this.draw(renderer, camera);
+            };
+            if (mesh.material.isMeshStandardMaterial && alphaMode(mesh.material) !== kBlend) materials.add(mesh.material);
+            return () => { mesh.onBeforeRender = onBeforeRender; };
+        });
+        for (const material of materials) this.undo.push(injectLight(material, this.uniforms));
+        this.ready = this.load(parser, description);
+        this.ready.catch(() => {});  // whoever awaits it is told
+        this.environment = null;
+    }
+
+    // The PHATexels, a layer at a time: each makes the picture better.
+    async load(parser, description) {
+        const { indirect } = description;
+        if (description.environment) this.environment = environmentTexture(await readEnvironment(parser, description.environment));
+        if (!canLookUp(indirect)) return this;
+        const [guides, distances] = await Promise.all([readGuides(parser, indirect), readDistances(parser, description, this.bake.atlas)]);
+        const layers = [];
+        for (const layer of indirect.layers) {
+            layers.push(await readLayer(parser, layer, this.bake.atlas));
+            if (this.disposed) return this;
+            this.bake = { ...this.bake, distances, indirect: { guides, layers: [...layers] } };
+            this.forgetPasses();
+            this.progress = layers.length / indirect.layers.length;
+        }
+        return this;
+    }
+
+    forgetPasses() {
+        this.passes?.dispose();
+        this.passes = null;
+        this.drawnFor.frame = -1;
+    }
+
+    // Draws the passes once a frame and camera, before the first of the surfaces.
+    draw(renderer, camera) {
+        const { frame } = renderer.info.render;
+        if (this.drawing || (this.drawnFor.frame === frame && this.drawnFor.camera === camera)) return;
+        this.drawnFor = { frame, camera };
+        const gl = renderer.getContext();
+        if (gl.isContextLost()) return;
+        this.drawing = true;
+        const target = renderer.getRenderTarget(), face = renderer.getActiveCubeFace(), level = renderer.getActiveMipmapLevel();
+        try {
+            if (this.passes?.renderer !== renderer) this.usePasses(renderer, gl);
+            const { x: width, y: height } = target ? new Vector2(target.width, target.height) : renderer.getDrawingBufferSize(new Vector2());
+            this.passes.draw(this.viewOf(camera, width, height), this);
+            this.uniforms.phatLight.value.sourceTexture = this.passes.targets.light;
+            this.uniforms.phatDepth.value.sourceTexture = this.passes.targets.depth;
+        } finally {
+            this.drawing = false;
+            renderer.resetState();
+            renderer.setRenderTarget(target, face, level);
+        }
+    }
+
+    usePasses(renderer, gl) {
+        if (!isSupported(gl)) throw new Error('baked light needs WebGL 2 with float render targets (EXT_color_buffer_float)');
+        this.forgetPasses();
+        this.passes = new Passes(renderer, this.bake);
+        // What was made in the lost context is gone with it.
+        renderer.domElement.addEventListener('webglcontextrestored', this.onRestored = () => {
+            this.passes = null;
+            this.drawnFor.frame = -1;
+        }, { once: true });
+    }
+
+    // In the space that the light was baked in.
+    viewOf(camera, width, height) {
+        const rootFromWorld = new Matrix4().copy(this.root.matrixWorld).invert();
+        const clipFromWorld = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).multiply(this.root.matrixWorld);
+        const eye = new Vector3();
+        if (camera.isOrthographicCamera) eye.set(0, 0, 1).transformDirection(camera.matrixWorld).transformDirection(rootFromWorld);
+        else eye.setFromMatrixPosition(camera.matrixWorld).applyMatrix4(rootFromWorld);
+        return {
+            width, height, clipFromWorld: clipFromWorld.elements, eye: eye.toArray(),
+            eyeAtInfinity: camera.isOrthographicCamera ? 1 : 0,
+            isVisible: (mesh) => this.enabled && isVisible(mesh) && camera.layers.test(mesh.layers),
+        };
+    }
+
+    dispose() {
+        this.disposed = true;
+        this.undo.forEach((undo) => undo());
+        this.undo = [];
+        this.passes?.renderer.domElement.removeEventListener('webglcontextrestored', this.onRestored);
+        this.forgetPasses();
+        this.environment?.dispose();
+        for (const { value } of Object.values(this.uniforms)) value.dispose();
+        this.bake = null;
+    }
+}
+
+function environmentTexture({ width, height, pixels }) {
+    const texture = new DataTexture(pixels, width, height);
+    texture.type = FloatType;
+    texture.mapping = EquirectangularReflectionMapping;
+    texture.colorSpace = LinearSRGBColorSpace;
+    texture.minFilter = texture.magFilter = LinearFilter;
+    texture.needsUpdate = true;
+    return texture;
+}

@@ -1,0 +1,304 @@
+// The passes before three.js draws: depth, lookup, pool, display. Their picture is the light that a bake adds to
+// every pixel: all indirect light, and what area lights bring directly.
+// twin: src/gl/lookup_pass.cpp, src/gl/display_pass.cpp.
+import { ShaderProgram, createFramebuffer, createTexture2D, createTextureArray } from './gl.js';
+import { drawsOf } from './draws.js';
+import { alphaMode, hasClearcoat, kBlend, kMaterialRows, kSlots, packMaterial } from './material.js';
+import { kChartsOffset, kVertexLayout, kVertexWords } from './surfaces.js';
+import { uploadAtlas, uploadProbes, uploadScrambles, uploadWarps } from './tables.js';
+
+const kSplitSumSize = 64;  // twin: src/core/brdf.h
+const kFirstMaterialUnit = 7;
+const kDraws = { fast: 2, default: 12, high: 32 };  // twin: drawsOf in src/gl/display_pass.cpp
+
+function createVertices(gl, { vertices, indices }) {
+    const vertexArray = gl.createVertexArray(), buffers = [gl.createBuffer(), gl.createBuffer()];
+    gl.bindVertexArray(vertexArray);
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffers[0]);
+    gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.STATIC_DRAW);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffers[1]);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STATIC_DRAW);
+    kVertexLayout.forEach(([size, offset], location) => {
+        gl.enableVertexAttribArray(location);
+        gl.vertexAttribPointer(location, size, gl.FLOAT, false, 4 * kVertexWords, 4 * offset);
+    });
+    const charts = kVertexLayout.length;
+    gl.enableVertexAttribArray(charts);
+    gl.vertexAttribIPointer(charts, 2, gl.UNSIGNED_INT, 4 * kVertexWords, 4 * kChartsOffset);
+    gl.bindVertexArray(null);
+    return { vertexArray, buffers };
+}
+
+function whiteTexture(gl) {
+    return createTexture2D(gl, gl.RGBA8, 1, 1, new Uint8Array([255, 255, 255, 255]));
+}
+
+// display.frag's shadow maps are three.js's business; a sampler must be complete all the same.
+function noShadows(gl) {
+    const texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, texture);
+    gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.DEPTH_COMPONENT16, 1, 1, 1);
+    gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl.TEXTURE_COMPARE_MODE, gl.COMPARE_REF_TO_TEXTURE);
+    return texture;
+}
+
+export class Passes {
+    // `bake`: { surfaces, atlas, distances, indirect: { guides, layers } }, the last two null until they are loaded.
+    constructor(renderer, bake) {
+        this.renderer = renderer;
+        this.bake = bake;
+        const gl = this.gl = renderer.getContext();
+        gl.getExtension('EXT_color_buffer_float');
+        gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
+        for (const flag of [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL]) gl.pixelStorei(flag, false);
+        gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+        this.vertices = createVertices(gl, bake.surfaces);
+        this.noVertices = gl.createVertexArray();
+        this.white = whiteTexture(gl);
+        this.shadows = noShadows(gl);
+        this.atlas = uploadAtlas(gl, bake.atlas);
+        this.rows = new Float32Array(4 * kMaterialRows);
+        this.uploadLookup();
+        this.createPrograms(bake.surfaces.draws.some(({ mesh }) => hasClearcoat(mesh.material)));
+        this.splitSum = this.drawSplitSum();
+        gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
+    }
+
+    uploadLookup() {
+        const { gl, bake } = this, { indirect } = bake;
+        if (!indirect) return;
+        this.warps = uploadWarps(gl, indirect.guides);
+        this.probes = uploadProbes(gl, bake.distances, bake.atlas.width / 8, bake.atlas.height / 8);
+        this.phatexels = createTextureArray(gl, gl.RG32UI, bake.atlas.width, bake.atlas.height, indirect.layers.map((layer) => layer.texels));
+        if (indirect.layers.length > 1) this.scrambles = uploadScrambles(gl, indirect.layers, bake.atlas.blockCount);
+    }
+
+    createPrograms(clearcoat) {
+        const { gl, bake } = this;
+        this.clearcoat = clearcoat;
+        const defines = [];
+        if (clearcoat) defines.push('CLEARCOAT');
+        this.depthProgram = new ShaderProgram(gl, 'surface.vert', 'depth.frag');
+        const layers = bake.indirect?.layers.length > 1 ? ['LAYERS'] : [];
+        if (bake.indirect) this.lookupProgram = new ShaderProgram(gl, 'surface.vert', 'lookup.frag', [...defines, ...layers]);
+        this.acrossProgram = new ShaderProgram(gl, 'fullscreen.vert', 'pool.frag', [...defines, 'ACROSS']);
+        this.poolProgram = new ShaderProgram(gl, 'fullscreen.vert', 'pool.frag', defines);
+        if (bake.atlas.areaIrradiance) defines.push('AREA');
+        this.displayProgram = new ShaderProgram(gl, 'surface.vert', 'display.frag', [...defines, 'LOOKUP']);
+    }
+
+    // Once: 64x64 numbers that a CPU would need half a second for.
+    drawSplitSum() {
+        const { gl } = this;
+        const texture = createTexture2D(gl, gl.RGBA32F, kSplitSumSize, kSplitSumSize);
+        const framebuffer = createFramebuffer(gl, [texture]);
+        const program = new ShaderProgram(gl, 'fullscreen.vert', 'split_sum.frag');
+        this.resetState(kSplitSumSize, kSplitSumSize);
+        program.use();
+        program.set('size', kSplitSumSize);
+        gl.bindVertexArray(this.noVertices);
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+        gl.deleteFramebuffer(framebuffer);
+        program.dispose();
+        return texture;
+    }
+
+    createTargets(width, height) {
+        const { gl } = this;
+        this.disposeTargets();
+        const texture = (format) => createTexture2D(gl, format, width, height);
+        const t = this.targets = { width, height };
+        t.depth = texture(gl.DEPTH_COMPONENT32F);
+        t.light = texture(gl.RGBA16F);
+        t.seen = texture(gl.RGBA32UI);
+        t.pooled = texture(gl.RGBA32UI);
+        t.places = texture(gl.RGBA32F);
+        const layers = this.clearcoat ? 4 : 2;
+        t.glossy = createTextureArray(gl, gl.RGBA32F, width, height, layers);
+        if (this.clearcoat) {
+            t.seenCoat = texture(gl.RGBA32UI);
+            t.pooledCoat = texture(gl.RGBA32UI);
+        }
+        const coat = (textureOfCoat) => this.clearcoat ? [textureOfCoat] : [];
+        t.lookupTarget = createFramebuffer(gl, [t.seen, t.places, ...coat(t.seenCoat)], t.depth);
+        t.acrossTarget = createFramebuffer(gl, [t.pooled, ...coat(t.pooledCoat)]);
+        t.poolTarget = createFramebuffer(gl, Array.from({ length: layers }, (_, layer) => ({ texture: t.glossy, layer })));
+        t.lightTarget = createFramebuffer(gl, [t.light], t.depth);
+    }
+
+    disposeTargets() {
+        const { gl } = this;
+        for (const object of Object.values(this.targets ?? {})) {
+            if (object instanceof WebGLTexture) gl.deleteTexture(object);
+            else if (object instanceof WebGLFramebuffer) gl.deleteFramebuffer(object);
+        }
+        this.targets = null;
+    }
+
+    // What three.js may have left switched on.
+    resetState(width, height) {
+        const { gl } = this;
+        for (const switched of [gl.BLEND, gl.SCISSOR_TEST, gl.STENCIL_TEST, gl.CULL_FACE, gl.DEPTH_TEST,
+            gl.POLYGON_OFFSET_FILL, gl.SAMPLE_ALPHA_TO_COVERAGE, gl.RASTERIZER_DISCARD]) gl.disable(switched);
+        gl.colorMask(true, true, true, true);
+        gl.depthMask(true);
+        gl.frontFace(gl.CCW);
+        gl.cullFace(gl.BACK);
+        gl.viewport(0, 0, width, height);
+    }
+
+    bindMaterial(program, material, allSlots) {
+        const { gl, renderer } = this;
+        packMaterial(material, this.rows);
+        program.set('alphaMode', alphaMode(material));
+        kSlots.slice(0, allSlots ? kSlots.length : 1).forEach(([sampler, textureOf], i) => {
+            const texture = textureOf(material);
+            const handle = texture && renderer.properties.get(texture).__webglTexture;
+            program.bind(sampler, kFirstMaterialUnit + i, gl.TEXTURE_2D, handle ?? this.white);
+        });
+        program.set('material', this.rows);
+    }
+
+    // three.js uploads a texture when it first draws with it, which is after these passes.
+    uploadMaps() {
+        for (const { mesh } of this.bake.surfaces.draws) {
+            for (const [, textureOf] of kSlots) {
+                const texture = textureOf(mesh.material);
+                if (texture?.image && this.renderer.properties.get(texture).__version !== texture.version)
+                    this.renderer.initTexture(texture);
+            }
+        }
+    }
+
+    drawSurfaces(program, view, allSlots) {
+        const { gl } = this;
+        program.set('clipFromWorld', view.clipFromWorld);
+        program.set('eyeWorld', view.eye);
+        program.set('eyeAtInfinity', view.eyeAtInfinity);
+        this.bake.surfaces.draws.forEach(({ mesh, first, count }, i) => {
+            if (alphaMode(mesh.material) === kBlend || !view.isVisible(mesh)) return;
+            if (mesh.material.side === 2) gl.disable(gl.CULL_FACE);
+            else gl.enable(gl.CULL_FACE);
+            program.set('surfaceIndex', i);
+            this.bindMaterial(program, mesh.material, allSlots);
+            gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
+        });
+    }
+
+    drawDepth(view) {
+        const { gl, targets } = this;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, targets.lightTarget);
+        gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
+        gl.clearBufferfv(gl.DEPTH, 0, [1]);
+        gl.enable(gl.DEPTH_TEST);
+        gl.depthFunc(gl.LESS);
+        gl.colorMask(false, false, false, false);
+        this.depthProgram.use();
+        this.drawSurfaces(this.depthProgram, view, false);
+        gl.colorMask(true, true, true, true);
+        gl.depthFunc(gl.EQUAL);
+        gl.depthMask(false);
+    }
+
+    lookUp(view, quality, seed) {
+        const { gl, targets, atlas, bake, lookupProgram: program } = this;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, targets.lookupTarget);
+        gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]);
+        gl.clearBufferfv(gl.COLOR, 1, [0, 0, 0, 0]);
+        if (this.clearcoat) gl.clearBufferuiv(gl.COLOR, 2, [0, 0, 0, 0]);
+        if (!bake.indirect) return;
+        program.use();
+        program.bind('tilePatches', 0, gl.TEXTURE_2D, atlas.tilePatches);
+        program.bind('phatexels', 1, gl.TEXTURE_2D_ARRAY, this.phatexels);
+        program.bind('warps', 2, gl.TEXTURE_2D, this.warps);
+        program.bind('probes', 3, gl.TEXTURE_2D, this.probes);
+        program.bind('charts', 4, gl.TEXTURE_2D, atlas.charts);
+        if (this.scrambles) program.bind('scrambles', 5, gl.TEXTURE_2D, this.scrambles);
+        program.set('guideCount', bake.indirect.guides.length / 256);
+        program.set('layerCount', bake.indirect.layers.length);
+        const drawCount = kDraws[quality];
+        const { draws, ranks } = drawsOf(drawCount, seed);
+        program.set('draws', draws);
+        program.set('ranks', ranks);
+        program.set('drawCount', drawCount);
+        this.drawSurfaces(program, view, true);
+    }
+
+    poolDraws() {
+        const { gl, targets } = this;
+        gl.disable(gl.DEPTH_TEST);
+        gl.disable(gl.CULL_FACE);
+        gl.bindVertexArray(this.noVertices);
+        const pass = (program, target, seen, seenCoat) => {
+            gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+            program.use();
+            program.bind('seen', 0, gl.TEXTURE_2D, seen);
+            if (this.clearcoat) program.bind('seenCoat', 1, gl.TEXTURE_2D, seenCoat);
+            gl.drawArrays(gl.TRIANGLES, 0, 3);
+        };
+        pass(this.acrossProgram, targets.acrossTarget, targets.seen, targets.seenCoat);
+        pass(this.poolProgram, targets.poolTarget, targets.pooled, targets.pooledCoat);
+        gl.bindVertexArray(this.vertices.vertexArray);
+        gl.enable(gl.DEPTH_TEST);
+    }
+
+    display(view, show) {
+        const { gl, targets, atlas, displayProgram: program } = this;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, targets.lightTarget);
+        program.use();
+        program.bind('glossy', 0, gl.TEXTURE_2D_ARRAY, targets.glossy);
+        program.bind('tileLight', 1, gl.TEXTURE_2D, atlas.tileLight);
+        program.bind('tileTable', 2, gl.TEXTURE_2D, atlas.tileTable);
+        program.bind('irradiance', 3, gl.TEXTURE_2D_ARRAY, atlas.irradiance);
+        program.bind('splitSumTable', 4, gl.TEXTURE_2D, this.splitSum);
+        program.bind('lightTable', 5, gl.TEXTURE_2D, this.white);
+        program.bind('shadowMaps', 6, gl.TEXTURE_2D_ARRAY, this.shadows);
+        program.set('lightCount', 0);  // three.js's own
+        program.set('tracedLayer', 0);
+        program.set('show', show);
+        this.drawSurfaces(program, view, true);
+    }
+
+    // `view`: { width, height, clipFromWorld, eye, eyeAtInfinity, isVisible(mesh) }; `settings`: see BakedLight.
+    // Leaves WebGL's state to the caller.
+    draw(view, { quality, seed, wipe }) {
+        const { gl } = this;
+        this.uploadMaps();
+        const coatAppears = !this.clearcoat && this.bake.surfaces.draws.some(({ mesh }) => hasClearcoat(mesh.material));
+        if (coatAppears) {
+            this.disposePrograms();
+            this.createPrograms(true);
+            this.disposeTargets();
+        }
+        if (this.targets?.width !== view.width || this.targets?.height !== view.height) this.createTargets(view.width, view.height);
+        this.resetState(view.width, view.height);
+        gl.bindVertexArray(this.vertices.vertexArray);
+        this.drawDepth(view);
+        this.lookUp(view, quality, seed);
+        this.poolDraws();
+        const left = Math.round(wipe * view.width);
+        gl.enable(gl.SCISSOR_TEST);
+        for (const [x, width, show] of [[0, left, [1, 1, 1]], [left, view.width - left, [1, 0, 0]]]) {
+            gl.scissor(x, 0, width, view.height);
+            if (width > 0) this.display(view, show);
+        }
+        gl.disable(gl.SCISSOR_TEST);
+        gl.bindVertexArray(null);
+    }
+
+    disposePrograms() {
+        for (const program of [this.depthProgram, this.lookupProgram, this.acrossProgram, this.poolProgram, this.displayProgram])
+            program?.dispose();
+    }
+
+    dispose() {
+        const { gl } = this;
+        this.disposeTargets();
+        this.disposePrograms();
+        for (const texture of [...Object.values(this.atlas), this.warps, this.probes, this.phatexels, this.scrambles,
+            this.white, this.shadows, this.splitSum]) gl.deleteTexture(texture ?? null);
+        this.vertices.buffers.forEach((buffer) => gl.deleteBuffer(buffer));
+        gl.deleteVertexArray(this.vertices.vertexArray);
+        gl.deleteVertexArray(this.noVertices);
+    }
+}
