@@ -7,7 +7,7 @@
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
-#include "cli/shader_folder.h"
+#include "cli/data_folders.h"
 #include "gl/gl_context.h"
 
 namespace phat {

@@ -6,16 +6,14 @@ import { chromium } from 'playwright-core';
 
 const types = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.png': 'image/png', '.glb': 'model/gltf-binary' };
 
-// Serves `folder` under `prefix`. Returns { url, requests, close }.
-export async function serve(folder, prefix = '/') {
-    const requests = [];
+// Serves `folder` under `prefix`, and the files that `others` names by their paths there. Returns { url, close }.
+export async function serve(folder, prefix = '/', others = {}) {
     const server = createServer(async (request, response) => {
         const path = decodeURIComponent(new URL(request.url, 'http://x').pathname);
-        requests.push(path);
         try {
             if (!path.startsWith(prefix)) throw new Error('outside');
             const name = normalize(path.slice(prefix.length) || 'index.html');
-            const bytes = await readFile(join(folder, name));
+            const bytes = await readFile(others[name] ?? join(folder, name));
             response.writeHead(200, { 'content-type': types[extname(name)] ?? 'application/octet-stream', 'content-length': bytes.length });
             response.end(bytes);
         } catch {
@@ -23,7 +21,7 @@ export async function serve(folder, prefix = '/') {
         }
     });
     await new Promise((done) => { server.listen(0, '127.0.0.1', done); });
-    return { url: `http://127.0.0.1:${server.address().port}${prefix}`, requests, close: () => server.close() };
+    return { url: `http://127.0.0.1:${server.address().port}${prefix}`, close: () => server.close() };
 }
 
 export function launch() {

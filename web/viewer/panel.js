@@ -32,6 +32,7 @@ export function createPanel(viewer, materials, cameras, goTo, changed) {
     element('wipe').addEventListener('input', (event) => { viewer.light.wipe = Number(event.target.value); changed(); });
     element('quality').addEventListener('change', (event) => { viewer.quality = event.target.value; changed(); });
     element('exposure').addEventListener('input', (event) => { viewer.exposure = Number(event.target.value); viewer.present(); });
+    element('exposure').value = viewer.exposure;
     if (materials.length > 0) show();
     element('controls').disabled = materials.length === 0;
 }

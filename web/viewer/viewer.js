@@ -1,5 +1,5 @@
 // The page that `phat web` writes: a baked room to walk through.
-import { PCFShadowMap, PerspectiveCamera, Scene, WebGLRenderer, LinearSRGBColorSpace, Vector2 } from 'three';
+import { Box3, PCFShadowMap, PerspectiveCamera, Scene, WebGLRenderer, LinearSRGBColorSpace, Vector2, Vector3 } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { PhatexturesExtension, isSupported, jitterOf } from '../src/index.js';
 import { Navigation } from './navigation.js';
@@ -37,7 +37,7 @@ function load(url, onProgress) {
 
 class Viewer {
     constructor(renderer, gltf) {
-        Object.assign(this, { renderer, quality: 'default', exposure: 0, light: gltf.userData.bakedLight });
+        Object.assign(this, { renderer, quality: 'default', exposure: Number(canvas.dataset.exposure), light: gltf.userData.bakedLight });
         this.scene = new Scene();
         this.scene.add(gltf.scene);
         this.camera = new PerspectiveCamera(40, 1, 0.01, 100);
@@ -68,9 +68,10 @@ class Viewer {
 
     // Where a file has no camera: from a corner of what it shows.
     overview(root) {
+        const box = new Box3().setFromObject(root), middle = box.getCenter(new Vector3()), size = box.getSize(new Vector3());
         const camera = this.camera.clone();
-        camera.position.set(1, 1.6, 1);
-        camera.lookAt(0, 1, 0);
+        camera.position.copy(middle).addScaledVector(size, 0.4);
+        camera.lookAt(middle);
         camera.updateMatrixWorld();
         return camera;
     }
@@ -138,7 +139,7 @@ async function start() {
     try {
         const renderer = createRenderer();
         const progress = element('progress');
-        const gltf = await load(canvas.dataset.room ?? 'room.glb', ({ loaded, total }) => { if (total) progress.value = loaded / total / 2; });
+        const gltf = await load('room.glb', ({ loaded, total }) => { if (total) progress.value = loaded / total / 2; });
         const viewer = globalThis.viewer = new Viewer(renderer, gltf);
         element('status').textContent = 'Reflections are still to come.';
         if (viewer.light) await viewer.light.ready;
