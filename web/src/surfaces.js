@@ -46,16 +46,17 @@ function sidesOf(atlas, own) {
     };
 }
 
-// Normals and tangents that the file does not hold, as three.js would make them.
+// Normals and tangents that the file does not hold, as three.js would make them. Tangents in any case: a normal map may
+// come later.
 function completeGeometry(mesh) {
     let { geometry } = mesh;
     if (!geometry.attributes.normal) {
         geometry = geometry.index ? geometry.toNonIndexed() : geometry.clone();
         geometry.computeVertexNormals();
     }
-    const mapped = mesh.material.normalMap || mesh.material.clearcoatNormalMap;
-    if (mapped && !geometry.attributes.tangent && geometry.attributes.uv && geometry.index) {
+    if (!geometry.attributes.tangent && geometry.attributes.uv) {
         geometry = geometry === mesh.geometry ? geometry.clone() : geometry;
+        if (!geometry.index) geometry.setIndex([...Array(geometry.attributes.position.count).keys()]);
         geometry.computeTangents();
     }
     return geometry;
