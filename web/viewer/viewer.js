@@ -8,8 +8,11 @@ import { Picture } from './picture.js';
 
 // Pictures that a view at rest is averaged from.
 const kSamples = 32;
-// Smooth enough for a moving view; at rest one sample may take longer.
-const kMovingQuality = 'fast';
+// A moving view is drawn as 'fast', and in as many pixels as the device draws in this time; at rest a picture may take
+// longer.
+const kMovingSeconds = 0.04, kRestSeconds = 0.6;
+const kRelativeCost = { fast: 1, default: 3, high: 8 };
+const kLeastScale = 0.25, kScaleSteps = 8;
 
 const element = (id) => document.getElementById(id);
 const canvas = element('view');
@@ -42,7 +45,10 @@ class Viewer {
         this.scene.add(gltf.scene);
         this.camera = new PerspectiveCamera(40, 1, 0.01, 100);
         this.picture = new Picture(renderer);
-        this.lastMove = 0;
+        this.lastMove = -1e9;
+        this.scale = 0.5;  // of the sides; until the device is known
+        this.secondsPerPixel = 0;  // 'fast'; 0: not known yet
+        this.pending = null;
         this.navigation = new Navigation(this.camera, canvas, gltf.scene, () => this.viewChanged());
         const materials = new Set();
         gltf.scene.traverse((object) => {
@@ -61,7 +67,7 @@ class Viewer {
         this.navigation.goTo(cameras[0] ?? this.overview(gltf.scene));
         this.resize();
         new ResizeObserver(() => this.resize()).observe(canvas);
-        canvas.addEventListener('webglcontextrestored', () => this.changed());
+        canvas.addEventListener('webglcontextrestored', () => { this.pending = null; this.changed(); });
         this.previous = performance.now();
         renderer.setAnimationLoop((now) => this.frame(now));
     }
@@ -79,13 +85,38 @@ class Viewer {
     resize() {
         const { clientWidth: width, clientHeight: height } = canvas;
         if (!width || !height) return;
-        this.renderer.setPixelRatio(Math.min(devicePixelRatio, 1.5));
+        this.renderer.setPixelRatio(this.scale * Math.min(devicePixelRatio, 1.5));
         this.renderer.setSize(width, height, false);
         this.camera.aspect = width / height;
         this.camera.updateProjectionMatrix();
         const size = this.renderer.getDrawingBufferSize(new Vector2());
         this.picture.setSize(size.x, size.y);
         this.changed();
+    }
+
+    // As many pixels as can be drawn in time.
+    fitScale(quality, seconds) {
+        if (!this.secondsPerPixel) return;
+        const { width, height } = this.picture.target, pixels = width * height / this.scale ** 2;
+        const fitting = Math.sqrt(seconds / (this.secondsPerPixel * kRelativeCost[quality] * pixels));
+        this.setScale(Math.min(1, Math.max(kLeastScale, Math.floor(fitting * kScaleSteps) / kScaleSteps)));
+    }
+
+    setScale(scale) {
+        if (scale === this.scale) return;
+        this.scale = scale;
+        this.resize();
+    }
+
+    // Whether the GPU has caught up. No more than one picture waits, or the page would not answer.
+    isIdle(gl, now) {
+        if (!this.pending) return true;
+        const { fence, since, cost } = this.pending;
+        if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
+        gl.deleteSync(fence);
+        this.pending = null;
+        this.secondsPerPixel = (now - since) / 1000 / cost;
+        return true;
     }
 
     viewChanged() {
@@ -100,11 +131,18 @@ class Viewer {
     frame(now) {
         if (this.navigation.fly(Math.min((now - this.previous) / 1000, 0.1))) this.viewChanged();
         this.previous = now;
-        if (this.renderer.getContext().isContextLost() || this.picture.samples >= kSamples) return;
-        const moving = now - this.lastMove < 150;
-        this.addSample(moving ? kMovingQuality : this.quality);
+        const gl = this.renderer.getContext();
+        if (gl.isContextLost() || !this.isIdle(gl, now)) return;
+        const moving = now - this.lastMove < 150 || !this.secondsPerPixel;
+        if (!moving && this.picture.samples >= kSamples) return;
+        const quality = moving ? 'fast' : this.quality;
         if (moving) this.settle();
+        if (this.picture.samples === 0 || moving) this.fitScale(quality, moving ? kMovingSeconds : kRestSeconds);
+        this.addSample(quality);
         this.present();
+        const { width, height } = this.picture.target;
+        this.pending = { fence: gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0), since: now, cost: width * height * kRelativeCost[quality] };
+        gl.flush();
         element('poster').hidden = true;
     }
 
@@ -129,6 +167,7 @@ class Viewer {
 
     // For scripts: the mean of `count` pictures, linear radiance as RGBA floats, row 0 at the bottom.
     render(count, quality = this.quality) {
+        this.setScale(1);
         this.changed();
         for (let i = 0; i < count; ++i) this.addSample(quality, count);
         return this.picture.read();
