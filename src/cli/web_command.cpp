@@ -78,6 +78,7 @@ void writePoster(const WebOptions& options, const fs::path& site, Progress& prog
     poster.input = options.input;
     poster.output = (site / kPoster).string();
     poster.width = kPosterWidth;
+    poster.reflections = Reflections::lookup;  // as the page draws
     poster.exposureStops = options.exposureStops;
     renderDrawn(poster, progress);
 }

@@ -23,7 +23,7 @@ export class PhatexturesExtension {
         const triangles = meshes.reduce((sum, mesh) => sum + triangleCount(mesh), 0);
         const atlas = await readAtlas(this.parser, description, triangles);
         const surfaces = gatherSurfaces(gltf.scene, meshes, atlas, description.texCoord);
-        gltf.userData.bakedLight = new BakedLight(gltf.scene, this.parser, description, { atlas, surfaces, distances: null, indirect: null });
+        gltf.userData.bakedLight = new BakedLight(gltf.scene, this.parser, description, { atlas, surfaces, lookup: null });
     }
 }
 
@@ -61,17 +61,28 @@ export class BakedLight {
         this.environment = null;
     }
 
-    // The PHATexels, a layer at a time: each makes the picture better.
+    // The PHATexels: of area lights and a first layer of indirect light, then the other layers, each of which makes the
+    // picture better.
     async load(parser, description) {
-        const { indirect } = description;
+        const { indirect, area } = description, { atlas } = this.bake;
         if (description.environment) this.environment = environmentTexture(await readEnvironment(parser, description.environment));
-        if (!canLookUp(indirect)) return this;
-        const [guides, distances] = await Promise.all([readGuides(parser, indirect), readDistances(parser, description, this.bake.atlas)]);
-        const layers = [];
-        for (const layer of indirect.layers) {
-            layers.push(await readLayer(parser, layer, this.bake.atlas));
+        const hasArea = area.layers.length > 0;
+        // Area lights need both, their PHATexels and their irradiance.
+        if (!canLookUp(indirect) || hasArea !== Boolean(area.irradiance) || (hasArea && !canLookUp(area))) return this;
+        const readSource = (source) => Promise.all([readGuides(parser, source), readLayer(parser, source.layers[0], atlas)]);
+        const [distances, [guides, first], [areaGuides, areaLayer]] = await Promise.all([
+            readDistances(parser, description, atlas), readSource(indirect), hasArea ? readSource(area) : [null, null]]);
+        const layers = [first], allGuides = new Uint16Array(guides.length + (areaGuides?.length ?? 0));
+        allGuides.set(guides);
+        if (hasArea) allGuides.set(areaGuides, guides.length);
+        for (let i = 0; i < indirect.layers.length; ++i) {
+            if (i > 0) layers.push(await readLayer(parser, indirect.layers[i], atlas));
             if (this.disposed) return this;
-            this.bake = { ...this.bake, distances, indirect: { guides, layers: [...layers] } };
+            const lookup = {
+                distances, guides: allGuides, guideCount: indirect.guideCount, areaGuideCount: hasArea ? area.guideCount : 0,
+                layers: hasArea ? [...layers, areaLayer] : [...layers], layerCount: layers.length,
+            };
+            this.bake = { ...this.bake, lookup };
             this.forgetPasses();
             this.progress = layers.length / indirect.layers.length;
         }

@@ -69,6 +69,7 @@ export class ShaderProgram {
         else if (type === gl.FLOAT_VEC2) gl.uniform2fv(location, value);
         else if (type === gl.FLOAT_VEC3) gl.uniform3fv(location, value);
         else if (type === gl.FLOAT_VEC4) gl.uniform4fv(location, value);
+        else if (type === gl.INT_VEC2) gl.uniform2iv(location, value);
         else if (type === gl.UNSIGNED_INT_VEC4) gl.uniform4uiv(location, value);
         else if (type === gl.FLOAT_MAT4) gl.uniformMatrix4fv(location, false, value);
         else gl.uniform1i(location, value);

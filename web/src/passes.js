@@ -9,7 +9,8 @@ import { uploadAtlas, uploadProbes, uploadScrambles, uploadWarps } from './table
 
 const kSplitSumSize = 64;  // twin: src/core/brdf.h
 const kFirstMaterialUnit = 7;
-const kDraws = { fast: 2, default: 12, high: 32 };  // twin: drawsOf in src/gl/display_pass.cpp
+// twin: drawsOf in src/gl/display_pass.cpp
+const kDraws = { fast: { count: 2, lampBits: 2 }, default: { count: 12, lampBits: 4 }, high: { count: 32, lampBits: 4 } };
 
 function createVertices(gl, { vertices, indices }) {
     const vertexArray = gl.createVertexArray(), buffers = [gl.createBuffer(), gl.createBuffer()];
@@ -43,7 +44,7 @@ function noShadows(gl) {
 }
 
 export class Passes {
-    // `bake`: { surfaces, atlas, distances, indirect: { guides, layers } }, the last two null until they are loaded.
+    // `bake`: { surfaces, atlas, lookup }, the last null until it is loaded, see BakedLight.load.
     constructor(renderer, bake) {
         this.renderer = renderer;
         this.bake = bake;
@@ -65,12 +66,12 @@ export class Passes {
     }
 
     uploadLookup() {
-        const { gl, bake } = this, { indirect } = bake;
-        if (!indirect) return;
-        this.warps = uploadWarps(gl, indirect.guides);
-        this.probes = uploadProbes(gl, bake.distances, bake.atlas.width / 8, bake.atlas.height / 8);
-        this.phatexels = createTextureArray(gl, gl.RG32UI, bake.atlas.width, bake.atlas.height, indirect.layers.map((layer) => layer.texels));
-        if (indirect.layers.length > 1) this.scrambles = uploadScrambles(gl, indirect.layers, bake.atlas.blockCount);
+        const { gl, bake } = this, { lookup, atlas } = bake;
+        if (!lookup) return;
+        this.warps = uploadWarps(gl, lookup.guides);
+        this.probes = uploadProbes(gl, lookup.distances, atlas.width / 8, atlas.height / 8);
+        this.phatexels = createTextureArray(gl, gl.RG32UI, atlas.width, atlas.height, lookup.layers.map((layer) => layer.texels));
+        if (lookup.layers.length > 1) this.scrambles = uploadScrambles(gl, lookup.layers, atlas.blockCount);
     }
 
     createPrograms(clearcoat) {
@@ -78,12 +79,13 @@ export class Passes {
         this.clearcoat = clearcoat;
         const defines = [];
         if (clearcoat) defines.push('CLEARCOAT');
-        this.depthProgram = new ShaderProgram(gl, 'surface.vert', 'depth.frag');
-        const layers = bake.indirect?.layers.length > 1 ? ['LAYERS'] : [];
-        if (bake.indirect) this.lookupProgram = new ShaderProgram(gl, 'surface.vert', 'lookup.frag', [...defines, ...layers]);
-        this.acrossProgram = new ShaderProgram(gl, 'fullscreen.vert', 'pool.frag', [...defines, 'ACROSS']);
-        this.poolProgram = new ShaderProgram(gl, 'fullscreen.vert', 'pool.frag', defines);
         if (bake.atlas.areaIrradiance) defines.push('AREA');
+        this.layers = (clearcoat ? 2 : 1) * (bake.atlas.areaIrradiance ? 2 : 1);
+        this.depthProgram = new ShaderProgram(gl, 'surface.vert', 'depth.frag');
+        if (bake.lookup) {
+            this.lookupProgram = new ShaderProgram(gl, 'surface.vert', 'lookup.frag', this.scrambles ? [...defines, 'SCRAMBLES'] : defines);
+            this.poolProgram = new ShaderProgram(gl, 'fullscreen.vert', 'pool.frag', defines);
+        }
         this.displayProgram = new ShaderProgram(gl, 'surface.vert', 'display.frag', [...defines, 'LOOKUP']);
     }
 
@@ -110,19 +112,12 @@ export class Passes {
         const t = this.targets = { width, height };
         t.depth = texture(gl.DEPTH_COMPONENT32F);
         t.light = texture(gl.RGBA16F);
-        t.seen = texture(gl.RGBA32UI);
-        t.pooled = texture(gl.RGBA32UI);
-        t.places = texture(gl.RGBA32F);
-        const layers = this.clearcoat ? 4 : 2;
-        t.glossy = createTextureArray(gl, gl.RGBA32F, width, height, layers);
-        if (this.clearcoat) {
-            t.seenCoat = texture(gl.RGBA32UI);
-            t.pooledCoat = texture(gl.RGBA32UI);
-        }
-        const coat = (textureOfCoat) => this.clearcoat ? [textureOfCoat] : [];
-        t.lookupTarget = createFramebuffer(gl, [t.seen, t.places, ...coat(t.seenCoat)], t.depth);
-        t.acrossTarget = createFramebuffer(gl, [t.pooled, ...coat(t.pooledCoat)]);
-        t.poolTarget = createFramebuffer(gl, Array.from({ length: layers }, (_, layer) => ({ texture: t.glossy, layer })));
+        const array = () => createTextureArray(gl, gl.RGBA32UI, width, height, this.layers);
+        const target = (arrayTexture, depth) => createFramebuffer(gl, Array.from({ length: this.layers }, (_, layer) => ({ texture: arrayTexture, layer })), depth);
+        t.seen = array();
+        t.pooled = array();
+        t.seenTarget = target(t.seen, t.depth);
+        t.pooledTarget = target(t.pooled);
         t.lightTarget = createFramebuffer(gl, [t.light], t.depth);
     }
 
@@ -202,11 +197,9 @@ export class Passes {
 
     lookUp(view, quality, seed) {
         const { gl, targets, atlas, bake, lookupProgram: program } = this;
-        gl.bindFramebuffer(gl.FRAMEBUFFER, targets.lookupTarget);
-        gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]);
-        gl.clearBufferfv(gl.COLOR, 1, [0, 0, 0, 0]);
-        if (this.clearcoat) gl.clearBufferuiv(gl.COLOR, 2, [0, 0, 0, 0]);
-        if (!bake.indirect) return;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, targets.seenTarget);
+        for (let layer = 0; layer < this.layers; ++layer) gl.clearBufferuiv(gl.COLOR, layer, [0, 0, 0, 0]);
+        if (!bake.lookup) return;
         program.use();
         program.bind('tilePatches', 0, gl.TEXTURE_2D, atlas.tilePatches);
         program.bind('phatexels', 1, gl.TEXTURE_2D_ARRAY, this.phatexels);
@@ -214,30 +207,34 @@ export class Passes {
         program.bind('probes', 3, gl.TEXTURE_2D, this.probes);
         program.bind('charts', 4, gl.TEXTURE_2D, atlas.charts);
         if (this.scrambles) program.bind('scrambles', 5, gl.TEXTURE_2D, this.scrambles);
-        program.set('guideCount', bake.indirect.guides.length / 256);
-        program.set('layerCount', bake.indirect.layers.length);
-        const drawCount = kDraws[quality];
-        const { draws, ranks } = drawsOf(drawCount, seed);
+        program.bind('splitSumTable', 6, gl.TEXTURE_2D, this.splitSum);
+        program.set('guideCount', bake.lookup.guideCount);
+        program.set('layerCount', bake.lookup.layerCount);
+        program.set('areaGuideCount', bake.lookup.areaGuideCount);
+        const { count, lampBits } = kDraws[quality];
+        const { draws, ranks } = drawsOf(count, seed);
         program.set('draws', draws);
         program.set('ranks', ranks);
-        program.set('drawCount', drawCount);
+        program.set('drawCount', count);
+        program.set('lampBits', lampBits);
         this.drawSurfaces(program, view, true);
+        this.poolDraws();
     }
 
     poolDraws() {
-        const { gl, targets } = this;
+        const { gl, targets, poolProgram: program } = this;
         gl.disable(gl.DEPTH_TEST);
         gl.disable(gl.CULL_FACE);
         gl.bindVertexArray(this.noVertices);
-        const pass = (program, target, seen, seenCoat) => {
-            gl.bindFramebuffer(gl.FRAMEBUFFER, target);
-            program.use();
-            program.bind('seen', 0, gl.TEXTURE_2D, seen);
-            if (this.clearcoat) program.bind('seenCoat', 1, gl.TEXTURE_2D, seenCoat);
+        program.use();
+        const pool = (from, to, alongWhich) => {
+            gl.bindFramebuffer(gl.FRAMEBUFFER, to);
+            program.bind('seen', 0, gl.TEXTURE_2D_ARRAY, from);
+            program.set('alongWhich', alongWhich);
             gl.drawArrays(gl.TRIANGLES, 0, 3);
         };
-        pass(this.acrossProgram, targets.acrossTarget, targets.seen, targets.seenCoat);
-        pass(this.poolProgram, targets.poolTarget, targets.pooled, targets.pooledCoat);
+        pool(targets.seen, targets.pooledTarget, [1, 0]);
+        pool(targets.pooled, targets.seenTarget, [0, 1]);
         gl.bindVertexArray(this.vertices.vertexArray);
         gl.enable(gl.DEPTH_TEST);
     }
@@ -246,7 +243,7 @@ export class Passes {
         const { gl, targets, atlas, displayProgram: program } = this;
         gl.bindFramebuffer(gl.FRAMEBUFFER, targets.lightTarget);
         program.use();
-        program.bind('glossy', 0, gl.TEXTURE_2D_ARRAY, targets.glossy);
+        program.bind('seen', 0, gl.TEXTURE_2D_ARRAY, targets.seen);
         program.bind('tileLight', 1, gl.TEXTURE_2D, atlas.tileLight);
         program.bind('tileTable', 2, gl.TEXTURE_2D, atlas.tileTable);
         program.bind('irradiance', 3, gl.TEXTURE_2D_ARRAY, atlas.irradiance);
@@ -275,7 +272,6 @@ export class Passes {
         gl.bindVertexArray(this.vertices.vertexArray);
         this.drawDepth(view);
         this.lookUp(view, quality, seed);
-        this.poolDraws();
         const left = Math.round(wipe * view.width);
         gl.enable(gl.SCISSOR_TEST);
         for (const [x, width, show] of [[0, left, [1, 1, 1]], [left, view.width - left, [1, 0, 0]]]) {
@@ -287,7 +283,7 @@ export class Passes {
     }
 
     disposePrograms() {
-        for (const program of [this.depthProgram, this.lookupProgram, this.acrossProgram, this.poolProgram, this.displayProgram])
+        for (const program of [this.depthProgram, this.lookupProgram, this.poolProgram, this.displayProgram])
             program?.dispose();
     }
 
