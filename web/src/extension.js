@@ -4,7 +4,7 @@ import { DataTexture, EquirectangularReflectionMapping, ExternalTexture, FloatTy
 import { canLookUp, kName, readAtlas, readDistances, readEnvironment, readGuides, readLayer } from './file.js';
 import { isSupported } from './gl.js';
 import { injectLight } from './inject.js';
-import { alphaMode, kBlend } from './material.js';
+import { isBlended } from './material.js';
 import { Passes } from './passes.js';
 import { gatherSurfaces, surfaceMeshes, triangleCount } from './surfaces.js';
 
@@ -44,7 +44,8 @@ export class BakedLight {
         this.passes = null;
         this.drawnFor = { frame: -1, camera: null };
         this.drawing = false;
-        this.uniforms = { phatLight: { value: new ExternalTexture() }, phatDepth: { value: new ExternalTexture() } };
+        const pictures = () => ({ light: new ExternalTexture(), depth: new ExternalTexture() });
+        this.pictures = { opaque: pictures(), blended: pictures() };
         const materials = new Set();
         this.undo = bake.surfaces.draws.map(({ mesh }) => {
             const { onBeforeRender } = mesh;
@@ -52,10 +53,11 @@ export class BakedLight {
                 onBeforeRender.call(mesh, renderer, scene, camera, ...rest);
                 this.draw(renderer, camera);
             };
-            if (mesh.material.isMeshStandardMaterial && alphaMode(mesh.material) !== kBlend) materials.add(mesh.material);
+            if (mesh.material.isMeshStandardMaterial) materials.add(mesh.material);
             return () => { mesh.onBeforeRender = onBeforeRender; };
         });
-        for (const material of materials) this.undo.push(injectLight(material, this.uniforms));
+        this.injected = [...materials].map(injectLight);
+        this.undo.push(...this.injected.map(({ undo }) => undo));
         this.ready = this.load(parser, description);
         this.ready.catch(() => {});  // whoever awaits it is told
         this.environment = null;
@@ -108,12 +110,23 @@ export class BakedLight {
             if (this.passes?.renderer !== renderer) this.usePasses(renderer, gl);
             const { x: width, y: height } = target ? new Vector2(target.width, target.height) : renderer.getDrawingBufferSize(new Vector2());
             this.passes.draw(this.viewOf(camera, width, height), this);
-            this.uniforms.phatLight.value.sourceTexture = this.passes.targets.light;
-            this.uniforms.phatDepth.value.sourceTexture = this.passes.targets.depth;
+            this.showPictures(this.passes.targets);
         } finally {
             this.drawing = false;
             renderer.resetState();
             renderer.setRenderTarget(target, face, level);
+        }
+    }
+
+    showPictures(targets) {
+        for (const kind of ['opaque', 'blended']) {
+            this.pictures[kind].light.sourceTexture = targets[kind]?.light ?? null;
+            this.pictures[kind].depth.sourceTexture = targets[kind]?.depth ?? null;
+        }
+        for (const { material, uniforms } of this.injected) {
+            const { light, depth } = this.pictures[isBlended(material) ? 'blended' : 'opaque'];
+            uniforms.phatLight.value = light;
+            uniforms.phatDepth.value = depth;
         }
     }
 
@@ -149,7 +162,7 @@ export class BakedLight {
         this.passes?.renderer.domElement.removeEventListener('webglcontextrestored', this.onRestored);
         this.forgetPasses();
         this.environment?.dispose();
-        for (const { value } of Object.values(this.uniforms)) value.dispose();
+        for (const { light, depth } of Object.values(this.pictures)) [light, depth].forEach((texture) => texture.dispose());
         this.bake = null;
     }
 }

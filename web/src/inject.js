@@ -31,8 +31,9 @@ clearcoatSpecularIndirect = vec3(0.0);
 #endif
 `;
 
-// `uniforms`: phatLight and phatDepth. Returns a function that undoes it.
-export function injectLight(material, uniforms) {
+// Returns the uniforms phatLight and phatDepth, and a function that undoes it.
+export function injectLight(material) {
+    const uniforms = { phatLight: { value: null }, phatDepth: { value: null } };
     const { onBeforeCompile, customProgramCacheKey } = material;
     material.onBeforeCompile = function (shader, renderer) {
         onBeforeCompile.call(this, shader, renderer);
@@ -45,8 +46,9 @@ export function injectLight(material, uniforms) {
         return `phat ${customProgramCacheKey.call(this)}`;
     };
     material.needsUpdate = true;
-    return () => {
+    const undo = () => {
         Object.assign(material, { onBeforeCompile, customProgramCacheKey });
         material.needsUpdate = true;
     };
+    return { material, uniforms, undo };
 }

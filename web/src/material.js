@@ -27,6 +27,10 @@ export function alphaMode(material) {
     return material.transparent ? kBlend : material.alphaTest > 0 ? kMask : kOpaque;
 }
 
+export function isBlended(material) {
+    return alphaMode(material) === kBlend;
+}
+
 export function packMaterial(m, rows = new Float32Array(4 * kMaterialRows)) {
     const color = (c) => c ? [c.r, c.g, c.b] : [1, 1, 1];
     rows.set([...color(m.color), m.opacity ?? 1], 0);

@@ -1,9 +1,10 @@
 // The passes before three.js draws: depth, lookup, pool, display. Their picture is the light that a bake adds to
-// every pixel: all indirect light, and what area lights bring directly.
+// every pixel: all indirect light, and what area lights bring directly. One picture is of the opaque surfaces; where there
+// are blended ones, another is of the nearest of these.
 // twin: src/gl/lookup_pass.cpp, src/gl/display_pass.cpp.
 import { ShaderProgram, createFramebuffer, createTexture2D, createTextureArray } from './gl.js';
 import { drawsOf } from './draws.js';
-import { alphaMode, hasClearcoat, kBlend, kMaterialRows, kSlots, packMaterial } from './material.js';
+import { alphaMode, hasClearcoat, isBlended, kMaterialRows, kOpaque, kSlots, packMaterial } from './material.js';
 import { kChartsOffset, kVertexLayout, kVertexWords } from './surfaces.js';
 import { uploadAtlas, uploadProbes, uploadScrambles, uploadWarps } from './tables.js';
 
@@ -110,20 +111,21 @@ export class Passes {
         this.disposeTargets();
         const texture = (format) => createTexture2D(gl, format, width, height);
         const t = this.targets = { width, height };
-        t.depth = texture(gl.DEPTH_COMPONENT32F);
-        t.light = texture(gl.RGBA16F);
         const array = () => createTextureArray(gl, gl.RGBA32UI, width, height, this.layers);
         const target = (arrayTexture, depth) => createFramebuffer(gl, Array.from({ length: this.layers }, (_, layer) => ({ texture: arrayTexture, layer })), depth);
         t.seen = array();
         t.pooled = array();
-        t.seenTarget = target(t.seen, t.depth);
         t.pooledTarget = target(t.pooled);
-        t.lightTarget = createFramebuffer(gl, [t.light], t.depth);
+        for (const kind of this.hasBlended() ? ['opaque', 'blended'] : ['opaque']) {
+            const depth = texture(gl.DEPTH_COMPONENT32F), light = texture(gl.RGBA16F);
+            t[kind] = { depth, light, seenTarget: target(t.seen, depth), lightTarget: createFramebuffer(gl, [light], depth) };
+        }
     }
 
     disposeTargets() {
         const { gl } = this;
-        for (const object of Object.values(this.targets ?? {})) {
+        const { opaque, blended, ...shared } = this.targets ?? {};
+        for (const object of [shared, opaque ?? {}, blended ?? {}].flatMap((targets) => Object.values(targets))) {
             if (object instanceof WebGLTexture) gl.deleteTexture(object);
             else if (object instanceof WebGLFramebuffer) gl.deleteFramebuffer(object);
         }
@@ -142,10 +144,15 @@ export class Passes {
         gl.viewport(0, 0, width, height);
     }
 
+    hasBlended() {
+        return this.bake.surfaces.draws.some(({ mesh }) => isBlended(mesh.material));
+    }
+
     bindMaterial(program, material, allSlots) {
         const { gl, renderer } = this;
         packMaterial(material, this.rows);
-        program.set('alphaMode', alphaMode(material));
+        // Blending itself is three.js's.
+        program.set('alphaMode', isBlended(material) ? kOpaque : alphaMode(material));
         kSlots.slice(0, allSlots ? kSlots.length : 1).forEach(([sampler, textureOf], i) => {
             const texture = textureOf(material);
             const handle = texture && renderer.properties.get(texture).__webglTexture;
@@ -171,7 +178,7 @@ export class Passes {
         program.set('eyeWorld', view.eye);
         program.set('eyeAtInfinity', view.eyeAtInfinity);
         this.bake.surfaces.draws.forEach(({ mesh, first, count }, i) => {
-            if (alphaMode(mesh.material) === kBlend || !view.isVisible(mesh)) return;
+            if (isBlended(mesh.material) !== view.blended || !view.isVisible(mesh)) return;
             if (mesh.material.side === 2) gl.disable(gl.CULL_FACE);
             else gl.enable(gl.CULL_FACE);
             program.set('surfaceIndex', i);
@@ -180,9 +187,10 @@ export class Passes {
         });
     }
 
-    drawDepth(view) {
-        const { gl, targets } = this;
-        gl.bindFramebuffer(gl.FRAMEBUFFER, targets.lightTarget);
+    drawDepth(view, target) {
+        const { gl } = this;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, target.lightTarget);
+        gl.depthMask(true);
         gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
         gl.clearBufferfv(gl.DEPTH, 0, [1]);
         gl.enable(gl.DEPTH_TEST);
@@ -195,9 +203,9 @@ export class Passes {
         gl.depthMask(false);
     }
 
-    lookUp(view, quality, seed) {
-        const { gl, targets, atlas, bake, lookupProgram: program } = this;
-        gl.bindFramebuffer(gl.FRAMEBUFFER, targets.seenTarget);
+    lookUp(view, target, quality, seed) {
+        const { gl, atlas, bake, lookupProgram: program } = this;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, target.seenTarget);
         for (let layer = 0; layer < this.layers; ++layer) gl.clearBufferuiv(gl.COLOR, layer, [0, 0, 0, 0]);
         if (!bake.lookup) return;
         program.use();
@@ -218,10 +226,10 @@ export class Passes {
         program.set('drawCount', count);
         program.set('lampBits', lampBits);
         this.drawSurfaces(program, view, true);
-        this.poolDraws();
+        this.poolDraws(target);
     }
 
-    poolDraws() {
+    poolDraws(target) {
         const { gl, targets, poolProgram: program } = this;
         gl.disable(gl.DEPTH_TEST);
         gl.disable(gl.CULL_FACE);
@@ -234,14 +242,14 @@ export class Passes {
             gl.drawArrays(gl.TRIANGLES, 0, 3);
         };
         pool(targets.seen, targets.pooledTarget, [1, 0]);
-        pool(targets.pooled, targets.seenTarget, [0, 1]);
+        pool(targets.pooled, target.seenTarget, [0, 1]);
         gl.bindVertexArray(this.vertices.vertexArray);
         gl.enable(gl.DEPTH_TEST);
     }
 
-    display(view, show) {
+    display(view, target, show) {
         const { gl, targets, atlas, displayProgram: program } = this;
-        gl.bindFramebuffer(gl.FRAMEBUFFER, targets.lightTarget);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, target.lightTarget);
         program.use();
         program.bind('seen', 0, gl.TEXTURE_2D_ARRAY, targets.seen);
         program.bind('tileLight', 1, gl.TEXTURE_2D, atlas.tileLight);
@@ -267,16 +275,24 @@ export class Passes {
             this.createPrograms(true);
             this.disposeTargets();
         }
-        if (this.targets?.width !== view.width || this.targets?.height !== view.height) this.createTargets(view.width, view.height);
+        const { targets } = this;
+        if (targets?.width !== view.width || targets?.height !== view.height || Boolean(targets?.blended) !== this.hasBlended())
+            this.createTargets(view.width, view.height);
+        this.drawKind({ ...view, blended: false }, this.targets.opaque, quality, seed, wipe);
+        if (this.targets.blended) this.drawKind({ ...view, blended: true }, this.targets.blended, quality, seed, wipe);
+    }
+
+    drawKind(view, target, quality, seed, wipe) {
+        const { gl } = this;
         this.resetState(view.width, view.height);
         gl.bindVertexArray(this.vertices.vertexArray);
-        this.drawDepth(view);
-        this.lookUp(view, quality, seed);
+        this.drawDepth(view, target);
+        this.lookUp(view, target, quality, seed);
         const left = Math.round(wipe * view.width);
         gl.enable(gl.SCISSOR_TEST);
         for (const [x, width, show] of [[0, left, [1, 1, 1]], [left, view.width - left, [1, 0, 0]]]) {
             gl.scissor(x, 0, width, view.height);
-            if (width > 0) this.display(view, show);
+            if (width > 0) this.display(view, target, show);
         }
         gl.disable(gl.SCISSOR_TEST);
         gl.bindVertexArray(null);

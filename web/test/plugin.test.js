@@ -85,6 +85,12 @@ test('follows materials, works with fog and tone mapping', async () => {
         top.normalMap = null;
         top.needsUpdate = true;
         result.unmapped = draw(world);
+        // Blended, but as opaque as before; then hardly to be seen.
+        Object.assign(top, { transparent: true, needsUpdate: true });
+        result.blended = draw(world);
+        top.opacity = 0.1;
+        result.faint = draw(world);
+        Object.assign(top, { transparent: false, opacity: 1, needsUpdate: true });
         // A lamp of the page's own, beside the bake.
         const lamp = new THREE.PointLight(0xffffff, 5);
         lamp.position.set(0, 1.5, 0);
@@ -100,10 +106,12 @@ test('follows materials, works with fog and tone mapping', async () => {
         world.light.dispose();
         return result;
     });
-    const { baked, plastic, mapped, unmapped, lamp, toneMapped, fog } = pictures;
+    const { baked, plastic, mapped, unmapped, blended, faint, lamp, toneMapped, fog } = pictures;
     assert.ok(maeOverMean(plastic, baked) > 0.02, 'metalness');
     assert.ok(maeOverMean(mapped, baked) > 0.01, 'normal map');
     assert.ok(maeOverMean(unmapped, baked) < 1e-6, 'without it again');
+    assert.ok(maeOverMean(blended, baked) < 0.003, `blended: ${maeOverMean(blended, baked)}`);
+    assert.ok(maeOverMean(faint, baked) > 0.1, 'hardly there');
     assert.ok(meanOf(lamp) > 1.05 * meanOf(baked), 'a lamp');
     assert.ok(maeOverMean(toneMapped, baked) > 0.02, 'tone mapping');
     const middle = 4 * (160 * 45 + 80);
