@@ -7,12 +7,24 @@ const here = new URL('.', import.meta.url).pathname;
 const shaders = new URL('../shaders/', import.meta.url).pathname;
 
 // The shaders that the browser needs; what they include comes along.
-const roots = ['surface.vert', 'fullscreen.vert', 'depth.frag', 'lookup.frag', 'pool.frag', 'display.frag',
-    'split_sum.frag', 'present.frag', 'accumulate.frag'];
+const roots = [
+    'surface.vert',
+    'fullscreen.vert',
+    'depth.frag',
+    'lookup.frag',
+    'pool.frag',
+    'display.frag',
+    'split_sum.frag',
+    'present.frag',
+    'accumulate.frag',
+];
 
 // Comments and indentation are not worth sending.
 function strip(text) {
-    return text.replace(/\/\/.*$/gm, '').replace(/^\s+/gm, '').replace(/[ \t]+$/gm, '');
+    return text
+        .replace(/\/\/.*$/gm, '')
+        .replace(/^\s+/gm, '')
+        .replace(/[ \t]+$/gm, '');
 }
 
 async function shaderFiles() {
@@ -37,16 +49,34 @@ const shaderPlugin = {
 };
 
 const common = {
-    bundle: true, format: 'esm', target: 'es2022', plugins: [shaderPlugin],
-    legalComments: 'none', absWorkingDir: here,
+    bundle: true,
+    format: 'esm',
+    target: 'es2022',
+    plugins: [shaderPlugin],
+    legalComments: 'none',
+    absWorkingDir: here,
 };
 
 await rm(here + 'dist', { recursive: true, force: true });
 await mkdir(here + 'dist/site', { recursive: true });
-const { outputFiles: [own] } = await build({ ...common, entryPoints: ['viewer/viewer.js'], external: ['three'], minify: true, write: false });
-await build({ ...common, entryPoints: ['src/index.js'], outfile: 'dist/phatextures.js', external: ['three'] });
+const {
+    outputFiles: [own],
+} = await build({
+    ...common,
+    entryPoints: ['viewer/viewer.js'],
+    external: ['three'],
+    minify: true,
+    write: false,
+});
+await build({
+    ...common,
+    entryPoints: ['src/index.js'],
+    outfile: 'dist/phatextures.js',
+    external: ['three'],
+});
 await build({ ...common, entryPoints: ['viewer/viewer.js'], outfile: 'dist/site/viewer.js', minify: true });
-for (const name of ['index.html', 'viewer.css']) await cp(`${here}viewer/${name}`, `${here}dist/site/${name}`);
+for (const name of ['index.html', 'viewer.css'])
+    await cp(`${here}viewer/${name}`, `${here}dist/site/${name}`);
 
 // Gzipped, as web servers send it: all, and all but three.js.
 const bundle = await readFile(here + 'dist/site/viewer.js');

@@ -1,7 +1,8 @@
 // The numbers that the lookup draws directions with.
 // twin: src/core/sobol.cpp, setDraws in src/gl/lookup_pass.cpp.
 
-const kRanks = 16, kMostDraws = 32;  // twin: shaders/lib/lookup.glsl
+const kRanks = 16,
+    kMostDraws = 32; // twin: shaders/lib/lookup.glsl
 
 // A primitive polynomial over GF(2) of degree s with inner coefficients a, and the first numbers m.
 function directionNumbers(s, a, m) {
@@ -11,19 +12,23 @@ function directionNumbers(s, a, m) {
         else if (i < s) v[i] = m[i] << (31 - i);
         else {
             v[i] = v[i - s] ^ (v[i - s] >>> s);
-            for (let k = 1; k < s; ++k) if (a >> (s - 1 - k) & 1) v[i] ^= v[i - k];
+            for (let k = 1; k < s; ++k) if ((a >> (s - 1 - k)) & 1) v[i] ^= v[i - k];
         }
     }
     return v;
 }
-const directions = [directionNumbers(0, 0, []), directionNumbers(1, 0, [1]), directionNumbers(2, 1, [1, 3]),
-    directionNumbers(3, 1, [1, 3, 1])];
+const directions = [
+    directionNumbers(0, 0, []),
+    directionNumbers(1, 0, [1]),
+    directionNumbers(2, 1, [1, 3]),
+    directionNumbers(3, 1, [1, 3, 1]),
+];
 
 // Sobol's point as fractions of 2^32.
 export function sobolBits(index) {
     return directions.map((v) => {
         let x = 0;
-        for (let bit = 0; index >>> bit; ++bit) if (index >>> bit & 1) x ^= v[bit];
+        for (let bit = 0; index >>> bit; ++bit) if ((index >>> bit) & 1) x ^= v[bit];
         return x >>> 0;
     });
 }
@@ -32,9 +37,9 @@ export function sobolBits(index) {
 function hashOf(a, b) {
     const mask = (1n << 64n) - 1n;
     const mixBits = (x) => {
-        x = (x ^ x >> 30n) * 0xbf58476d1ce4e5b9n & mask;
-        x = (x ^ x >> 27n) * 0x94d049bb133111ebn & mask;
-        return x ^ x >> 31n;
+        x = ((x ^ (x >> 30n)) * 0xbf58476d1ce4e5b9n) & mask;
+        x = ((x ^ (x >> 27n)) * 0x94d049bb133111ebn) & mask;
+        return x ^ (x >> 31n);
     };
     const first = mixBits((BigInt(a) + 0x9e3779b97f4a7c15n) & mask);
     return Number(mixBits(mixBits((first + BigInt(b)) & mask)) & 0xffffffffn);
@@ -45,10 +50,15 @@ export function drawsOf(drawCount, seed) {
     // Bayer's order: pixels side by side make draws that are far apart.
     const bayer = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
     const run = 2 ** Math.ceil(Math.log2(drawCount));
-    const ranks = new Uint32Array(4 * kRanks), draws = new Uint32Array(4 * kMostDraws);
+    const ranks = new Uint32Array(4 * kRanks),
+        draws = new Uint32Array(4 * kMostDraws);
     bayer.forEach((order, rank) => ranks.set(sobolBits(run * order), 4 * rank));
     const shift = [0, 1, 2, 3].map((d) => hashOf(seed, d));
-    for (let k = 0; k < kMostDraws; ++k) draws.set(sobolBits(k).map((bits, d) => bits ^ shift[d]), 4 * k);
+    for (let k = 0; k < kMostDraws; ++k)
+        draws.set(
+            sobolBits(k).map((bits, d) => bits ^ shift[d]),
+            4 * k,
+        );
     return { draws, ranks };
 }
 

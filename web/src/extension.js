@@ -1,7 +1,24 @@
 // The GLTFLoader plug-in, and the light that it loads.
-import { DataTexture, EquirectangularReflectionMapping, ExternalTexture, FloatType, LinearFilter, LinearSRGBColorSpace,
-    Matrix4, Vector2, Vector3 } from 'three';
-import { canLookUp, kName, readAtlas, readDistances, readEnvironment, readGuides, readLayer } from './file.js';
+import {
+    DataTexture,
+    EquirectangularReflectionMapping,
+    ExternalTexture,
+    FloatType,
+    LinearFilter,
+    LinearSRGBColorSpace,
+    Matrix4,
+    Vector2,
+    Vector3,
+} from 'three';
+import {
+    canLookUp,
+    kName,
+    readAtlas,
+    readDistances,
+    readEnvironment,
+    readGuides,
+    readLayer,
+} from './file.js';
 import { isSupported } from './gl.js';
 import { injectLight } from './inject.js';
 import { isBlended } from './material.js';
@@ -23,7 +40,11 @@ export class PhatexturesExtension {
         const triangles = meshes.reduce((sum, mesh) => sum + triangleCount(mesh), 0);
         const atlas = await readAtlas(this.parser, description, triangles);
         const surfaces = gatherSurfaces(gltf.scene, meshes, atlas, description.texCoord);
-        gltf.userData.bakedLight = new BakedLight(gltf.scene, this.parser, description, { atlas, surfaces, lookup: null });
+        gltf.userData.bakedLight = new BakedLight(gltf.scene, this.parser, description, {
+            atlas,
+            surfaces,
+            lookup: null,
+        });
     }
 }
 
@@ -54,35 +75,49 @@ export class BakedLight {
                 this.draw(renderer, camera);
             };
             if (mesh.material.isMeshStandardMaterial) materials.add(mesh.material);
-            return () => { mesh.onBeforeRender = onBeforeRender; };
+            return () => {
+                mesh.onBeforeRender = onBeforeRender;
+            };
         });
         this.injected = [...materials].map(injectLight);
         this.undo.push(...this.injected.map(({ undo }) => undo));
         this.ready = this.load(parser, description);
-        this.ready.catch(() => {});  // whoever awaits it is told
+        this.ready.catch(() => {}); // whoever awaits it is told
         this.environment = null;
     }
 
-    // The PHATexels: of area lights and a first layer of indirect light, then the other layers, each of which makes the
-    // picture better.
+    // The PHATexels: of area lights and a first layer of indirect light, then the other layers, each of which
+    // makes the picture better.
     async load(parser, description) {
-        const { indirect, area } = description, { atlas } = this.bake;
-        if (description.environment) this.environment = environmentTexture(await readEnvironment(parser, description.environment));
+        const { indirect, area } = description,
+            { atlas } = this.bake;
+        if (description.environment)
+            this.environment = environmentTexture(await readEnvironment(parser, description.environment));
         const hasArea = area.layers.length > 0;
         // Area lights need both, their PHATexels and their irradiance.
-        if (!canLookUp(indirect) || hasArea !== Boolean(area.irradiance) || (hasArea && !canLookUp(area))) return this;
-        const readSource = (source) => Promise.all([readGuides(parser, source), readLayer(parser, source.layers[0], atlas)]);
+        if (!canLookUp(indirect) || hasArea !== Boolean(area.irradiance) || (hasArea && !canLookUp(area)))
+            return this;
+        const readSource = (source) =>
+            Promise.all([readGuides(parser, source), readLayer(parser, source.layers[0], atlas)]);
         const [distances, [guides, first], [areaGuides, areaLayer]] = await Promise.all([
-            readDistances(parser, description, atlas), readSource(indirect), hasArea ? readSource(area) : [null, null]]);
-        const layers = [first], allGuides = new Uint16Array(guides.length + (areaGuides?.length ?? 0));
+            readDistances(parser, description, atlas),
+            readSource(indirect),
+            hasArea ? readSource(area) : [null, null],
+        ]);
+        const layers = [first],
+            allGuides = new Uint16Array(guides.length + (areaGuides?.length ?? 0));
         allGuides.set(guides);
         if (hasArea) allGuides.set(areaGuides, guides.length);
         for (let i = 0; i < indirect.layers.length; ++i) {
             if (i > 0) layers.push(await readLayer(parser, indirect.layers[i], atlas));
             if (this.disposed) return this;
             const lookup = {
-                distances, guides: allGuides, guideCount: indirect.guideCount, areaGuideCount: hasArea ? area.guideCount : 0,
-                layers: hasArea ? [...layers, areaLayer] : [...layers], layerCount: layers.length,
+                distances,
+                guides: allGuides,
+                guideCount: indirect.guideCount,
+                areaGuideCount: hasArea ? area.guideCount : 0,
+                layers: hasArea ? [...layers, areaLayer] : [...layers],
+                layerCount: layers.length,
             };
             this.bake = { ...this.bake, lookup };
             this.forgetPasses();
@@ -105,10 +140,14 @@ export class BakedLight {
         const gl = renderer.getContext();
         if (gl.isContextLost()) return;
         this.drawing = true;
-        const target = renderer.getRenderTarget(), face = renderer.getActiveCubeFace(), level = renderer.getActiveMipmapLevel();
+        const target = renderer.getRenderTarget(),
+            face = renderer.getActiveCubeFace(),
+            level = renderer.getActiveMipmapLevel();
         try {
             if (this.passes?.renderer !== renderer) this.usePasses(renderer, gl);
-            const { x: width, y: height } = target ? new Vector2(target.width, target.height) : renderer.getDrawingBufferSize(new Vector2());
+            const { x: width, y: height } = target
+                ? new Vector2(target.width, target.height)
+                : renderer.getDrawingBufferSize(new Vector2());
             this.passes.draw(this.viewOf(camera, width, height), this);
             this.showPictures(this.passes.targets);
         } finally {
@@ -131,25 +170,36 @@ export class BakedLight {
     }
 
     usePasses(renderer, gl) {
-        if (!isSupported(gl)) throw new Error('baked light needs WebGL 2 with float render targets (EXT_color_buffer_float)');
+        if (!isSupported(gl))
+            throw new Error('baked light needs WebGL 2 with float render targets (EXT_color_buffer_float)');
         this.forgetPasses();
         this.passes = new Passes(renderer, this.bake);
         // What was made in the lost context is gone with it.
-        renderer.domElement.addEventListener('webglcontextrestored', this.onRestored = () => {
-            this.passes = null;
-            this.drawnFor.frame = -1;
-        }, { once: true });
+        renderer.domElement.addEventListener(
+            'webglcontextrestored',
+            (this.onRestored = () => {
+                this.passes = null;
+                this.drawnFor.frame = -1;
+            }),
+            { once: true },
+        );
     }
 
     // In the space that the light was baked in.
     viewOf(camera, width, height) {
         const rootFromWorld = new Matrix4().copy(this.root.matrixWorld).invert();
-        const clipFromWorld = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).multiply(this.root.matrixWorld);
+        const clipFromWorld = new Matrix4()
+            .multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse)
+            .multiply(this.root.matrixWorld);
         const eye = new Vector3();
-        if (camera.isOrthographicCamera) eye.set(0, 0, 1).transformDirection(camera.matrixWorld).transformDirection(rootFromWorld);
+        if (camera.isOrthographicCamera)
+            eye.set(0, 0, 1).transformDirection(camera.matrixWorld).transformDirection(rootFromWorld);
         else eye.setFromMatrixPosition(camera.matrixWorld).applyMatrix4(rootFromWorld);
         return {
-            width, height, clipFromWorld: clipFromWorld.elements, eye: eye.toArray(),
+            width,
+            height,
+            clipFromWorld: clipFromWorld.elements,
+            eye: eye.toArray(),
             eyeAtInfinity: camera.isOrthographicCamera ? 1 : 0,
             isVisible: (mesh) => this.enabled && isVisible(mesh) && camera.layers.test(mesh.layers),
         };
@@ -162,7 +212,8 @@ export class BakedLight {
         this.passes?.renderer.domElement.removeEventListener('webglcontextrestored', this.onRestored);
         this.forgetPasses();
         this.environment?.dispose();
-        for (const { light, depth } of Object.values(this.pictures)) [light, depth].forEach((texture) => texture.dispose());
+        for (const { light, depth } of Object.values(this.pictures))
+            [light, depth].forEach((texture) => texture.dispose());
         this.bake = null;
     }
 }

@@ -34,8 +34,13 @@ function chartsFrom(words) {
     let firstBlock = 0;
     for (let i = 0; i < words.length; i += 8) {
         const chart = {
-            originTile: [words[i], words[i + 1]], sizeTiles: [words[i + 2], words[i + 3]], surface: words[i + 4],
-            back: words[i + 5] !== 0, otherSide: words[i + 6], texelSizeMeters: floats[i + 7], firstBlock,
+            originTile: [words[i], words[i + 1]],
+            sizeTiles: [words[i + 2], words[i + 3]],
+            surface: words[i + 4],
+            back: words[i + 5] !== 0,
+            otherSide: words[i + 6],
+            texelSizeMeters: floats[i + 7],
+            firstBlock,
         };
         chart.blocksWide = Math.ceil(chart.sizeTiles[0] / 4);
         firstBlock += chart.blocksWide * Math.ceil(chart.sizeTiles[1] / 4);
@@ -50,28 +55,49 @@ export async function readAtlas(parser, description, triangleCount) {
         fail(`it has format version ${description.version}; this program reads version ${kVersion}`);
     const { atlas, tiles, indirect, area } = description;
     const [width, height] = atlas.size;
-    const tileCount = width / 8 * (height / 8), texels = width * height;
+    const tileCount = (width / 8) * (height / 8),
+        texels = width * height;
     const payload = (of, Type, count, what) => readPayload(parser, of, Type, count, what);
-    const [chartWords, tileChart, triangleChart, places, brightest, indirectIrradiance, areaIrradiance] = await Promise.all([
-        payload(atlas.charts, Uint32Array, 8 * atlas.chartCount, 'the list of charts'),
-        payload(atlas.tiles, Uint32Array, tileCount, 'the list of tiles'),
-        payload(atlas.triangles, Uint32Array, triangleCount, 'the list of triangles'),
-        payload(tiles.places, Uint32Array, 8 * tileCount, 'the places of the tiles'),
-        payload(tiles.brightest, Float32Array, 3 * tileCount, 'the bound of the light'),
-        payload(indirect.irradiance, Uint32Array, texels, 'the indirect irradiance'),
-        area.irradiance ? payload(area.irradiance, Uint32Array, texels, "the area lights' irradiance") : null,
-    ]);
-    return { width, height, tileChart, triangleChart, places, brightest, indirectIrradiance, areaIrradiance,
-        ...chartsFrom(chartWords) };
+    const [chartWords, tileChart, triangleChart, places, brightest, indirectIrradiance, areaIrradiance] =
+        await Promise.all([
+            payload(atlas.charts, Uint32Array, 8 * atlas.chartCount, 'the list of charts'),
+            payload(atlas.tiles, Uint32Array, tileCount, 'the list of tiles'),
+            payload(atlas.triangles, Uint32Array, triangleCount, 'the list of triangles'),
+            payload(tiles.places, Uint32Array, 8 * tileCount, 'the places of the tiles'),
+            payload(tiles.brightest, Float32Array, 3 * tileCount, 'the bound of the light'),
+            payload(indirect.irradiance, Uint32Array, texels, 'the indirect irradiance'),
+            area.irradiance
+                ? payload(area.irradiance, Uint32Array, texels, "the area lights' irradiance")
+                : null,
+        ]);
+    return {
+        width,
+        height,
+        tileChart,
+        triangleChart,
+        places,
+        brightest,
+        indirectIrradiance,
+        areaIrradiance,
+        ...chartsFrom(chartWords),
+    };
 }
 
 export function canLookUp(source) {
-    return source.guideCount > 0 && source.layers.length > 0 && source.layers.every((layer) => layer.scrambles);
+    return (
+        source.guideCount > 0 && source.layers.length > 0 && source.layers.every((layer) => layer.scrambles)
+    );
 }
 
 // The distances around the tiles: 32 words a tile.
 export function readDistances(parser, description, atlas) {
-    return readPayload(parser, description.tiles.distances, Uint32Array, 32 * atlas.tileChart.length, 'the distances');
+    return readPayload(
+        parser,
+        description.tiles.distances,
+        Uint32Array,
+        32 * atlas.tileChart.length,
+        'the distances',
+    );
 }
 
 // One source's guides, 256 weights each.
@@ -98,12 +124,23 @@ export async function readLayer(parser, layer, atlas) {
 // The environment as linear RGBA floats, row 0 at -Y as three.js wants it.
 export async function readEnvironment(parser, description) {
     const [width, height] = description.size;
-    const packed = await readPayload(parser, description.radiance, Uint32Array, width * height, 'the environment');
+    const packed = await readPayload(
+        parser,
+        description.radiance,
+        Uint32Array,
+        width * height,
+        'the environment',
+    );
     const pixels = new Float32Array(4 * packed.length);
     for (let i = 0; i < packed.length; ++i) {
-        const bits = packed[i], scale = description.scale * 2 ** ((bits >>> 27) - 24);
-        const x = i % width, y = height - 1 - Math.floor(i / width);
-        pixels.set([(bits & 511) * scale, (bits >>> 9 & 511) * scale, (bits >>> 18 & 511) * scale, 1], 4 * (y * width + x));
+        const bits = packed[i],
+            scale = description.scale * 2 ** ((bits >>> 27) - 24);
+        const x = i % width,
+            y = height - 1 - Math.floor(i / width);
+        pixels.set(
+            [(bits & 511) * scale, ((bits >>> 9) & 511) * scale, ((bits >>> 18) & 511) * scale, 1],
+            4 * (y * width + x),
+        );
     }
     return { width, height, pixels };
 }

@@ -34,8 +34,10 @@ export class ShaderProgram {
     constructor(gl, vertexFile, fragmentFile, defines = []) {
         this.gl = gl;
         this.program = gl.createProgram();
-        this.stages = [compileShader(gl, gl.VERTEX_SHADER, assembleShader(vertexFile, defines)),
-            compileShader(gl, gl.FRAGMENT_SHADER, assembleShader(fragmentFile, defines))];
+        this.stages = [
+            compileShader(gl, gl.VERTEX_SHADER, assembleShader(vertexFile, defines)),
+            compileShader(gl, gl.FRAGMENT_SHADER, assembleShader(fragmentFile, defines)),
+        ];
         for (const stage of this.stages) gl.attachShader(this.program, stage);
         gl.linkProgram(this.program);
         this.name = `${vertexFile} and ${fragmentFile}`;
@@ -48,7 +50,9 @@ export class ShaderProgram {
         gl.useProgram(program);
         if (this.uniforms) return;
         if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
-            const log = this.stages.map((stage) => gl.getShaderInfoLog(stage)).join('') + gl.getProgramInfoLog(program);
+            const log =
+                this.stages.map((stage) => gl.getShaderInfoLog(stage)).join('') +
+                gl.getProgramInfoLog(program);
             throw new Error(`${this.name} do not compile: ${log.split('\n')[0]}`);
         }
         for (const stage of this.stages) gl.deleteShader(stage);
@@ -56,7 +60,10 @@ export class ShaderProgram {
         const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS) || 0;
         for (let i = 0; i < count; ++i) {
             const { name, type } = gl.getActiveUniform(program, i);
-            this.uniforms.set(name.replace(/\[.*/, ''), { type, location: gl.getUniformLocation(program, name) });
+            this.uniforms.set(name.replace(/\[.*/, ''), {
+                type,
+                location: gl.getUniformLocation(program, name),
+            });
         }
     }
 
@@ -64,7 +71,8 @@ export class ShaderProgram {
     set(name, value) {
         const uniform = this.uniforms.get(name);
         if (!uniform) return;
-        const { gl } = this, { type, location } = uniform;
+        const { gl } = this,
+            { type, location } = uniform;
         if (type === gl.FLOAT) gl.uniform1f(location, value);
         else if (type === gl.FLOAT_VEC2) gl.uniform2fv(location, value);
         else if (type === gl.FLOAT_VEC3) gl.uniform3fv(location, value);
@@ -118,20 +126,38 @@ export function createTextureArray(gl, format, width, height, layers) {
     gl.bindTexture(gl.TEXTURE_2D_ARRAY, texture);
     gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, format, width, height, layers.length ?? layers);
     for (let i = 0; i < (layers.length ?? 0); ++i)
-        gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, i, width, height, 1, ...clientFormat(gl, format), layers[i]);
+        gl.texSubImage3D(
+            gl.TEXTURE_2D_ARRAY,
+            0,
+            0,
+            0,
+            i,
+            width,
+            height,
+            1,
+            ...clientFormat(gl, format),
+            layers[i],
+        );
     setNearest(gl, gl.TEXTURE_2D_ARRAY);
     return texture;
 }
 
 function clientFormat(gl, format) {
     switch (format) {
-        case gl.RGBA8: return [gl.RGBA, gl.UNSIGNED_BYTE];
-        case gl.RGBA32F: return [gl.RGBA, gl.FLOAT];
-        case gl.RGBA32UI: return [gl.RGBA_INTEGER, gl.UNSIGNED_INT];
-        case gl.RG32UI: return [gl.RG_INTEGER, gl.UNSIGNED_INT];
-        case gl.R16UI: return [gl.RED_INTEGER, gl.UNSIGNED_SHORT];
-        case gl.RGB9_E5: return [gl.RGB, gl.UNSIGNED_INT_5_9_9_9_REV];
-        default: throw new Error('no client format');
+        case gl.RGBA8:
+            return [gl.RGBA, gl.UNSIGNED_BYTE];
+        case gl.RGBA32F:
+            return [gl.RGBA, gl.FLOAT];
+        case gl.RGBA32UI:
+            return [gl.RGBA_INTEGER, gl.UNSIGNED_INT];
+        case gl.RG32UI:
+            return [gl.RG_INTEGER, gl.UNSIGNED_INT];
+        case gl.R16UI:
+            return [gl.RED_INTEGER, gl.UNSIGNED_SHORT];
+        case gl.RGB9_E5:
+            return [gl.RGB, gl.UNSIGNED_INT_5_9_9_9_REV];
+        default:
+            throw new Error('no client format');
     }
 }
 
@@ -153,6 +179,9 @@ export function createFramebuffer(gl, colors, depth = null) {
 
 // Whether a WebGL 2 context can do what the lookup needs.
 export function isSupported(gl) {
-    return typeof WebGL2RenderingContext !== 'undefined' && gl instanceof WebGL2RenderingContext &&
-        gl.getExtension('EXT_color_buffer_float') !== null;
+    return (
+        typeof WebGL2RenderingContext !== 'undefined' &&
+        gl instanceof WebGL2RenderingContext &&
+        gl.getExtension('EXT_color_buffer_float') !== null
+    );
 }

@@ -1,7 +1,7 @@
 // Makes three.js's materials add the light of the passes at the fragment's position.
 
-// The passes draw each pixel once; at edges, where multisampling shades two surfaces, the neighbour that is nearest in
-// depth is the fragment's own surface.
+// The passes draw each pixel once; at edges, where multisampling shades two surfaces, the neighbour that is
+// nearest in depth is the fragment's own surface.
 const declarations = `
 uniform highp sampler2D phatLight;
 uniform highp sampler2D phatDepth;
@@ -38,9 +38,14 @@ export function injectLight(material) {
     material.onBeforeCompile = function (shader, renderer) {
         onBeforeCompile.call(this, shader, renderer);
         Object.assign(shader.uniforms, uniforms);
-        shader.fragmentShader = declarations + shader.fragmentShader
-            .replace('#include <aomap_fragment>', replaceIndirect)
-            .replace('#include <opaque_fragment>', 'outgoingLight += phatLightHere();\n#include <opaque_fragment>');
+        shader.fragmentShader =
+            declarations +
+            shader.fragmentShader
+                .replace('#include <aomap_fragment>', replaceIndirect)
+                .replace(
+                    '#include <opaque_fragment>',
+                    'outgoingLight += phatLightHere();\n#include <opaque_fragment>',
+                );
     };
     material.customProgramCacheKey = function () {
         return `phat ${customProgramCacheKey.call(this)}`;

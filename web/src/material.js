@@ -4,13 +4,13 @@
 export const kMaterialRows = 23;
 const kFactorRows = 5;
 
-// The texture slots in the order of the rows, with the sampler that each feeds. three.js may hold the two channels
-// of metallicRoughness apart; glTF does not.
+// The texture slots in the order of the rows, with the sampler that each feeds. three.js may hold the two
+// channels of metallicRoughness apart; glTF does not.
 export const kSlots = [
     ['baseColorTexture', (m) => m.map],
     ['metallicRoughnessTexture', (m) => m.roughnessMap ?? m.metalnessMap],
     ['normalTexture', (m) => m.normalMap],
-    ['emissionTexture', () => null],  // three.js adds what shines
+    ['emissionTexture', () => null], // three.js adds what shines
     ['specularTexture', (m) => m.specularIntensityMap],
     ['specularColorTexture', (m) => m.specularColorMap],
     ['clearcoatTexture', (m) => m.clearcoatMap],
@@ -22,7 +22,9 @@ export function hasClearcoat(material) {
     return material.clearcoat > 0;
 }
 
-export const kOpaque = 0, kMask = 1, kBlend = 2;
+export const kOpaque = 0,
+    kMask = 1,
+    kBlend = 2;
 export function alphaMode(material) {
     return material.transparent ? kBlend : material.alphaTest > 0 ? kMask : kOpaque;
 }
@@ -32,12 +34,20 @@ export function isBlended(material) {
 }
 
 export function packMaterial(m, rows = new Float32Array(4 * kMaterialRows)) {
-    const color = (c) => c ? [c.r, c.g, c.b] : [1, 1, 1];
+    const color = (c) => (c ? [c.r, c.g, c.b] : [1, 1, 1]);
     rows.set([...color(m.color), m.opacity ?? 1], 0);
     rows.set([0, 0, 0, m.normalScale?.x ?? 1], 4);
     rows.set([m.metalness ?? 1, m.roughness ?? 1, m.specularIntensity ?? 1, m.ior ?? 1.5], 8);
     rows.set([...color(m.specularColor), m.alphaTest ?? 0.5], 12);
-    rows.set([m.clearcoat ?? 0, m.clearcoatRoughness ?? 0, m.clearcoatNormalScale?.x ?? 1, m.isMeshStandardMaterial ? 0 : 1], 16);
+    rows.set(
+        [
+            m.clearcoat ?? 0,
+            m.clearcoatRoughness ?? 0,
+            m.clearcoatNormalScale?.x ?? 1,
+            m.isMeshStandardMaterial ? 0 : 1,
+        ],
+        16,
+    );
     kSlots.forEach(([, textureOf], i) => {
         const texture = textureOf(m);
         const at = 4 * (kFactorRows + 2 * i);

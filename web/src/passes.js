@@ -1,35 +1,30 @@
-// The passes before three.js draws: depth, lookup, pool, display. Their picture is the light that a bake adds to
-// every pixel: all indirect light, and what area lights bring directly. One picture is of the opaque surfaces; where there
-// are blended ones, another is of the nearest of these.
+// The passes before three.js draws: depth, lookup, pool, display. Their picture is the light that a bake adds
+// to every pixel: all indirect light, and what area lights bring directly. One picture is of the opaque
+// surfaces; where there are blended ones, another is of the nearest of these.
 // twin: src/gl/lookup_pass.cpp, src/gl/display_pass.cpp.
 import { ShaderProgram, createFramebuffer, createTexture2D, createTextureArray } from './gl.js';
 import { drawsOf } from './draws.js';
-import { alphaMode, hasClearcoat, isBlended, kMaterialRows, kOpaque, kSlots, packMaterial } from './material.js';
-import { kChartsOffset, kVertexLayout, kVertexWords } from './surfaces.js';
+import {
+    alphaMode,
+    hasClearcoat,
+    isBlended,
+    kMaterialRows,
+    kOpaque,
+    kSlots,
+    packMaterial,
+} from './material.js';
+import { createVertices } from './vertices.js';
+import { createTargets, disposeTargets } from './targets.js';
 import { uploadAtlas, uploadProbes, uploadScrambles, uploadWarps } from './tables.js';
 
-const kSplitSumSize = 64;  // twin: src/core/brdf.h
+const kSplitSumSize = 64; // twin: src/core/brdf.h
 const kFirstMaterialUnit = 7;
 // twin: drawsOf in src/gl/display_pass.cpp
-const kDraws = { fast: { count: 2, lampBits: 2 }, default: { count: 12, lampBits: 4 }, high: { count: 32, lampBits: 4 } };
-
-function createVertices(gl, { vertices, indices }) {
-    const vertexArray = gl.createVertexArray(), buffers = [gl.createBuffer(), gl.createBuffer()];
-    gl.bindVertexArray(vertexArray);
-    gl.bindBuffer(gl.ARRAY_BUFFER, buffers[0]);
-    gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.STATIC_DRAW);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffers[1]);
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STATIC_DRAW);
-    kVertexLayout.forEach(([size, offset], location) => {
-        gl.enableVertexAttribArray(location);
-        gl.vertexAttribPointer(location, size, gl.FLOAT, false, 4 * kVertexWords, 4 * offset);
-    });
-    const charts = kVertexLayout.length;
-    gl.enableVertexAttribArray(charts);
-    gl.vertexAttribIPointer(charts, 2, gl.UNSIGNED_INT, 4 * kVertexWords, 4 * kChartsOffset);
-    gl.bindVertexArray(null);
-    return { vertexArray, buffers };
-}
+const kDraws = {
+    fast: { count: 2, lampBits: 2 },
+    default: { count: 12, lampBits: 4 },
+    high: { count: 32, lampBits: 4 },
+};
 
 function whiteTexture(gl) {
     return createTexture2D(gl, gl.RGBA8, 1, 1, new Uint8Array([255, 255, 255, 255]));
@@ -49,10 +44,11 @@ export class Passes {
     constructor(renderer, bake) {
         this.renderer = renderer;
         this.bake = bake;
-        const gl = this.gl = renderer.getContext();
+        const gl = (this.gl = renderer.getContext());
         gl.getExtension('EXT_color_buffer_float');
         gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
-        for (const flag of [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL]) gl.pixelStorei(flag, false);
+        for (const flag of [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL])
+            gl.pixelStorei(flag, false);
         gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
         this.vertices = createVertices(gl, bake.surfaces);
         this.noVertices = gl.createVertexArray();
@@ -67,11 +63,18 @@ export class Passes {
     }
 
     uploadLookup() {
-        const { gl, bake } = this, { lookup, atlas } = bake;
+        const { gl, bake } = this,
+            { lookup, atlas } = bake;
         if (!lookup) return;
         this.warps = uploadWarps(gl, lookup.guides);
         this.probes = uploadProbes(gl, lookup.distances, atlas.width / 8, atlas.height / 8);
-        this.phatexels = createTextureArray(gl, gl.RG32UI, atlas.width, atlas.height, lookup.layers.map((layer) => layer.texels));
+        this.phatexels = createTextureArray(
+            gl,
+            gl.RG32UI,
+            atlas.width,
+            atlas.height,
+            lookup.layers.map((layer) => layer.texels),
+        );
         if (lookup.layers.length > 1) this.scrambles = uploadScrambles(gl, lookup.layers, atlas.blockCount);
     }
 
@@ -84,7 +87,12 @@ export class Passes {
         this.layers = (clearcoat ? 2 : 1) * (bake.atlas.areaIrradiance ? 2 : 1);
         this.depthProgram = new ShaderProgram(gl, 'surface.vert', 'depth.frag');
         if (bake.lookup) {
-            this.lookupProgram = new ShaderProgram(gl, 'surface.vert', 'lookup.frag', this.scrambles ? [...defines, 'SCRAMBLES'] : defines);
+            this.lookupProgram = new ShaderProgram(
+                gl,
+                'surface.vert',
+                'lookup.frag',
+                this.scrambles ? [...defines, 'SCRAMBLES'] : defines,
+            );
             this.poolProgram = new ShaderProgram(gl, 'fullscreen.vert', 'pool.frag', defines);
         }
         this.displayProgram = new ShaderProgram(gl, 'surface.vert', 'display.frag', [...defines, 'LOOKUP']);
@@ -106,42 +114,30 @@ export class Passes {
         return texture;
     }
 
-    createTargets(width, height) {
-        const { gl } = this;
-        this.disposeTargets();
-        const texture = (format) => createTexture2D(gl, format, width, height);
-        const t = this.targets = { width, height };
-        const array = () => createTextureArray(gl, gl.RGBA32UI, width, height, this.layers);
-        const target = (arrayTexture, depth) => createFramebuffer(gl, Array.from({ length: this.layers }, (_, layer) => ({ texture: arrayTexture, layer })), depth);
-        t.seen = array();
-        t.pooled = array();
-        t.pooledTarget = target(t.pooled);
-        for (const kind of this.hasBlended() ? ['opaque', 'blended'] : ['opaque']) {
-            const depth = texture(gl.DEPTH_COMPONENT32F), light = texture(gl.RGBA16F);
-            t[kind] = { depth, light, seenTarget: target(t.seen, depth), lightTarget: createFramebuffer(gl, [light], depth) };
-        }
-    }
-
-    disposeTargets() {
-        const { gl } = this;
-        const { opaque, blended, ...shared } = this.targets ?? {};
-        for (const object of [shared, opaque ?? {}, blended ?? {}].flatMap((targets) => Object.values(targets))) {
-            if (object instanceof WebGLTexture) gl.deleteTexture(object);
-            else if (object instanceof WebGLFramebuffer) gl.deleteFramebuffer(object);
-        }
-        this.targets = null;
-    }
-
     // What three.js may have left switched on.
     resetState(width, height) {
         const { gl } = this;
-        for (const switched of [gl.BLEND, gl.SCISSOR_TEST, gl.STENCIL_TEST, gl.CULL_FACE, gl.DEPTH_TEST,
-            gl.POLYGON_OFFSET_FILL, gl.SAMPLE_ALPHA_TO_COVERAGE, gl.RASTERIZER_DISCARD]) gl.disable(switched);
+        for (const switched of [
+            gl.BLEND,
+            gl.SCISSOR_TEST,
+            gl.STENCIL_TEST,
+            gl.CULL_FACE,
+            gl.DEPTH_TEST,
+            gl.POLYGON_OFFSET_FILL,
+            gl.SAMPLE_ALPHA_TO_COVERAGE,
+            gl.RASTERIZER_DISCARD,
+        ])
+            gl.disable(switched);
         gl.colorMask(true, true, true, true);
         gl.depthMask(true);
         gl.frontFace(gl.CCW);
         gl.cullFace(gl.BACK);
         gl.viewport(0, 0, width, height);
+    }
+
+    replaceTargets(targets) {
+        disposeTargets(this.gl, this.targets);
+        this.targets = targets;
     }
 
     hasBlended() {
@@ -258,28 +254,34 @@ export class Passes {
         program.bind('splitSumTable', 4, gl.TEXTURE_2D, this.splitSum);
         program.bind('lightTable', 5, gl.TEXTURE_2D, this.white);
         program.bind('shadowMaps', 6, gl.TEXTURE_2D_ARRAY, this.shadows);
-        program.set('lightCount', 0);  // three.js's own
+        program.set('lightCount', 0); // three.js's own
         program.set('tracedLayer', 0);
         program.set('show', show);
         this.drawSurfaces(program, view, true);
     }
 
-    // `view`: { width, height, clipFromWorld, eye, eyeAtInfinity, isVisible(mesh) }; `settings`: see BakedLight.
+    // `view`: { width, height, clipFromWorld, eye, eyeAtInfinity, isVisible(mesh) }; the rest: see BakedLight.
     // Leaves WebGL's state to the caller.
     draw(view, { quality, seed, wipe }) {
         const { gl } = this;
         this.uploadMaps();
-        const coatAppears = !this.clearcoat && this.bake.surfaces.draws.some(({ mesh }) => hasClearcoat(mesh.material));
+        const coatAppears =
+            !this.clearcoat && this.bake.surfaces.draws.some(({ mesh }) => hasClearcoat(mesh.material));
         if (coatAppears) {
             this.disposePrograms();
             this.createPrograms(true);
-            this.disposeTargets();
+            this.replaceTargets(null);
         }
         const { targets } = this;
-        if (targets?.width !== view.width || targets?.height !== view.height || Boolean(targets?.blended) !== this.hasBlended())
-            this.createTargets(view.width, view.height);
+        if (
+            targets?.width !== view.width ||
+            targets?.height !== view.height ||
+            Boolean(targets?.blended) !== this.hasBlended()
+        )
+            this.replaceTargets(createTargets(gl, view.width, view.height, this.layers, this.hasBlended()));
         this.drawKind({ ...view, blended: false }, this.targets.opaque, quality, seed, wipe);
-        if (this.targets.blended) this.drawKind({ ...view, blended: true }, this.targets.blended, quality, seed, wipe);
+        if (this.targets.blended)
+            this.drawKind({ ...view, blended: true }, this.targets.blended, quality, seed, wipe);
     }
 
     drawKind(view, target, quality, seed, wipe) {
@@ -290,7 +292,10 @@ export class Passes {
         this.lookUp(view, target, quality, seed);
         const left = Math.round(wipe * view.width);
         gl.enable(gl.SCISSOR_TEST);
-        for (const [x, width, show] of [[0, left, [1, 1, 1]], [left, view.width - left, [1, 0, 0]]]) {
+        for (const [x, width, show] of [
+            [0, left, [1, 1, 1]],
+            [left, view.width - left, [1, 0, 0]],
+        ]) {
             gl.scissor(x, 0, width, view.height);
             if (width > 0) this.display(view, target, show);
         }
@@ -305,10 +310,19 @@ export class Passes {
 
     dispose() {
         const { gl } = this;
-        this.disposeTargets();
+        this.replaceTargets(null);
         this.disposePrograms();
-        for (const texture of [...Object.values(this.atlas), this.warps, this.probes, this.phatexels, this.scrambles,
-            this.white, this.shadows, this.splitSum]) gl.deleteTexture(texture ?? null);
+        for (const texture of [
+            ...Object.values(this.atlas),
+            this.warps,
+            this.probes,
+            this.phatexels,
+            this.scrambles,
+            this.white,
+            this.shadows,
+            this.splitSum,
+        ])
+            gl.deleteTexture(texture ?? null);
         this.vertices.buffers.forEach((buffer) => gl.deleteBuffer(buffer));
         gl.deleteVertexArray(this.vertices.vertexArray);
         gl.deleteVertexArray(this.noVertices);

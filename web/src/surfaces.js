@@ -5,7 +5,16 @@ import { kNoChart } from './file.js';
 
 // A corner is 22 floats and the two charts. twin: the inputs of shaders/surface.vert.
 export const kVertexWords = 24;
-export const kVertexLayout = [[3, 0], [3, 3], [4, 6], [2, 10], [2, 12], [4, 14], [2, 18], [2, 20]];  // size, offset
+export const kVertexLayout = [
+    [3, 0],
+    [3, 3],
+    [4, 6],
+    [2, 10],
+    [2, 12],
+    [4, 14],
+    [2, 18],
+    [2, 20],
+]; // size, offset
 export const kChartsOffset = 22;
 
 // The mesh of every surface of the file, in its order. Throws if one is missing.
@@ -16,7 +25,8 @@ export function surfaceMeshes(gltf, description) {
         // A node with one primitive is a mesh itself; with more, a group of them.
         let of = object;
         while (of && gltf.parser.associations.get(of)?.nodes === undefined) of = of.parent;
-        const node = gltf.parser.associations.get(of)?.nodes, primitive = gltf.parser.associations.get(object)?.primitives ?? 0;
+        const node = gltf.parser.associations.get(of)?.nodes,
+            primitive = gltf.parser.associations.get(object)?.primitives ?? 0;
         meshes.set(`${node} ${primitive}`, object);
     });
     return description.surfaces.map(({ node, primitive }) => {
@@ -39,15 +49,18 @@ function sidesOf(atlas, own) {
     const chart = atlas.charts[own];
     if (!chart) return { charts: [kNoChart, kNoChart], front: [0, 0], back: [0, 0] };
     const other = atlas.charts[chart.otherSide];
-    const offset = other ? [0, 1].map((axis) => 8 * (other.originTile[axis] - chart.originTile[axis])) : [0, 0];
+    const offset = other
+        ? [0, 1].map((axis) => 8 * (other.originTile[axis] - chart.originTile[axis]))
+        : [0, 0];
     return {
         charts: chart.back ? [chart.otherSide, own] : [own, chart.otherSide],
-        front: chart.back ? offset : [0, 0], back: chart.back ? [0, 0] : offset,
+        front: chart.back ? offset : [0, 0],
+        back: chart.back ? [0, 0] : offset,
     };
 }
 
-// Normals and tangents that the file does not hold, as three.js would make them. Tangents in any case: a normal map may
-// come later.
+// Normals and tangents that the file does not hold, as three.js would make them. Tangents in any case: a
+// normal map may come later.
 function completeGeometry(mesh) {
     let { geometry } = mesh;
     if (!geometry.attributes.normal) {
@@ -72,14 +85,20 @@ export function gatherSurfaces(root, meshes, atlas, texCoord) {
     root.updateWorldMatrix(true, true);
     const rootFromWorld = new Matrix4().copy(root.matrixWorld).invert();
     const geometries = meshes.map(completeGeometry);
-    const vertices = new Uint32Array(kVertexWords * geometries.reduce((sum, g) => sum + g.attributes.position.count, 0));
+    const vertices = new Uint32Array(
+        kVertexWords * geometries.reduce((sum, g) => sum + g.attributes.position.count, 0),
+    );
     const indices = new Uint32Array(3 * meshes.reduce((sum, mesh) => sum + triangleCount(mesh), 0));
     const floats = new Float32Array(vertices.buffer);
     const draws = [];
-    let firstVertex = 0, first = 0;
-    const vector = new Vector3(), normalMatrix = new Matrix3(), matrix = new Matrix4();
+    let firstVertex = 0,
+        first = 0;
+    const vector = new Vector3(),
+        normalMatrix = new Matrix3(),
+        matrix = new Matrix4();
     meshes.forEach((mesh, surface) => {
-        const geometry = geometries[surface], { position, normal, tangent, uv, uv1, color } = geometry.attributes;
+        const geometry = geometries[surface],
+            { position, normal, tangent, uv, uv1, color } = geometry.attributes;
         const uvAtlas = atlasUv(geometry, texCoord);
         if (!uvAtlas) throw new Error('the baked light cannot be read: the atlas UVs are missing');
         matrix.multiplyMatrices(rootFromWorld, mesh.matrixWorld);
@@ -88,9 +107,16 @@ export function gatherSurfaces(root, meshes, atlas, texCoord) {
         for (let v = 0; v < position.count; ++v) {
             const at = kVertexWords * (firstVertex + v);
             vector.fromBufferAttribute(position, v).applyMatrix4(matrix).toArray(floats, at);
-            vector.fromBufferAttribute(normal, v).applyMatrix3(normalMatrix).normalize().toArray(floats, at + 3);
+            vector
+                .fromBufferAttribute(normal, v)
+                .applyMatrix3(normalMatrix)
+                .normalize()
+                .toArray(floats, at + 3);
             if (tangent) {
-                vector.fromBufferAttribute(tangent, v).transformDirection(matrix).toArray(floats, at + 6);
+                vector
+                    .fromBufferAttribute(tangent, v)
+                    .transformDirection(matrix)
+                    .toArray(floats, at + 6);
                 floats[at + 9] = tangent.getW(v) * (mirrored ? -1 : 1);
             }
             for (let c = 0; c < 2; ++c) {

@@ -27,8 +27,10 @@ test('gltf-validator finds no error in what is baked and in what a page loads', 
     const noteless = { maxIssues: 0 };
     const baked = await validator.validateBytes(new Uint8Array(await readFile(room.file)), noteless);
     assert.equal(baked.issues.numErrors, 0, JSON.stringify(baked.issues));
-    const split = await validator.validateBytes(new Uint8Array(await readFile(join(room.site, 'room.glb'))),
-        { ...noteless, externalResourceFunction: async (uri) => new Uint8Array(await readFile(join(room.site, uri))) });
+    const split = await validator.validateBytes(new Uint8Array(await readFile(join(room.site, 'room.glb'))), {
+        ...noteless,
+        externalResourceFunction: async (uri) => new Uint8Array(await readFile(join(room.site, uri))),
+    });
     assert.equal(split.issues.numErrors, 0, JSON.stringify(split.issues));
 });
 
@@ -43,14 +45,23 @@ test('lights what three.js alone leaves dark, and leaves no trace when it is dis
         result.disposed = draw(world);
         // Textures that the passes had three.js upload stay three.js's.
         const maps = new Set();
-        world.gltf.scene.traverse((o) => { if (o.material?.map) maps.add(o.material.map); });
+        world.gltf.scene.traverse((o) => {
+            if (o.material?.map) maps.add(o.material.map);
+        });
         result.maps = maps.size;
         return result;
     });
     assert.ok(meanOf(lit) > 1.5 * meanOf(plain), `${meanOf(lit)} and ${meanOf(plain)}`);
     assert.ok(maeOverMean(disposed, plain) < 1e-6);
     assert.ok(used.Texture > maps && used.Framebuffer > 0 && used.Program > 0);
-    assert.deepEqual(left, { Texture: maps, Buffer: 0, Framebuffer: 0, VertexArray: 0, Program: 0, Shader: 0 });
+    assert.deepEqual(left, {
+        Texture: maps,
+        Buffer: 0,
+        Framebuffer: 0,
+        VertexArray: 0,
+        Program: 0,
+        Shader: 0,
+    });
 });
 
 test('moves with its object', async () => {
@@ -71,9 +82,12 @@ test('moves with its object', async () => {
 
 test('follows materials, works with fog and tone mapping', async () => {
     const pictures = await page.evaluate(async () => {
-        const world = await load(true), result = { baked: draw(world) };
+        const world = await load(true),
+            result = { baked: draw(world) };
         let top;
-        world.gltf.scene.traverse((o) => { if (o.material?.name === 'table_top') top = o.material; });
+        world.gltf.scene.traverse((o) => {
+            if (o.material?.name === 'table_top') top = o.material;
+        });
         top.metalness = 0;
         result.plastic = draw(world);
         top.metalness = 1;
@@ -101,7 +115,9 @@ test('follows materials, works with fog and tone mapping', async () => {
         result.toneMapped = draw(world);
         renderer.toneMapping = THREE.NoToneMapping;
         world.scene.fog = new THREE.Fog(0x00ff00, 0, 0.01);
-        world.gltf.scene.traverse((o) => { if (o.isMesh) o.material.needsUpdate = true; });
+        world.gltf.scene.traverse((o) => {
+            if (o.isMesh) o.material.needsUpdate = true;
+        });
         result.fog = draw(world);
         world.light.dispose();
         return result;
@@ -125,11 +141,14 @@ test("the README's example draws", async () => {
     await example.goto(`${server.url}examples/plugin.html`);
     await example.waitForSelector('canvas');
     await example.waitForFunction(() => {
-        const canvas = document.querySelector('canvas'), copy = document.createElement('canvas').getContext('2d');
-        return new Promise((done) => { requestAnimationFrame(() => {
-            copy.drawImage(canvas, 0, 0, 1, 1);
-            done(copy.getImageData(0, 0, 1, 1).data.some((x, i) => i < 3 && x > 20));
-        }); });
+        const canvas = document.querySelector('canvas'),
+            copy = document.createElement('canvas').getContext('2d');
+        return new Promise((done) => {
+            requestAnimationFrame(() => {
+                copy.drawImage(canvas, 0, 0, 1, 1);
+                done(copy.getImageData(0, 0, 1, 1).data.some((x, i) => i < 3 && x > 20));
+            });
+        });
     });
     assert.deepEqual(problems, []);
     await example.close();

@@ -24,8 +24,13 @@ async function open(url, prepare) {
     const page = await browser.newPage({ viewport });
     page.problems = [];
     page.on('pageerror', (error) => page.problems.push(error.message));
-    page.on('console', (message) => { if (message.type() === 'error') page.problems.push(message.text()); });
-    page.on('request', (request) => { if (!/^(blob|data):/.test(request.url()) && !request.url().startsWith(url)) page.problems.push(request.url()); });
+    page.on('console', (message) => {
+        if (message.type() === 'error') page.problems.push(message.text());
+    });
+    page.on('request', (request) => {
+        if (!/^(blob|data):/.test(request.url()) && !request.url().startsWith(url))
+            page.problems.push(request.url());
+    });
     if (prepare) await page.addInitScript(prepare);
     await page.goto(url);
     return page;
@@ -43,23 +48,40 @@ async function pixelsOf(page, count = 2) {
     const bytes = await page.evaluate((n) => {
         const data = new Uint8Array(viewer.render(n).buffer);
         let text = '';
-        for (let i = 0; i < data.length; i += 8192) text += String.fromCharCode(...data.subarray(i, i + 8192));
+        for (let i = 0; i < data.length; i += 8192)
+            text += String.fromCharCode(...data.subarray(i, i + 8192));
         return btoa(text);
     }, count);
     return new Float32Array(new Uint8Array(Buffer.from(bytes, 'base64')).buffer);
 }
 
-const rest = (page) => page.evaluate(() => { viewer.renderer.setAnimationLoop(null); });
+const rest = (page) =>
+    page.evaluate(() => {
+        viewer.renderer.setAnimationLoop(null);
+    });
 
 test('draws what phat render draws', async () => {
     const reference = join(room.folder, 'reference.exr');
-    await phat('render', room.file, '-o', reference, '--size', '160x90', '--spp', '8', '--reflections', 'lookup', '--quiet');
+    await phat(
+        'render',
+        room.file,
+        '-o',
+        reference,
+        '--size',
+        '160x90',
+        '--spp',
+        '8',
+        '--reflections',
+        'lookup',
+        '--quiet',
+    );
     const { width, height, pixels: expected } = await readExr(reference);
     assert.deepEqual({ width, height }, viewport);
     const page = await loaded(await open(server.url));
     await rest(page);
     const pixels = await pixelsOf(page, 8);
-    const error = maeOverMean(pixels, expected), bias = meanOf(pixels) / meanOf(expected) - 1;
+    const error = maeOverMean(pixels, expected),
+        bias = meanOf(pixels) / meanOf(expected) - 1;
     console.log(`MAE/mean ${error.toFixed(5)}, bias ${bias.toFixed(5)}`);
     // The same samples of the same shaders; half floats and two compilers' rounding are left.
     assert.ok(error < 0.01, `MAE/mean ${error}`);
@@ -71,21 +93,40 @@ test('draws what phat render draws', async () => {
 test('is a page by itself, with a title, a poster and labels', async () => {
     const page = await open(server.url);
     assert.equal(await page.title(), 'A <table> & more');
-    const poster = await page.evaluate(() => document.getElementById('poster').decode().then(() => document.getElementById('poster').naturalWidth));
+    const poster = await page.evaluate(() =>
+        document
+            .getElementById('poster')
+            .decode()
+            .then(() => document.getElementById('poster').naturalWidth),
+    );
     assert.equal(poster, 960);
     await loaded(page);
     await page.waitForFunction(() => document.getElementById('poster').hidden);
-    const unnamed = await page.$$eval('input, select, button, canvas, progress', (elements) => elements.filter((e) =>
-        !(e.labels?.length || e.textContent.trim() || e.getAttribute('aria-label'))).map((e) => e.id));
+    const unnamed = await page.$$eval('input, select, button, canvas, progress', (elements) =>
+        elements
+            .filter((e) => !(e.labels?.length || e.textContent.trim() || e.getAttribute('aria-label')))
+            .map((e) => e.id),
+    );
     assert.deepEqual(unnamed, []);
     // Everything can be reached by the keyboard.
     await page.keyboard.press('Tab');
     assert.equal(await page.evaluate(() => document.activeElement.id), 'view');
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
-    for (const id of ['material', 'roughness', 'metalness', 'color', 'reset', 'wipe', 'exposure', 'quality', 'camera']) {
+    for (const id of [
+        'material',
+        'roughness',
+        'metalness',
+        'color',
+        'reset',
+        'wipe',
+        'exposure',
+        'quality',
+        'camera',
+    ]) {
         await page.keyboard.press('Tab');
-        while (await page.evaluate(() => document.activeElement.id) === 'color' && id !== 'color') await page.keyboard.press('Tab');
+        while ((await page.evaluate(() => document.activeElement.id)) === 'color' && id !== 'color')
+            await page.keyboard.press('Tab');
         assert.equal(await page.evaluate(() => document.activeElement.id), id);
     }
     assert.deepEqual(page.problems, []);
@@ -107,7 +148,10 @@ test('turns by pointer and flies by keys', async () => {
     assert.ok(maeOverMean(await pixelsOf(page), pixels) > 0.05, 'the picture is another one');
     await page.focus('#view');
     await page.keyboard.down('w');
-    await page.waitForFunction((from) => viewer.camera.position.distanceTo({ x: from[0], y: from[1], z: from[2] }) > 0.1, turned);
+    await page.waitForFunction(
+        (from) => viewer.camera.position.distanceTo({ x: from[0], y: from[1], z: from[2] }) > 0.1,
+        turned,
+    );
     await page.keyboard.up('w');
     await page.keyboard.press('0');
     assert.ok(distance(await eye(), first) < 1e-5, 'back at the first view');
@@ -118,7 +162,15 @@ test('follows its sliders', async () => {
     const page = await loaded(await open(server.url));
     await rest(page);
     const pixels = await pixelsOf(page);
-    const slide = (id, value) => page.$eval(`#${id}`, (input, to) => { input.value = to; input.dispatchEvent(new Event('input')); }, value);
+    const slide = (id, value) =>
+        page.$eval(
+            `#${id}`,
+            (input, to) => {
+                input.value = to;
+                input.dispatchEvent(new Event('input'));
+            },
+            value,
+        );
     await page.selectOption('#material', { label: 'table_top' }, { force: true });
     await slide('roughness', '0.8');
     const rough = await pixelsOf(page);
@@ -130,7 +182,7 @@ test('follows its sliders', async () => {
     // Right of the middle only direct light.
     await slide('wipe', '0.5');
     const wiped = await pixelsOf(page);
-    const half = (all, side) => all.filter((_, i) => (i / 4 % 160 < 80) === (side === 'left'));
+    const half = (all, side) => all.filter((_, i) => (i / 4) % 160 < 80 === (side === 'left'));
     assert.ok(maeOverMean(half(wiped, 'left'), half(pixels, 'left')) < 1e-6, 'left of the wipe');
     assert.ok(meanOf(half(wiped, 'right')) < 0.9 * meanOf(half(pixels, 'right')), 'right of the wipe');
     await page.close();
@@ -141,9 +193,14 @@ test('survives the loss of its context', async () => {
     await rest(page);
     const pixels = await pixelsOf(page);
     await page.evaluate(async () => {
-        const canvas = document.getElementById('view'), lose = viewer.renderer.getContext().getExtension('WEBGL_lose_context');
-        const event = (name) => new Promise((done) => { canvas.addEventListener(name, () => setTimeout(done), { once: true }); });
-        const lost = event('webglcontextlost'), restored = event('webglcontextrestored');
+        const canvas = document.getElementById('view'),
+            lose = viewer.renderer.getContext().getExtension('WEBGL_lose_context');
+        const event = (name) =>
+            new Promise((done) => {
+                canvas.addEventListener(name, () => setTimeout(done), { once: true });
+            });
+        const lost = event('webglcontextlost'),
+            restored = event('webglcontextrestored');
         lose.loseContext();
         await lost;
         lose.restoreContext();
@@ -160,7 +217,10 @@ async function messageOf(page) {
 
 test('says what is wrong', async () => {
     const cut = join(room.folder, 'cut');
-    for (const [name, length, expected] of [['room.glb', 200_000, /could not be loaded/], ['room.reflections.bin', 300_000, /could not be loaded: .*(cut off|damaged)/]]) {
+    for (const [name, length, expected] of [
+        ['room.glb', 200_000, /could not be loaded/],
+        ['room.reflections.bin', 300_000, /could not be loaded: .*(cut off|damaged)/],
+    ]) {
         await cp(room.site, cut, { recursive: true });
         await truncate(join(cut, name), length);
         const broken = await serve(cut);
@@ -171,10 +231,14 @@ test('says what is wrong', async () => {
     }
     const noFloats = await open(server.url, () => {
         const { getExtension } = WebGL2RenderingContext.prototype;
-        WebGL2RenderingContext.prototype.getExtension = function (name) { return name === 'EXT_color_buffer_float' ? null : getExtension.call(this, name); };
+        WebGL2RenderingContext.prototype.getExtension = function (name) {
+            return name === 'EXT_color_buffer_float' ? null : getExtension.call(this, name);
+        };
     });
     assert.match(await messageOf(noFloats), /needs WebGL 2 with float render targets/);
-    const noWebGl = await open(server.url, () => { HTMLCanvasElement.prototype.getContext = () => null; });
+    const noWebGl = await open(server.url, () => {
+        HTMLCanvasElement.prototype.getContext = () => null;
+    });
     assert.match(await messageOf(noWebGl), /needs WebGL 2/);
     // What another version wrote.
     const glb = await readFile(join(room.site, 'room.glb'));

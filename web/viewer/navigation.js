@@ -2,7 +2,7 @@
 import { Raycaster, Vector2, Vector3 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
-const kTurnPerSecond = 1.2;   // radians
+const kTurnPerSecond = 1.2; // radians
 const kMetersPerSecond = 1.5;
 
 export class Navigation {
@@ -21,7 +21,9 @@ export class Navigation {
             event.preventDefault();
             changed();
         });
-        canvas.addEventListener('keyup', (event) => { this.pressed.delete(event.code); });
+        canvas.addEventListener('keyup', (event) => {
+            this.pressed.delete(event.code);
+        });
         canvas.addEventListener('blur', () => this.pressed.clear());
     }
 
@@ -44,8 +46,10 @@ export class Navigation {
     // Moves by the keys that are pressed. Returns whether any is.
     fly(seconds) {
         if (this.pressed.size === 0) return false;
-        const { camera, controls } = this, step = seconds * (this.fast ? 4 : 1);
-        const offset = new Vector3(), turn = new Vector2();
+        const { camera, controls } = this,
+            step = seconds * (this.fast ? 4 : 1);
+        const offset = new Vector3(),
+            turn = new Vector2();
         for (const code of this.pressed) {
             const [x, y, z, yaw, pitch] = keys[code];
             offset.add(new Vector3(x, 0, z));
@@ -70,8 +74,18 @@ export class Navigation {
 
 // right, up, back; left and upward turn
 const keys = {
-    KeyW: [0, 0, -1, 0, 0], KeyS: [0, 0, 1, 0, 0], KeyA: [-1, 0, 0, 0, 0], KeyD: [1, 0, 0, 0, 0],
-    KeyQ: [0, -1, 0, 0, 0], KeyE: [0, 1, 0, 0, 0],
-    Equal: [0, 0, -1, 0, 0], NumpadAdd: [0, 0, -1, 0, 0], Minus: [0, 0, 1, 0, 0], NumpadSubtract: [0, 0, 1, 0, 0],
-    ArrowLeft: [0, 0, 0, 1, 0], ArrowRight: [0, 0, 0, -1, 0], ArrowUp: [0, 0, 0, 0, 1], ArrowDown: [0, 0, 0, 0, -1],
+    KeyW: [0, 0, -1, 0, 0],
+    KeyS: [0, 0, 1, 0, 0],
+    KeyA: [-1, 0, 0, 0, 0],
+    KeyD: [1, 0, 0, 0, 0],
+    KeyQ: [0, -1, 0, 0, 0],
+    KeyE: [0, 1, 0, 0, 0],
+    Equal: [0, 0, -1, 0, 0],
+    NumpadAdd: [0, 0, -1, 0, 0],
+    Minus: [0, 0, 1, 0, 0],
+    NumpadSubtract: [0, 0, 1, 0, 0],
+    ArrowLeft: [0, 0, 0, 1, 0],
+    ArrowRight: [0, 0, 0, -1, 0],
+    ArrowUp: [0, 0, 0, 0, 1],
+    ArrowDown: [0, 0, 0, 0, -1],
 };

@@ -3,13 +3,17 @@
 import { HalfFloatType, NearestFilter, WebGLRenderTarget } from 'three';
 import { ShaderProgram, createFramebuffer, createTexture2D } from '../src/gl.js';
 
-export const kAgx = 1;  // twin: shaders/lib/tone_map.glsl
+export const kAgx = 1; // twin: shaders/lib/tone_map.glsl
 
 export class Picture {
     constructor(renderer) {
         this.renderer = renderer;
         this.samples = 0;
-        this.target = new WebGLRenderTarget(1, 1, { type: HalfFloatType, minFilter: NearestFilter, magFilter: NearestFilter });
+        this.target = new WebGLRenderTarget(1, 1, {
+            type: HalfFloatType,
+            minFilter: NearestFilter,
+            magFilter: NearestFilter,
+        });
         renderer.domElement.addEventListener('webglcontextrestored', () => this.forget());
         this.forget();
     }
@@ -28,12 +32,15 @@ export class Picture {
     }
 
     create() {
-        const gl = this.renderer.getContext(), { width, height } = this.target;
+        const gl = this.renderer.getContext(),
+            { width, height } = this.target;
         // Half floats can always be added up; some devices cannot add floats.
         const format = gl.getExtension('EXT_float_blend') ? gl.RGBA32F : gl.RGBA16F;
         const sum = createTexture2D(gl, format, width, height);
         return {
-            sum, framebuffer: createFramebuffer(gl, [sum]), noVertices: gl.createVertexArray(),
+            sum,
+            framebuffer: createFramebuffer(gl, [sum]),
+            noVertices: gl.createVertexArray(),
             accumulate: new ShaderProgram(gl, 'fullscreen.vert', 'accumulate.frag'),
             present: new ShaderProgram(gl, 'fullscreen.vert', 'present.frag'),
         };
@@ -41,7 +48,8 @@ export class Picture {
 
     // Draws the scene and adds it.
     add(scene, camera) {
-        const { renderer, target } = this, gl = renderer.getContext();
+        const { renderer, target } = this,
+            gl = renderer.getContext();
         renderer.setRenderTarget(target);
         renderer.render(scene, camera);
         this.gpu ??= this.create();
@@ -58,10 +66,15 @@ export class Picture {
     }
 
     present(exposureStops, toneMapping = kAgx) {
-        const gl = this.renderer.getContext(), { width, height } = this.target, { present, sum } = this.gpu;
+        const gl = this.renderer.getContext(),
+            { width, height } = this.target,
+            { present, sum } = this.gpu;
         this.begin(gl, null);
         present.use();
-        for (const [side, unit] of [['left', 0], ['right', 1]]) {
+        for (const [side, unit] of [
+            ['left', 0],
+            ['right', 1],
+        ]) {
             present.bind(side, unit, gl.TEXTURE_2D, sum);
             present.set(`${side}Scale`, 1 / this.samples);
         }
@@ -76,7 +89,8 @@ export class Picture {
 
     // Mean linear radiance, RGBA, row 0 at the bottom.
     read() {
-        const gl = this.renderer.getContext(), { width, height } = this.target;
+        const gl = this.renderer.getContext(),
+            { width, height } = this.target;
         const pixels = new Float32Array(4 * width * height);
         gl.bindFramebuffer(gl.FRAMEBUFFER, this.gpu.framebuffer);
         gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, pixels);
@@ -86,7 +100,8 @@ export class Picture {
 
     begin(gl, framebuffer) {
         gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-        for (const switched of [gl.BLEND, gl.SCISSOR_TEST, gl.STENCIL_TEST, gl.CULL_FACE, gl.DEPTH_TEST]) gl.disable(switched);
+        for (const switched of [gl.BLEND, gl.SCISSOR_TEST, gl.STENCIL_TEST, gl.CULL_FACE, gl.DEPTH_TEST])
+            gl.disable(switched);
         gl.colorMask(true, true, true, true);
         gl.viewport(0, 0, this.target.width, this.target.height);
         gl.bindVertexArray(this.gpu.noVertices);

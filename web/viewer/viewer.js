@@ -1,5 +1,14 @@
 // The page that `phat web` writes: a baked room to walk through.
-import { Box3, PCFShadowMap, PerspectiveCamera, Scene, WebGLRenderer, LinearSRGBColorSpace, Vector2, Vector3 } from 'three';
+import {
+    Box3,
+    PCFShadowMap,
+    PerspectiveCamera,
+    Scene,
+    WebGLRenderer,
+    LinearSRGBColorSpace,
+    Vector2,
+    Vector3,
+} from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { PhatexturesExtension, isSupported, jitterOf } from '../src/index.js';
 import { Navigation } from './navigation.js';
@@ -8,11 +17,13 @@ import { Picture } from './picture.js';
 
 // Pictures that a view at rest is averaged from.
 const kSamples = 32;
-// A moving view is drawn as 'fast', and in as many pixels as the device draws in this time; at rest a picture may take
-// longer.
-const kMovingSeconds = 0.04, kRestSeconds = 0.6;
+// A moving view is drawn as 'fast', and in as many pixels as the device draws in this time; at rest a picture
+// may take longer.
+const kMovingSeconds = 0.04,
+    kRestSeconds = 0.6;
 const kRelativeCost = { fast: 1, default: 3, high: 8 };
-const kLeastScale = 0.25, kScaleSteps = 8;
+const kLeastScale = 0.25,
+    kScaleSteps = 8;
 
 const element = (id) => document.getElementById(id);
 const canvas = element('view');
@@ -24,9 +35,12 @@ function say(text) {
 
 function createRenderer() {
     const context = canvas.getContext('webgl2', { antialias: false, powerPreference: 'high-performance' });
-    if (!isSupported(context)) throw new Error('This room needs WebGL 2 with float render targets, which this browser or device does not offer.');
+    if (!isSupported(context))
+        throw new Error(
+            'This room needs WebGL 2 with float render targets, which this browser or device does not offer.',
+        );
     const renderer = new WebGLRenderer({ canvas, context });
-    renderer.outputColorSpace = LinearSRGBColorSpace;  // present.frag encodes
+    renderer.outputColorSpace = LinearSRGBColorSpace; // present.frag encodes
     renderer.shadowMap.enabled = true;
     renderer.shadowMap.type = PCFShadowMap;
     return renderer;
@@ -40,14 +54,19 @@ function load(url, onProgress) {
 
 class Viewer {
     constructor(renderer, gltf) {
-        Object.assign(this, { renderer, quality: 'default', exposure: Number(canvas.dataset.exposure), light: gltf.userData.bakedLight });
+        Object.assign(this, {
+            renderer,
+            quality: 'default',
+            exposure: Number(canvas.dataset.exposure),
+            light: gltf.userData.bakedLight,
+        });
         this.scene = new Scene();
         this.scene.add(gltf.scene);
         this.camera = new PerspectiveCamera(40, 1, 0.01, 100);
         this.picture = new Picture(renderer);
         this.lastMove = -1e9;
-        this.scale = 0.5;  // of the sides; until the device is known
-        this.secondsPerPixel = 0;  // 'fast'; 0: not known yet
+        this.scale = 0.5; // of the sides; until the device is known
+        this.secondsPerPixel = 0; // 'fast'; 0: not known yet
         this.pending = null;
         this.navigation = new Navigation(this.camera, canvas, gltf.scene, () => this.viewChanged());
         const materials = new Set();
@@ -55,7 +74,8 @@ class Viewer {
             if (object.isMesh) {
                 object.castShadow = object.receiveShadow = true;
                 if (object.material.isMeshStandardMaterial) materials.add(object.material);
-                if (object.material.map) object.material.map.anisotropy = Math.min(8, renderer.capabilities.getMaxAnisotropy());
+                if (object.material.map)
+                    object.material.map.anisotropy = Math.min(8, renderer.capabilities.getMaxAnisotropy());
             }
             if (object.isLight) {
                 object.castShadow = !object.isAmbientLight;
@@ -63,18 +83,29 @@ class Viewer {
             }
         });
         const cameras = gltf.cameras.filter((camera) => camera.isPerspectiveCamera);
-        createPanel(this, [...materials], cameras, (camera) => this.navigation.goTo(camera), () => this.changed());
+        createPanel(
+            this,
+            [...materials],
+            cameras,
+            (camera) => this.navigation.goTo(camera),
+            () => this.changed(),
+        );
         this.navigation.goTo(cameras[0] ?? this.overview(gltf.scene));
         this.resize();
         new ResizeObserver(() => this.resize()).observe(canvas);
-        canvas.addEventListener('webglcontextrestored', () => { this.pending = null; this.changed(); });
+        canvas.addEventListener('webglcontextrestored', () => {
+            this.pending = null;
+            this.changed();
+        });
         this.previous = performance.now();
         renderer.setAnimationLoop((now) => this.frame(now));
     }
 
     // Where a file has no camera: from a corner of what it shows.
     overview(root) {
-        const box = new Box3().setFromObject(root), middle = box.getCenter(new Vector3()), size = box.getSize(new Vector3());
+        const box = new Box3().setFromObject(root),
+            middle = box.getCenter(new Vector3()),
+            size = box.getSize(new Vector3());
         const camera = this.camera.clone();
         camera.position.copy(middle).addScaledVector(size, 0.4);
         camera.lookAt(middle);
@@ -97,7 +128,8 @@ class Viewer {
     // As many pixels as can be drawn in time.
     fitScale(quality, seconds) {
         if (!this.secondsPerPixel) return;
-        const { width, height } = this.picture.target, pixels = width * height / this.scale ** 2;
+        const { width, height } = this.picture.target,
+            pixels = (width * height) / this.scale ** 2;
         const fitting = Math.sqrt(seconds / (this.secondsPerPixel * kRelativeCost[quality] * pixels));
         this.setScale(Math.min(1, Math.max(kLeastScale, Math.floor(fitting * kScaleSteps) / kScaleSteps)));
     }
@@ -137,11 +169,16 @@ class Viewer {
         if (!moving && this.picture.samples >= kSamples) return;
         const quality = moving ? 'fast' : this.quality;
         if (moving) this.settle();
-        if (this.picture.samples === 0 || moving) this.fitScale(quality, moving ? kMovingSeconds : kRestSeconds);
+        if (this.picture.samples === 0 || moving)
+            this.fitScale(quality, moving ? kMovingSeconds : kRestSeconds);
         this.addSample(quality);
         this.present();
         const { width, height } = this.picture.target;
-        this.pending = { fence: gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0), since: now, cost: width * height * kRelativeCost[quality] };
+        this.pending = {
+            fence: gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0),
+            since: now,
+            cost: width * height * kRelativeCost[quality],
+        };
         gl.flush();
         element('poster').hidden = true;
     }
@@ -153,7 +190,8 @@ class Viewer {
     }
 
     addSample(quality, count = kSamples) {
-        const { camera, light, picture } = this, { width, height } = picture.target;
+        const { camera, light, picture } = this,
+            { width, height } = picture.target;
         if (light) Object.assign(light, { quality, seed: picture.samples });
         const [x, y] = jitterOf(picture.samples, count);
         camera.setViewOffset(width, height, -x, y, width, height);
@@ -178,8 +216,10 @@ async function start() {
     try {
         const renderer = createRenderer();
         const progress = element('progress');
-        const gltf = await load('room.glb', ({ loaded, total }) => { if (total) progress.value = loaded / total / 2; });
-        const viewer = globalThis.viewer = new Viewer(renderer, gltf);
+        const gltf = await load('room.glb', ({ loaded, total }) => {
+            if (total) progress.value = loaded / total / 2;
+        });
+        const viewer = (globalThis.viewer = new Viewer(renderer, gltf));
         element('status').textContent = 'Reflections are still to come.';
         if (viewer.light) await viewer.light.ready;
         viewer.changed();
@@ -187,7 +227,11 @@ async function start() {
         element('loading').hidden = true;
     } catch (error) {
         element('loading').hidden = true;
-        say(error.message.startsWith('This room') ? error.message : `The room could not be loaded: ${error.message}`);
+        say(
+            error.message.startsWith('This room')
+                ? error.message
+                : `The room could not be loaded: ${error.message}`,
+        );
         console.error(error);
     }
 }
