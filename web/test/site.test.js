@@ -243,6 +243,16 @@ test('says what is wrong', async () => {
         HTMLCanvasElement.prototype.getContext = () => null;
     });
     assert.match(await messageOf(noWebGl), /needs WebGL 2/);
+    const small = await open(server.url, () => {
+        const { getParameter } = WebGL2RenderingContext.prototype;
+        WebGL2RenderingContext.prototype.getParameter = function (name) {
+            return name === this.MAX_TEXTURE_SIZE ? 256 : getParameter.call(this, name);
+        };
+    });
+    assert.match(
+        await messageOf(small),
+        /cannot be drawn: a texture of .* exceeds this device's limit of 256/,
+    );
     // What another version wrote.
     const glb = await readFile(join(room.site, 'room.glb'));
     const at = glb.indexOf('"version":3');
@@ -254,5 +264,5 @@ test('says what is wrong', async () => {
     const page = await open(other.url);
     assert.match(await messageOf(page), /format version 9/);
     other.close();
-    for (const p of [noFloats, noWebGl, page]) await p.close();
+    for (const p of [noFloats, noWebGl, small, page]) await p.close();
 });

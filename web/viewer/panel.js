@@ -52,6 +52,11 @@ export function createPanel(viewer, materials, cameras, goTo, changed) {
         viewer.present();
     });
     element('exposure').value = viewer.exposure;
+    // A metal shows best what the sliders do.
+    material.value = Math.max(
+        0,
+        materials.findIndex((m) => m.metalness > 0.5),
+    );
     if (materials.length > 0) show();
     element('controls').disabled = materials.length === 0;
 }

@@ -98,7 +98,15 @@ class Viewer {
             this.changed();
         });
         this.previous = performance.now();
-        renderer.setAnimationLoop((now) => this.frame(now));
+        renderer.setAnimationLoop((now) => {
+            try {
+                this.frame(now);
+            } catch (error) {
+                renderer.setAnimationLoop(null);
+                say(`The room cannot be drawn: ${error.message}`);
+                console.error(error);
+            }
+        });
     }
 
     // Where a file has no camera: from a corner of what it shows.
