@@ -1,14 +1,31 @@
 // Orbit by pointer and touch, fly by keys.
-import { Raycaster, Vector2, Vector3 } from 'three';
+import { Box3, PerspectiveCamera, Raycaster, Sphere, Vector2, Vector3 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
 const kTurnPerSecond = 1.2; // radians
-const kMetersPerSecond = 1.5;
+const kRadiiPerSecond = 0.4; // of the scene's sphere
+
+export function sphereOf(root) {
+    const sphere = new Box3().setFromObject(root).getBoundingSphere(new Sphere());
+    sphere.radius = Math.max(sphere.radius, 1e-3);
+    return sphere;
+}
+
+// Where a file has no camera. twin: defaultCamera in src/core/scene.cpp.
+export function defaultCamera({ center, radius }) {
+    const camera = new PerspectiveCamera((0.7 * 180) / Math.PI);
+    const distance = (1.1 * radius) / Math.sin(0.35);
+    camera.position.copy(center).addScaledVector(new Vector3(0.6, 0.45, 1).normalize(), distance);
+    camera.lookAt(center);
+    camera.updateMatrixWorld();
+    return camera;
+}
 
 export class Navigation {
     // `changed` is called when the view is another one.
     constructor(camera, canvas, root, changed) {
         Object.assign(this, { camera, root, changed });
+        this.metersPerSecond = kRadiiPerSecond * sphereOf(root).radius;
         this.controls = new OrbitControls(camera, canvas);
         this.controls.addEventListener('change', changed);
         this.pressed = new Set();
@@ -53,11 +70,11 @@ export class Navigation {
         for (const code of this.pressed) {
             const [x, y, z, yaw, pitch] = keys[code];
             offset.add(new Vector3(x, 0, z));
-            camera.position.y += y * kMetersPerSecond * step;
-            controls.target.y += y * kMetersPerSecond * step;
+            camera.position.y += y * this.metersPerSecond * step;
+            controls.target.y += y * this.metersPerSecond * step;
             turn.add(new Vector2(yaw, pitch));
         }
-        offset.multiplyScalar(kMetersPerSecond * step).applyQuaternion(camera.quaternion);
+        offset.multiplyScalar(this.metersPerSecond * step).applyQuaternion(camera.quaternion);
         camera.position.add(offset);
         controls.target.add(offset);
         // The eye turns where it is.

@@ -1,17 +1,8 @@
 // The page that `phat web` writes: a baked room to walk through.
-import {
-    Box3,
-    PCFShadowMap,
-    PerspectiveCamera,
-    Scene,
-    WebGLRenderer,
-    LinearSRGBColorSpace,
-    Vector2,
-    Vector3,
-} from 'three';
+import { PCFShadowMap, PerspectiveCamera, Scene, WebGLRenderer, LinearSRGBColorSpace, Vector2 } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { PhatexturesExtension, isSupported, jitterOf } from '../src/index.js';
-import { Navigation } from './navigation.js';
+import { Navigation, defaultCamera, sphereOf } from './navigation.js';
 import { createPanel } from './panel.js';
 import { Picture } from './picture.js';
 
@@ -62,7 +53,8 @@ class Viewer {
         });
         this.scene = new Scene();
         this.scene.add(gltf.scene);
-        this.camera = new PerspectiveCamera(40, 1, 0.01, 100);
+        const sphere = sphereOf(gltf.scene);
+        this.camera = new PerspectiveCamera(40, 1, Math.min(1e-3 * sphere.radius, 0.01), 50 * sphere.radius);
         this.picture = new Picture(renderer);
         this.lastMove = -1e9;
         this.scale = 0.5; // of the sides; until the device is known
@@ -90,7 +82,7 @@ class Viewer {
             (camera) => this.navigation.goTo(camera),
             () => this.changed(),
         );
-        this.navigation.goTo(cameras[0] ?? this.overview(gltf.scene));
+        this.navigation.goTo(cameras[0] ?? defaultCamera(sphere));
         this.resize();
         new ResizeObserver(() => this.resize()).observe(canvas);
         canvas.addEventListener('webglcontextrestored', () => {
@@ -107,18 +99,6 @@ class Viewer {
                 console.error(error);
             }
         });
-    }
-
-    // Where a file has no camera: from a corner of what it shows.
-    overview(root) {
-        const box = new Box3().setFromObject(root),
-            middle = box.getCenter(new Vector3()),
-            size = box.getSize(new Vector3());
-        const camera = this.camera.clone();
-        camera.position.copy(middle).addScaledVector(size, 0.4);
-        camera.lookAt(middle);
-        camera.updateMatrixWorld();
-        return camera;
     }
 
     resize() {
