@@ -178,6 +178,21 @@ const std::string kBrdfCase = R"(
                      0.01 + 0.5 * d.z, normalize(vec3(0.3 * d.w, 0.1, 1.0)));
     vec3 eye = squareToHemisphere(c.xy), light = squareToHemisphere(c.zw);)";
 
+TEST_P(Twins, SplitSum) {
+    const auto rows = randomRows(8);
+    const auto entries = run("lib/split_sum.glsl", R"(
+        ivec2 at = ivec2(a.xy * 63.999);
+        float roughness = float(at.y) / 63.0;
+        result.xy = integrateSplitSum(max(float(at.x) / 63.0, 1e-3), max(roughness * roughness, kMinAlpha));)",
+                             rows);
+    for (int i = 0; i < kRows; ++i) {
+        const glm::ivec2 at(glm::vec2(rows[i][0]) * 63.999f);
+        const glm::vec2 want = splitSumTable()[size_t(at.y) * kSplitSumSize + size_t(at.x)];
+        // Sums of 1,024 floats.
+        expectNear(glm::vec3(glm::vec2(entries[i]), 0), glm::vec3(want, 0), 1e-4f, 1e-5f, i);
+    }
+}
+
 TEST_P(Twins, BrdfLobes) {
     const GlTexture table = splitSumTexture();
     const auto rows = randomRows(5);
