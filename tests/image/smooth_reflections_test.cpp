@@ -63,6 +63,7 @@ void fillWithLookups(RendererWorld& world, float indirect, float area) {
     world.phatexture.indirect = {layerOf(world, indirect)};
     world.phatexture.area = {layerOf(world, area)};
     world.phatexture.areaGuides = world.phatexture.indirectGuides;
+    world.phatexture.areaIrradiance.assign(world.atlas.texelCount(), packRgb9e5(glm::vec3(kPi * area)));
     SilentProgress silent;
     prepareLookup(world.phatexture, world.atlas, world.points, blockFrames(world.atlas, world.points),
                   RayScene(world.scene), silent);

@@ -107,8 +107,13 @@ TEST_P(Twins, PackedRadianceAndMirrorDirections) {
         run("lib/packed_draws.glsl",
             "vec3 rgb = a.xyz * exp2(a.w * 20.0 - 10.0);"
             "vec3 mirror = normalize(b.xyz - 0.5);"
-            "Draws back = unpackDraws(packDraws(Draws(rgb, 1.0, mirror, 5u, b.w)));"
-            "result = vec4(back.radiance, dot(back.mirror, mirror) * float(back.surface) / 5.0);",
+            "Draws drawn = noDraws();"
+            "drawn.indirect = vec4(rgb, 1.0);"
+            "drawn.mirror = mirror;"
+            "drawn.surface = 5u;"
+            "drawn.alpha = b.w;"
+            "Draws back = unpackDraws(packDraws(drawn));"
+            "result = vec4(back.indirect.rgb, dot(back.mirror, mirror) * float(back.surface) / 5.0);",
             rows);
     for (int row = 0; row < kRows; ++row) {
         const glm::vec4 a = rows[row][0];
