@@ -21,6 +21,7 @@ PresentPass createPresentPass(const std::string& shaderFolder);
 struct Presented {
     GLuint texture = 0;
     int samples = 1;
+    bool light = true;  // else display-linear values, shown as they are
 };
 
 struct PresentSettings {

@@ -30,6 +30,26 @@ enum class Method : uint8_t {
 enum class Quality : uint8_t { fast, standard, high };
 enum class ToneMap : uint8_t { linear, agx, aces };
 
+/// Stored data that can be shown in place of the light. twin: shaders/inspect.frag.
+enum class Inspected : uint8_t {
+    nothing,    // the light
+    radiance,   // of the PHATexels: light, as figure 4 of the paper shows it
+    direction,  // of the PHATexels, world: x, y, z as red, green, blue, each from -1 to 1
+    distance,   // of the PHATexels: black 1 cm, red 22 cm, yellow 4.6 m, white 100 m
+    validity,   // green: holds a value; red: none
+    charts,     // a colour each, with their tiles
+    density,    // a checker of texels; blue as coarse as anywhere, red an eighth
+    pyramid,    // a level of the relit PHATexels, seen from the eye: light
+    samples,    // effective number in the pyramid's cone: black 1, red 6, yellow 40, white 256
+    reads,      // of texels for a pixel's indirect glossy light by the lookup: the numbers themselves
+};
+struct Inspection {
+    Inspected what = Inspected::nothing;
+    int source = 0;  // 0: indirect light, 1: area lights, if there are any
+    int layer = 0;   // of several PHATexels a texel
+    int level = 0;   // of the pyramid
+};
+
 /// Rays that take the place of the lookup on smooth surfaces. What they read is the caller's, as are its
 /// materials.
 struct TracedReflections {

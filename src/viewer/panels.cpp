@@ -83,7 +83,7 @@ void drawCompare(ViewerState& state, const Pictures& pictures) {
 
 // The edit goes on while a slider is held.
 struct Edit {
-    Editable next;
+    SceneEdits next;
     bool changed = false;
     void note(bool now) { changed |= now; }
 };

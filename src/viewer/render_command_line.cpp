@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "gl/flag_names.h"
 #include "io/material_edit.h"
 
 namespace phat {
@@ -34,16 +35,6 @@ const char* methodOf(Source source) {
     return "phat";
 }
 
-const char* componentOf(Component component) {
-    constexpr const char* kNames[] = {"all", "direct", "indirect", "glossy-indirect", "diffuse-indirect"};
-    return kNames[size_t(component)];
-}
-
-const char* toneMapOf(ToneMap toneMap) {
-    constexpr const char* kNames[] = {"linear", "agx", "aces"};
-    return kNames[size_t(toneMap)];
-}
-
 }  // namespace
 
 std::string renderCommandLine(const ViewerState& state, glm::ivec2 size) {
@@ -60,9 +51,9 @@ std::string renderCommandLine(const ViewerState& state, glm::ivec2 size) {
             line += fmt::format(" --fov {}", glm::degrees(navigation.camera.yfovRadians));
     }
     const Component component = view.left == Source::direct ? Component::direct : view.component;
-    if (component != Component::all) line += fmt::format(" --component {}", componentOf(component));
+    if (component != Component::all) line += fmt::format(" --component {}", nameOf(kComponentNames, component));
     if (view.exposureStops != 0) line += fmt::format(" --exposure {}", view.exposureStops);
-    if (view.toneMap != ToneMap::agx) line += fmt::format(" --tonemap {}", toneMapOf(view.toneMap));
+    if (view.toneMap != ToneMap::agx) line += fmt::format(" --tonemap {}", nameOf(kToneMapNames, view.toneMap));
     const auto edits = materialEdits(document.edits.original().materials, document.edits.now().materials);
     if (!edits.empty()) line += " --set";
     for (const std::string& edit : edits) line += " " + quoted(edit);
