@@ -13,6 +13,8 @@ uniform int leftToneMapping;
 uniform float leftExposureStops;
 uniform int rightToneMapping;
 uniform float rightExposureStops;
+uniform float leftHeat;    // > 0: numbers, shown as heat from 0 to 1 over this
+uniform float rightHeat;
 uniform int difference;    // 1: instead of the pictures
 
 layout(location = 0) out vec4 color;
@@ -25,8 +27,9 @@ vec3 srgbFromLinear(vec3 c) {
 void main() {
     vec2 place = gl_FragCoord.xy - corner;
     vec2 uv = place / size;
-    vec3 a = toneMap(texture(left, uv).rgb * leftScale, leftToneMapping, leftExposureStops);
-    vec3 b = toneMap(texture(right, uv).rgb * rightScale, rightToneMapping, rightExposureStops);
+    vec3 a = texture(left, uv).rgb * leftScale, b = texture(right, uv).rgb * rightScale;
+    a = leftHeat > 0.0 ? heat(a.r * leftHeat) : toneMap(a, leftToneMapping, leftExposureStops);
+    b = rightHeat > 0.0 ? heat(b.r * rightHeat) : toneMap(b, rightToneMapping, rightExposureStops);
     if (difference == 1) {
         // Of the right picture's display value, so that black pixels do not divide.
         vec3 apart = abs(a - b) / (b + 0.05);

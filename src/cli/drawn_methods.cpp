@@ -21,18 +21,18 @@ Method methodOf(const RenderOptions& options) {
     return name == "phat-paper" ? Method::phatPaper : Method::phat;
 }
 
-// Of pixels that show a surface.
-json readsOf(const Image& picture) {
-    double sum = 0, most = 0;
-    size_t count = 0;
-    for (const glm::vec3& pixel : picture.pixels) {
-        if (pixel.x <= 0) continue;
-        sum += pixel.x;
-        most = std::max(most, double(pixel.x));
-        ++count;
-    }
-    return {{"mean", sum / double(std::max<size_t>(count, 1))}, {"max", most}};
-}
+// What rays for smooth surfaces read.
+struct RayTracing {
+    RayTracing(const BakedScene& baked, Reflections reflections, Progress& progress)
+        : rays(baked.loaded.scene),
+          lights(baked.loaded.scene),
+          scene(rays, lights, baked.atlas, baked.points, baked.phatexture),
+          traced{scene, reflections, progress} {}
+    const RayScene rays;
+    const LightSampler lights;
+    const ReflectionScene scene;
+    const TracedReflections traced;
+};
 
 }  // namespace
 
@@ -42,12 +42,10 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     const std::vector<View> views = chooseViews(options, scene);
 
     const HeadlessContext context;
-    const RayScene rays(scene);
-    const LightSampler lights(scene);
-    const ReflectionScene reflectionScene(rays, lights, baked.atlas, baked.points, baked.phatexture);
-    const TracedReflections traced{reflectionScene, options.reflections, progress};
-    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, methodOf(options) == Method::phat,
-                       options.countReads},
+    const Method method = methodOf(options);
+    std::optional<RayTracing> tracing;
+    if (method == Method::phat) tracing.emplace(baked, options.reflections, progress);
+    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, method == Method::phat},
                       shaderFolder());
     std::vector<json> reports;
     for (const View& view : views) {
@@ -55,11 +53,12 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
         const Image picture = renderer.render({.width = view.width,
                                                .height = view.height,
                                                .camera = view.camera,
-                                               .method = methodOf(options),
+                                               .method = method,
                                                .quality = options.quality,
                                                .component = options.component,
+                                               .inspection = {options.countReads ? Inspected::reads : Inspected::nothing},
                                                .samplesPerPixel = options.samplesPerPixel,
-                                               .traced = &traced});
+                                               .traced = tracing ? &tracing->traced : nullptr});
         progress.throwIfStopped();
         writePicture(options, view, picture);
         const FrameTimes times = renderer.lastFrameTimes();
@@ -73,6 +72,9 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
                             {{"relight", times.relight},
                              {"pyramid", times.pyramid},
                              {"shadows", times.shadows},
+                             {"depth", times.depth},
+                             {"lookup", times.lookup},
+                             {"pool", times.pool},
                              {"display", times.display},
                              {"reflections", times.reflections}}},
                            {"reflectionRays", times.reflectionRays}});
@@ -81,7 +83,10 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
             report["seconds"]["prepareLookup"] = cost.seconds;
             report["bytesPerPhatexel"] = cost.bytesPerPhatexel;
         }
-        if (options.countReads) report["reads"] = readsOf(picture);
+        if (options.countReads) {
+            const ReadCount reads = countReads(picture);
+            report["reads"] = {{"mean", reads.mean}, {"max", reads.most}};
+        }
     }
     return reports;
 }

@@ -47,17 +47,22 @@ void printReport(const json& report, bool traced) {
     fmt::print("{}: {} x {}, ", report["output"].get<std::string>(), report["width"].get<int>(),
                report["height"].get<int>());
     const json& seconds = report["seconds"];
+    const auto milliseconds = [&](std::initializer_list<const char*> passes) {
+        double sum = 0;
+        for (const char* pass : passes) sum += 1e3 * seconds[pass].get<double>();
+        return sum;
+    };
     if (traced)
         fmt::print("{} samples a pixel, {:.2f} s, {:.2f} million rays/s\n",
                    report["samplesPerPixel"].get<int>(), seconds.get<double>(),
                    report["raysPerSecond"].get<double>() * 1e-6);
     else
         fmt::print(
-            "relight {:.1f} ms, pyramid {:.1f} ms, shadows {:.1f} ms, display {:.1f} ms, "
+            "relight {:.1f} ms, pyramid {:.1f} ms, shadows {:.1f} ms, lookup {:.1f} ms, display {:.1f} ms, "
             "reflections {:.1f} ms ({:.2f} million rays)\n",
-            seconds["relight"].get<double>() * 1e3, seconds["pyramid"].get<double>() * 1e3,
-            seconds["shadows"].get<double>() * 1e3, seconds["display"].get<double>() * 1e3,
-            seconds["reflections"].get<double>() * 1e3, report["reflectionRays"].get<double>() * 1e-6);
+            milliseconds({"relight"}), milliseconds({"pyramid"}), milliseconds({"shadows"}),
+            milliseconds({"lookup", "pool"}), milliseconds({"depth", "display"}), milliseconds({"reflections"}),
+            report["reflectionRays"].get<double>() * 1e-6);
     if (report.contains("bytesPerPhatexel"))
         fmt::print("lookup: {:.1f} bytes a PHATexel, prepared in {:.2f} s\n",
                    report["bytesPerPhatexel"].get<double>(), seconds["prepareLookup"].get<double>());

@@ -8,11 +8,11 @@ SceneEdits noEdits(const Scene& scene) {
     return {scene.materials, scene.lights, 0};
 }
 
-void applyEdits(const SceneEdits& edits, Scene& scene) {
-    scene.materials = edits.materials;
-    scene.lights = edits.lights;
-    if (scene.environment && edits.environmentColumns != 0)
-        scene.environment = turned(*scene.environment, edits.environmentColumns);
+void applyEdits(const SceneEdits& from, const SceneEdits& to, Scene& scene) {
+    scene.materials = to.materials;
+    scene.lights = to.lights;
+    if (scene.environment && from.environmentColumns != to.environmentColumns)
+        scene.environment = turned(*scene.environment, to.environmentColumns - from.environmentColumns);
 }
 
 }  // namespace phat

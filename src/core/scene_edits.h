@@ -17,7 +17,7 @@ struct SceneEdits {
 /// A scene as it was read.
 SceneEdits noEdits(const Scene& scene);
 
-/// pre: `scene` is as it was read, and the edits are of it.
-void applyEdits(const SceneEdits& edits, Scene& scene);
+/// Brings a scene that holds `from` to `to`.
+void applyEdits(const SceneEdits& from, const SceneEdits& to, Scene& scene);
 
 }  // namespace phat

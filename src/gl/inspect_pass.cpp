@@ -17,7 +17,7 @@ void bindInspection(const ShaderProgram& program, const GpuAtlas& atlas, const R
     program.set("layer", std::clamp(inspection.layer, 0, phatexels.layerCount - 1));
     program.set("lobeIndex", source);
     program.set("level", std::clamp(inspection.level, 0, kTopLevel));
-    program.set("coarsestTexelMeters", atlas.texelSizeMeters);
+    program.set("coarsestTexelMeters", atlas.coarsestTexelMeters);
 }
 
 }  // namespace phat

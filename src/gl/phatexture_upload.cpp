@@ -206,6 +206,7 @@ GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& 
     requireSizes(atlas, points, phatexture);
     GpuAtlas gpu;
     gpu.sizeTexels = atlas.sizeTexels;
+    gpu.coarsestTexelMeters = atlas.texelSizeMeters;
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     gpu.tileTable = uploadTileTable(atlas);
     gpu.tileLight = uploadTileLight(scene, atlas, phatexture);

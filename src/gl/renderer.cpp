@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "core/rays.h"
 #include "gl/display_pass.h"
@@ -12,6 +13,7 @@
 #include "gl/picture_sum.h"
 #include "gl/reflection_pass.h"
 #include "gl/relight_pass.h"
+#include "gl/resident_bytes.h"
 #include "gl/scene_upload.h"
 #include "gl/shadow_maps.h"
 #include "gl/textures.h"
@@ -34,27 +36,6 @@ void requireOpenGl45() {
                                   reinterpret_cast<const char*>(glGetString(GL_VERSION))));
 }
 
-// Seconds on the GPU of whatever runs between construction and stop().
-class PassTimer {
-  public:
-    PassTimer() {
-        GLuint name = 0;
-        glCreateQueries(GL_TIME_ELAPSED, 1, &name);
-        query_ = GlQuery(name);
-    }
-    void start() { glBeginQuery(GL_TIME_ELAPSED, query_.name()); }
-    void stop() { glEndQuery(GL_TIME_ELAPSED); }
-    /// Waits for the GPU.
-    double seconds() const {
-        GLuint64 nanoseconds = 0;
-        glGetQueryObjectui64v(query_.name(), GL_QUERY_RESULT, &nanoseconds);
-        return double(nanoseconds) * 1e-9;
-    }
-
-  private:
-    GlQuery query_;
-};
-
 double bytesPerPhatexel(const LookupTables& tables, size_t tiles, const Phatexture& phatexture) {
     if (tables.warps.empty()) return 0;
     const double texels = double(tiles) * kTileSize * kTileSize, layers = double(phatexture.indirect.size());
@@ -66,36 +47,56 @@ double bytesPerPhatexel(const LookupTables& tables, size_t tiles, const Phatextu
 }  // namespace
 
 struct Renderer::State {
+    /// The relit PHATexels and what they were relit for.
+    struct Relit {
+        RelightPass pass;
+        bool materialsChanged = true;
+        Eye eye;
+        bool indirect = false;
+    };
+
     std::string shaderFolder;
     std::vector<Material> materials;
     std::vector<PunctualLight> lights;
+    float environmentTurn = 0;
+    int environmentWidth = 1;
     GpuScene scene;
     GpuAtlas atlas;
     GpuLookup lookup;
-    RelightPass relight;
-    LookupPass lookupPass;
-    ReflectionPass reflectionPass;
-    DisplayPass display;
     ShadowMaps shadows;
     FrameTargets targets;
-    PassTimer relightTimer, pyramidTimer, shadowTimer, displayTimer;
+    PassClock clock;
     LookupCost lookupCost;
-    bool countReads = false;
-    bool shadowsDrawn = false;  // by the last frame
     ReflectionCost reflections;
-    bool materialsChanged = true;
-    Eye relitFor;  // what the pyramid holds
-    bool relitIndirect = false;
 
-    void createPasses(bool paper) {
-        const bool clearcoat = anyClearcoat(materials);
-        relight = createRelightPass(shaderFolder, atlas, clearcoat, paper);
-        if (lookup.guideCount > 0)
-            lookupPass = createLookupPass(shaderFolder, atlas, lookup, clearcoat, countReads);
-        reflectionPass = createReflectionPass(shaderFolder, clearcoat);
+    // Made when they are first needed: compiling takes a while.
+    std::optional<Relit> relit, relitPaper;
+    std::optional<LookupPass> lookupPass, countingLookupPass;
+    std::optional<ReflectionPass> reflectionPass;
+    std::optional<DisplayPass> display, displayPaper, countingDisplay;
+
+    Relit& relitFor(bool paper) {
+        std::optional<Relit>& made = paper ? relitPaper : relit;
+        if (!made) made.emplace().pass = createRelightPass(shaderFolder, atlas, anyClearcoat(materials), paper);
+        return *made;
+    }
+    LookupPass& lookupFor(bool counting) {
+        std::optional<LookupPass>& made = counting ? countingLookupPass : lookupPass;
+        if (!made) made = createLookupPass(shaderFolder, atlas, lookup, anyClearcoat(materials), counting);
+        return *made;
+    }
+    DisplayPass& displayFor(bool paper, bool counting) {
+        std::optional<DisplayPass>& made = paper ? displayPaper : counting ? countingDisplay : display;
+        if (!made) made = createDisplayPass(shaderFolder, atlas, anyClearcoat(materials), paper, counting);
+        return *made;
+    }
+    /// A clear coat changes what the shaders are made of.
+    void dropPasses() {
+        relit.reset(), relitPaper.reset();
+        lookupPass.reset(), countingLookupPass.reset();
+        reflectionPass.reset();
+        display.reset(), displayPaper.reset(), countingDisplay.reset();
         targets = {};
-        display = createDisplayPass(shaderFolder, atlas, clearcoat, paper, countReads);
-        materialsChanged = true;
     }
 };
 
@@ -107,7 +108,6 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->lights = input.scene.lights;
     state_->scene = uploadScene(input.scene, input.atlas);
     const std::vector<Frame> frames = blockFrames(input.atlas, input.points);
-    state_->countReads = input.countReads;
     const auto start = std::chrono::steady_clock::now();
     const std::vector<TilePatch> patches = fitTilePatches(input.atlas, input.points, frames);
     SilentProgress silent;
@@ -121,7 +121,11 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
         uploadAtlas(input.scene, input.atlas, input.points, frames, patches, input.phatexture, tables);
     state_->lookup = uploadLookup(tables, input.atlas);
     state_->lookupCost = {prepared, bytesPerPhatexel(tables, patches.size(), input.phatexture)};
-    state_->createPasses(false);
+    if (input.scene.environment) state_->environmentWidth = input.scene.environment->radiance.width;
+    // What cannot be compiled is told now.
+    state_->relitFor(false);
+    state_->displayFor(false, false);
+    if (state_->lookup.guideCount > 0) state_->lookupFor(false);
 }
 
 Renderer::~Renderer() = default;
@@ -130,53 +134,61 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     State& s = *state_;
     FrameSettings settings = wanted;
     const bool canLookUp = s.lookup.guideCount > 0;
+    const Inspected what = settings.inspection.what;
+    if (what == Inspected::reads) settings.method = Method::phat;
+    // The views of the pyramid are of ours, not of the paper's.
+    if (what != Inspected::reads && what != Inspected::nothing) settings.method = Method::phatPyramid;
     if (!canLookUp && settings.method == Method::phat) settings.method = Method::phatPyramid;
-    const bool pyramidOfIndirect = settings.method != Method::phat || anyBlended(s.materials);
-    if (const bool paper = settings.method == Method::phatPaper; paper != s.relight.paper)
-        s.createPasses(paper);
+    const bool lookedUp = settings.method == Method::phat;
+    const bool pyramidOfIndirect = !lookedUp || anyBlended(s.materials);
+    const bool paper = settings.method == Method::phatPaper, counting = what == Inspected::reads && lookedUp;
+    State::Relit& relit = s.relitFor(paper);
+    DisplayPass& displayPass = s.displayFor(paper, counting);
+    const LookupPass none;
+    const LookupPass& lookupPass = canLookUp ? s.lookupFor(counting) : none;
+    if (!s.reflectionPass) s.reflectionPass = createReflectionPass(s.shaderFolder, anyClearcoat(s.materials));
+
     const glm::uvec2 size(std::max(settings.width, 1), std::max(settings.height, 1));
-    const bool traced = settings.traced && settings.method == Method::phat;
+    const bool traced = settings.traced && lookedUp;
     if (s.targets.size != size || (traced && !s.targets.reflections.target))
-        s.targets = createFrameTargets(size, canLookUp ? &s.lookupPass : nullptr, traced);
+        s.targets = createFrameTargets(size, canLookUp ? &lookupPass : nullptr, traced);
     if (sum.size != size) sum = createPictureSum(size);
 
     // A query needs a complete framebuffer; a context without a window has none of its own.
     glBindFramebuffer(GL_FRAMEBUFFER, sum.target.name());
+    s.clock.restart();
 
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
     const Eye eye = eyeOf(settings.camera);
-    const bool relit = !s.materialsChanged && eye.place == s.relitFor.place &&
-                       eye.atInfinity == s.relitFor.atInfinity && pyramidOfIndirect == s.relitIndirect;
-    if (s.materialsChanged) applyMaterials(s.relight, s.atlas, s.materials);
-    s.materialsChanged = false;
+    const bool current = !relit.materialsChanged && eye.place == relit.eye.place &&
+                         eye.atInfinity == relit.eye.atInfinity && pyramidOfIndirect == relit.indirect;
+    if (relit.materialsChanged) applyMaterials(relit.pass, s.atlas, s.materials);
+    relit.materialsChanged = false;
+    s.clock.ended(Pass::relight);
 
-    s.shadowsDrawn = !s.shadows.depth;
-    if (s.shadowsDrawn) {
-        s.shadowTimer.start();
-        s.shadows = renderShadowMaps(s.lights, s.scene, s.materials, s.display.depthProgram);
-        s.shadowTimer.stop();
+    if (!s.shadows.depth) {
+        s.shadows = renderShadowMaps(s.lights, s.scene, s.materials, displayPass.depthProgram);
+        s.clock.ended(Pass::shadows);
     }
 
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
-    s.relightTimer.start();
-    if (!relit) relight(s.relight, s.atlas, s.scene.splitSum.name(), eye, pyramidOfIndirect);
-    s.relightTimer.stop();
-    s.pyramidTimer.start();
-    if (!relit) buildPyramid(s.relight, s.atlas, pyramidOfIndirect);
-    s.pyramidTimer.stop();
-    s.relitFor = eye;
-    s.relitIndirect = pyramidOfIndirect;
+    if (!current) {
+        relight(relit.pass, s.atlas, s.scene.splitSum.name(), eye, pyramidOfIndirect);
+        s.clock.ended(Pass::relight);
+        buildPyramid(relit.pass, s.atlas, pyramidOfIndirect);
+        s.clock.ended(Pass::pyramid);
+    }
+    relit.eye = eye;
+    relit.indirect = pyramidOfIndirect;
 
-    s.displayTimer.start();
-    s.reflections = phat::display(
-        s.display,
-        {s.scene, s.atlas, s.relight, s.shadows, s.lookup, s.lookupPass, s.reflectionPass, s.materials},
-        settings, s.targets, sum);
-    s.displayTimer.stop();
+    s.reflections = phat::display(displayPass,
+                                  {s.scene, s.atlas, relit.pass, s.shadows, s.lookup, lookupPass,
+                                   *s.reflectionPass, s.materials, s.clock, s.environmentTurn},
+                                  settings, s.targets, sum);
     checkGl("drawing a frame");
 }
 
@@ -187,33 +199,63 @@ Image Renderer::render(const FrameSettings& settings) {
 }
 
 FrameTimes Renderer::lastFrameTimes() const {
-    const State& s = *state_;
-    // The GPU's clock goes on while the CPU traces.
-    return {s.relightTimer.seconds(),
-            s.pyramidTimer.seconds(),
-            s.shadowsDrawn ? s.shadowTimer.seconds() : 0.0,
-            std::max(s.displayTimer.seconds() - s.reflections.seconds, 0.0),
-            s.reflections.seconds,
-            s.reflections.rays};
+    const PassClock& clock = state_->clock;
+    FrameTimes times;
+    times.relight = clock.seconds(Pass::relight);
+    times.pyramid = clock.seconds(Pass::pyramid);
+    times.shadows = clock.seconds(Pass::shadows);
+    times.depth = clock.seconds(Pass::depth);
+    times.lookup = clock.seconds(Pass::lookup);
+    times.pool = clock.seconds(Pass::pool);
+    times.display = clock.seconds(Pass::display);
+    times.reflections = state_->reflections.seconds;
+    times.reflectionRays = state_->reflections.rays;
+    return times;
 }
 
 LookupCost Renderer::lookupCost() const {
     return state_->lookupCost;
 }
 
+ResidentBytes Renderer::residentBytes() const {
+    const State& s = *state_;
+    ResidentBytes bytes = residentBytesOf(s.scene, s.atlas, s.lookup, s.shadows, s.targets);
+    for (const auto* relit : {&s.relit, &s.relitPaper})
+        if (*relit) bytes.pyramid += pyramidBytes((*relit)->pass);
+    return bytes;
+}
+
 void Renderer::setMaterials(const std::vector<Material>& materials) {
     State& s = *state_;
     if (materials.size() != s.materials.size())
         throw GlError("materials may be changed, not added or removed");
-    const bool coatAppears = anyClearcoat(materials) && !s.relight.clearcoat;
+    const bool coatAppears = anyClearcoat(materials) && !s.relitFor(false).pass.clearcoat;
     s.materials = materials;
-    s.materialsChanged = true;
-    if (coatAppears) s.createPasses(s.relight.paper);
+    for (auto* relit : {&s.relit, &s.relitPaper})
+        if (*relit) (*relit)->materialsChanged = true;
+    if (coatAppears) s.dropPasses();
 }
 
 void Renderer::setLights(const std::vector<PunctualLight>& lights) {
     state_->lights = lights;
     state_->shadows = {};
+}
+
+void Renderer::turnEnvironment(int columns) {
+    state_->environmentTurn = float(columns) / float(state_->environmentWidth);
+}
+
+ReadCount countReads(const Image& picture) {
+    ReadCount count;
+    size_t pixels = 0;
+    for (const glm::vec3& pixel : picture.pixels) {
+        if (pixel.x <= 0) continue;
+        count.mean += double(pixel.x);
+        count.most = std::max(count.most, double(pixel.x));
+        ++pixels;
+    }
+    count.mean /= double(std::max<size_t>(pixels, 1));
+    return count;
 }
 
 }  // namespace phat

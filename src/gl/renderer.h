@@ -65,6 +65,7 @@ struct FrameSettings {
     Method method = Method::phat;  // phatPyramid takes its place where directions follow no invertible layout
     Quality quality = Quality::standard;  // of Method::phat
     Component component = Component::all;
+    Inspection inspection;
     /// Anti-aliasing: this many whole pictures, shifted inside the pixel, are averaged (a box filter of one
     /// pixel, over edges, textures and highlights alike). 1 turns it off.
     int samplesPerPixel = 4;
@@ -74,14 +75,43 @@ struct FrameSettings {
     const TracedReflections* traced = nullptr;
 };
 
-/// Seconds by pass, on the GPU unless said otherwise.
+/// Whether a view is of radiance, for a tone map; else of display-linear colours, or Inspected::reads.
+inline bool showsLight(Inspected what) {
+    return what == Inspected::nothing || what == Inspected::radiance || what == Inspected::pyramid;
+}
+
+/// Of a picture of Inspected::reads, over the pixels that show a surface.
+struct ReadCount {
+    double mean = 0, most = 0;
+};
+ReadCount countReads(const Image& picture);
+
+/// Seconds by pass, on the GPU unless said otherwise; of all samples that a draw added.
 struct FrameTimes {
     double relight = 0;
     double pyramid = 0;
-    double shadows = 0;      // first frame only
-    double display = 0;      // with the lookup
+    double shadows = 0;  // first frame only
+    double depth = 0;    // with the background
+    double lookup = 0;
+    double pool = 0;
+    double display = 0;
     double reflections = 0;  // rays on the CPU
     uint64_t reflectionRays = 0;
+
+    double gpu() const { return relight + pyramid + shadows + depth + lookup + pool + display; }
+};
+
+/// Bytes in the GPU's memory.
+struct ResidentBytes {
+    uint64_t scene = 0;  // triangles, pictures, sky
+    uint64_t phatexels = 0;
+    uint64_t lookup = 0;      // warps, distances, places of texels
+    uint64_t irradiance = 0;  // diffuse light
+    uint64_t pyramid = 0;     // with what relighting reads
+    uint64_t shadows = 0;
+    uint64_t frame = 0;  // targets of the picture's size
+
+    uint64_t sum() const { return scene + phatexels + lookup + irradiance + pyramid + shadows + frame; }
 };
 
 /// What the renderer needs of a bake. Everything is uploaded in the constructor; the CPU's copies may go.
@@ -92,9 +122,6 @@ struct RendererInput {
     const Phatexture& phatexture;
     /// Prepares Method::phat, which takes rays and time. False: every frame is phatPyramid's.
     bool lookup = true;
-    /// Pictures of Method::phat hold how many texels were read for a pixel's indirect glossy light, in all
-    /// channels.
-    bool countReads = false;
 };
 
 /// What preparing the lookup took.
@@ -119,11 +146,14 @@ class Renderer {
     /// Of the last draw. Waits for the GPU.
     FrameTimes lastFrameTimes() const;
     LookupCost lookupCost() const;
+    ResidentBytes residentBytes() const;
 
     /// Materials may change between frames (roughness, colour ...); textures stay.
     void setMaterials(const std::vector<Material>& materials);
     /// Punctual lights may change too; their direct light follows, the bake's indirect light does not.
     void setLights(const std::vector<PunctualLight>& lights);
+    /// The sky behind the scene as turned() of the one that was given; what it lit stays as it was baked.
+    void turnEnvironment(int columns);
 
   private:
     struct State;

@@ -133,6 +133,8 @@ Wishes handleInput(ViewerState& state, const std::vector<Window::KeyPress>& pres
         for (const Window::KeyPress& press : pressed) handleKey(state, press, place.size, wishes);
         if (state.document) handleFlight(state);
     }
+    state.pictureSize = {area.z, area.w};
+    state.mouse = io.WantCaptureMouse ? glm::vec2(-1) : place(io.MousePos);
     if (!io.WantCaptureMouse && state.document) handleMouse(state, place);
     return wishes;
 }

@@ -48,7 +48,7 @@ class PathPreview {
     void refine(const View& view, uint64_t version);
 
     Scene scene_;  // with the view's edits
-    std::optional<Environment> environment_;  // before them
+    SceneEdits applied_;
     RayScene rays_;  // of scene_, whose geometry and opacity no edit changes
     Wake wake_;
     std::mutex mutex_;

@@ -29,8 +29,12 @@ const char* methodOf(Source source) {
             return "phat";
         case Source::phatPyramid:
             return "phat-pyramid";
+        case Source::phatPaper:
+            return "phat-paper";
         case Source::pathTracer:
             return "path";
+        case Source::phatexels:  // pre: not asked for
+            break;
     }
     return "phat";
 }
@@ -42,6 +46,7 @@ std::string renderCommandLine(const ViewerState& state, glm::ivec2 size) {
     const ViewSettings& view = state.view;
     std::string line = fmt::format("phat render {} -o picture.png --method {} --size {}x{}",
                                    quoted(document.path), methodOf(view.left), size.x, size.y);
+    if (view.left != Source::pathTracer) line += fmt::format(" --spp {}", kKeptSamples);
     if (state.camera > 0) {
         line += fmt::format(" --camera {}", state.camera);
     } else if (state.camera < 0) {

@@ -9,14 +9,18 @@
 
 #include "gl/renderer.h"
 #include "viewer/document.h"
+#include "viewer/live_reflections.h"
 #include "viewer/navigation.h"
 
 namespace phat {
 
+/// Samples a pixel of pictures that are written.
+inline constexpr int kKeptSamples = 16;
+
 /// What one side of the wipe shows.
-enum class Source : uint8_t { phat, phatPyramid, direct, pathTracer };
-inline constexpr std::array<const char*, 4> kSourceNames = {"phat", "phat-pyramid", "direct light only",
-                                                            "path tracer"};
+enum class Source : uint8_t { phat, phatPyramid, phatPaper, direct, pathTracer, phatexels };
+inline constexpr std::array<const char*, 6> kSourceNames = {
+    "phat", "phat-pyramid", "phat-paper", "direct light only", "path tracer", "PHATexels"};
 
 struct ViewSettings {
     Source left = Source::phat, right = Source::pathTracer;
@@ -24,6 +28,8 @@ struct ViewSettings {
     float wipe = 0.5f;  // share of the width
     bool difference = false;
     Component component = Component::all;
+    Inspection inspection{Inspected::radiance};  // of Source::phatexels
+    bool raysAtRest = true;                      // of Source::phat: smooth surfaces
     float exposureStops = 0;
     ToneMap toneMap = ToneMap::agx;
     bool panels = true;
@@ -35,6 +41,8 @@ struct ViewerState {
     Navigation navigation;
     int camera = 0;  // of the file, or -1: moved by hand
     std::optional<uint32_t> selectedSurface;
+    glm::ivec2 pictureSize{1};
+    glm::vec2 mouse{-1};  // in the picture, pixels; negative: not over it
     ViewSettings view;
     bool editing = false;  // a slider is held
     bool draggingWipe = false;
@@ -49,5 +57,9 @@ struct ViewerState {
 
 /// Shows one of the file's cameras.
 void showCamera(ViewerState& state, int index);
+
+/// How the renderer draws what a side shows; the picture's size and its rays are the caller's. pre: not the
+/// path tracer.
+FrameSettings frameSettings(const ViewerState& state, Source source);
 
 }  // namespace phat
