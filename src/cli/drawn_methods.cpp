@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <optional>
 
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
@@ -45,7 +46,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     const Method method = methodOf(options);
     std::optional<RayTracing> tracing;
     if (method == Method::phat) tracing.emplace(baked, options.reflections, progress);
-    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, method == Method::phat},
+    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture},
                       shaderFolder());
     std::vector<json> reports;
     for (const View& view : views) {
@@ -79,10 +80,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
                              {"reflections", times.reflections}}},
                            {"reflectionRays", times.reflectionRays}});
         json& report = reports.back();
-        if (const LookupCost cost = renderer.lookupCost(); cost.bytesPerPhatexel > 0) {
-            report["seconds"]["prepareLookup"] = cost.seconds;
-            report["bytesPerPhatexel"] = cost.bytesPerPhatexel;
-        }
+        if (renderer.bytesPerPhatexel() > 0) report["bytesPerPhatexel"] = renderer.bytesPerPhatexel();
         if (options.countReads) {
             const ReadCount reads = countReads(picture);
             report["reads"] = {{"mean", reads.mean}, {"max", reads.most}};

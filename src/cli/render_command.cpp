@@ -64,8 +64,7 @@ void printReport(const json& report, bool traced) {
             milliseconds({"lookup", "pool"}), milliseconds({"depth", "display"}), milliseconds({"reflections"}),
             report["reflectionRays"].get<double>() * 1e-6);
     if (report.contains("bytesPerPhatexel"))
-        fmt::print("lookup: {:.1f} bytes a PHATexel, prepared in {:.2f} s\n",
-                   report["bytesPerPhatexel"].get<double>(), seconds["prepareLookup"].get<double>());
+        fmt::print("lookup: {:.1f} bytes a PHATexel\n", report["bytesPerPhatexel"].get<double>());
     if (report.contains("reads"))
         fmt::print("reads a pixel: {:.1f} in the mean, {} at most\n", report["reads"]["mean"].get<double>(),
                    report["reads"]["max"].get<double>());

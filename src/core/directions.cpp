@@ -135,11 +135,14 @@ Choice choosePhoton(const PhotonMap& map, const PhotonIndex& index, glm::vec3 po
     return choice;
 }
 
+// Of 32 x 32 cells.
+constexpr uint32_t kScrambleMask = kBlockSize * kBlockSize - 1;
+
 }  // namespace
 
 glm::vec2 stratifiedSquare(glm::uvec2 texelInBlock, uint32_t scramble, glm::vec2 jitter) {
     constexpr int kBits = 10;  // 32 x 32 cells
-    const uint32_t cell = reverseBits(morton(texelInBlock.x, texelInBlock.y), kBits) ^ (scramble & 1023u);
+    const uint32_t cell = reverseBits(morton(texelInBlock.x, texelInBlock.y), kBits) ^ (scramble & kScrambleMask);
     return (glm::vec2(mortonDecode(cell)) + jitter) / float(kBlockSize);
 }
 
@@ -194,6 +197,9 @@ ChosenDirections chooseDirections(const Atlas& atlas, const TexelPoints& points,
     chosen.directionBlock.assign(atlas.texelCount(), glm::vec3(0));
     chosen.pdf.assign(atlas.texelCount(), 0.0f);
     if (fromPhotons) chosen.splatRadiance.assign(atlas.texelCount(), glm::vec3(0));
+    for (uint32_t block = 0; !fromPhotons && block < atlas.blockCount; ++block)
+        chosen.scrambles.push_back(
+            uint16_t(hashOf(settings.seed, uint64_t(settings.layer) + 1, block) & kScrambleMask));
 
     parallelRanges(atlas.texelCount(), 4096, progress, [&](size_t begin, size_t end) {
         Candidates candidates;
@@ -205,11 +211,10 @@ ChosenDirections chooseDirections(const Atlas& atlas, const TexelPoints& points,
             const glm::vec2 jitter = Rng(stream).uniform2();
 
             if (!fromPhotons) {
-                const uint32_t scramble = uint32_t(hashOf(settings.seed, uint64_t(settings.layer) + 1, block));
                 const glm::uvec2 inBlock = (xy - atlas.charts[atlas.chartAt(xy)].originTexel()) % kBlockSize;
                 const Guide& guide = guides.size() == 1 ? guides[0] : guides[block];
                 const glm::vec3 direction =
-                    storableDirection(squareToGuide(guide, stratifiedSquare(inBlock, scramble, jitter)));
+                    storableDirection(squareToGuide(guide, stratifiedSquare(inBlock, chosen.scrambles[block], jitter)));
                 chosen.directionBlock[texel] = direction;
                 chosen.pdf[texel] = squareToGuidePdf(guide, direction);
                 continue;

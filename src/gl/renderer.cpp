@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 
-#include "core/rays.h"
+#include "core/lookup_tables.h"
 #include "gl/display_pass.h"
 #include "gl/gl_error.h"
 #include "gl/phatexture_upload.h"
@@ -36,11 +35,11 @@ void requireOpenGl45() {
                                   reinterpret_cast<const char*>(glGetString(GL_VERSION))));
 }
 
-double bytesPerPhatexel(const LookupTables& tables, size_t tiles, const Phatexture& phatexture) {
-    if (tables.warps.empty()) return 0;
-    const double texels = double(tiles) * kTileSize * kTileSize, layers = double(phatexture.indirect.size());
-    const double beside = double(tables.warps.size() * sizeof(Warp)) +
-                          double(tiles) * (2 * sizeof(glm::uvec4) + kProbeSize * kProbeSize / 2);
+double bytesOfPhatexel(const Phatexture& phatexture) {
+    const double tiles = double(phatexture.tilePlaces.size()), layers = double(phatexture.indirect.size());
+    const double texels = tiles * kTileSize * kTileSize;
+    const double beside = double(phatexture.indirectGuides.size() * sizeof(Warp)) +
+                          tiles * (sizeof(PackedTile) + kProbeSize * kProbeSize / 2);
     return sizeof(PackedPhatexel) + beside / (texels * layers);
 }
 
@@ -66,7 +65,7 @@ struct Renderer::State {
     ShadowMaps shadows;
     FrameTargets targets;
     PassClock clock;
-    LookupCost lookupCost;
+    double bytesPerPhatexel = 0;
     ReflectionCost reflections;
 
     // Made when they are first needed: compiling takes a while.
@@ -107,20 +106,9 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->materials = input.scene.materials;
     state_->lights = input.scene.lights;
     state_->scene = uploadScene(input.scene, input.atlas);
-    const std::vector<Frame> frames = blockFrames(input.atlas, input.points);
-    const auto start = std::chrono::steady_clock::now();
-    const std::vector<TilePatch> patches = fitTilePatches(input.atlas, input.points, frames);
-    SilentProgress silent;
-    const LookupTables tables =
-        input.lookup
-            ? buildLookupTables(input.phatexture.indirect, input.phatexture.indirectGuides, input.atlas,
-                                input.points, frames, patches, RayScene(input.scene), silent)
-            : LookupTables();
-    const double prepared = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    state_->atlas =
-        uploadAtlas(input.scene, input.atlas, input.points, frames, patches, input.phatexture, tables);
-    state_->lookup = uploadLookup(tables, input.atlas);
-    state_->lookupCost = {prepared, bytesPerPhatexel(tables, patches.size(), input.phatexture)};
+    state_->atlas = uploadAtlas(input.scene, input.atlas, input.points, input.phatexture);
+    state_->lookup = uploadLookup(input.phatexture, input.atlas);
+    if (state_->lookup.guideCount > 0) state_->bytesPerPhatexel = bytesOfPhatexel(input.phatexture);
     if (input.scene.environment) state_->environmentWidth = input.scene.environment->radiance.width;
     // What cannot be compiled is told now.
     state_->relitFor(false);
@@ -213,8 +201,8 @@ FrameTimes Renderer::lastFrameTimes() const {
     return times;
 }
 
-LookupCost Renderer::lookupCost() const {
-    return state_->lookupCost;
+double Renderer::bytesPerPhatexel() const {
+    return state_->bytesPerPhatexel;
 }
 
 ResidentBytes Renderer::residentBytes() const {

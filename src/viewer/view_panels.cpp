@@ -127,7 +127,7 @@ void drawPhatexelPanel(ViewerState& state, const Pictures& pictures) {
     if (layers > 1) changed |= ImGui::SliderInt("Layer", &inspection.layer, 0, int(layers) - 1);
     if (inspection.what == Inspected::pyramid)
         changed |= ImGui::SliderInt("Level", &inspection.level, 0, 3, "%d", ImGuiSliderFlags_AlwaysClamp);
-    const bool lookedUp = state.renderer && state.renderer->lookupCost().bytesPerPhatexel > 0;
+    const bool lookedUp = state.renderer && state.renderer->bytesPerPhatexel() > 0;
     wrappedText(inspection.what == Inspected::reads && !lookedUp ? "These PHATexels cannot be looked up."
                                                                  : kLegends[size_t(index)]);
     if (const auto reads = pictures.reads(); reads && inspection.what == Inspected::reads)

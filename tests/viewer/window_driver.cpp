@@ -6,7 +6,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -33,6 +33,27 @@ std::vector<char*> pointersTo(std::vector<std::string>& words) {
     for (std::string& word : words) pointers.push_back(word.data());
     pointers.push_back(nullptr);
     return pointers;
+}
+
+// Ends with the test, however that ends. `folder` empty: the test's own.
+pid_t start(std::vector<std::string> words, std::vector<std::string> surroundings, const std::string& folder,
+            const std::string& errors) {
+    const std::vector<char*> arguments = pointersTo(words), variables = pointersTo(surroundings);
+    const pid_t process = fork();
+    if (process < 0) throw std::runtime_error("no more processes");
+    if (process > 0) return process;
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    const int file = open(errors.c_str(), O_WRONLY | O_CREAT, 0644);
+    if (file >= 0) dup2(file, STDERR_FILENO);
+    if (folder.empty() || chdir(folder.c_str()) == 0)
+        execvpe(arguments[0], arguments.data(), variables.data());
+    _exit(127);
+}
+
+std::vector<std::string> ownVariables() {
+    std::vector<std::string> variables;
+    for (char** variable = environ; *variable; ++variable) variables.push_back(*variable);
+    return variables;
 }
 
 void sleepFor(double seconds) {
@@ -75,20 +96,12 @@ bool allThreadsSleep(pid_t process) {
 VirtualScreen::VirtualScreen(glm::ivec2 size) {
     int ends[2];
     if (pipe(ends) != 0) throw std::runtime_error("no pipe");
-    std::vector<std::string> words = {"Xvfb",     "-displayfd",
-                                      std::to_string(ends[1]), "-screen",
-                                      "0",        fmt::format("{}x{}x24", size.x, size.y),
-                                      "-nolisten", "tcp",
-                                      "-noreset"};
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addclose(&actions, ends[0]);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    const int failed = posix_spawnp(&process_, "Xvfb", &actions, nullptr, pointersTo(words).data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
+    process_ = start({"Xvfb", "-displayfd", std::to_string(ends[1]), "-screen", "0",
+                      fmt::format("{}x{}x24", size.x, size.y), "-nolisten", "tcp", "-noreset"},
+                     ownVariables(), "", "/dev/null");
     ::close(ends[1]);
     char number[16] = {};
-    const ssize_t length = failed ? 0 : read(ends[0], number, sizeof number - 1);
+    const ssize_t length = read(ends[0], number, sizeof number - 1);
     ::close(ends[0]);
     if (length <= 1) throw std::runtime_error("Xvfb (Debian package xvfb) does not start");
     name_ = fmt::format(":{}", std::atoi(number));
@@ -105,24 +118,14 @@ WindowDriver::WindowDriver(glm::ivec2 size, std::vector<std::string> arguments,
     : size_(size), screen_(size) {
     std::vector<std::string> words = {PHAT_PROGRAM, "view", "--size", fmt::format("{}x{}", size.x, size.y)};
     words.insert(words.end(), arguments.begin(), arguments.end());
-    std::vector<std::string> surroundings;
-    for (char** variable = environ; *variable; ++variable) surroundings.push_back(*variable);
+    std::vector<std::string> surroundings = ownVariables();
     std::erase_if(surroundings, [](const std::string& v) {
         return v.rfind("DISPLAY=", 0) == 0 || v.rfind("XDG_STATE_HOME=", 0) == 0;
     });
     surroundings.push_back("DISPLAY=" + screen_.name());
     surroundings.push_back("XDG_STATE_HOME=" + folder_.path.string());
     surroundings.insert(surroundings.end(), variables.begin(), variables.end());
-
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addchdir_np(&actions, folder_.path.c_str());
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, folder_.file("errors").c_str(),
-                                     O_WRONLY | O_CREAT, 0644);
-    const int failed = posix_spawn(&process_, PHAT_PROGRAM, &actions, nullptr, pointersTo(words).data(),
-                                   pointersTo(surroundings).data());
-    posix_spawn_file_actions_destroy(&actions);
-    if (failed) throw std::runtime_error("phat does not start");
+    process_ = start(words, surroundings, folder_.path.string(), folder_.file("errors"));
     display_ = XOpenDisplay(screen_.name().c_str());
     if (!display_) throw std::runtime_error("the virtual screen cannot be reached");
 
@@ -214,6 +217,28 @@ void WindowDriver::key(const std::string& name) {
 
 void WindowDriver::type(const std::string& digits) {
     for (const char c : digits) key(c == '.' ? "period" : std::string(1, c));
+}
+
+std::string WindowDriver::clipboard() {
+    const Window mine =
+        XCreateSimpleWindow(display_, DefaultRootWindow(display_), 0, 0, 1, 1, 0, 0, 0);
+    const Atom text = XInternAtom(display_, "UTF8_STRING", False);
+    XConvertSelection(display_, XInternAtom(display_, "CLIPBOARD", False), text, text, mine, CurrentTime);
+    XEvent event = {};
+    const auto end = Clock::now() + std::chrono::seconds(10);
+    while (!XCheckTypedWindowEvent(display_, mine, SelectionNotify, &event)) {
+        if (Clock::now() > end) throw std::runtime_error("nobody answers for the clipboard");
+        wait(0.02);
+    }
+    Atom type = None;
+    int format = 0;
+    unsigned long count = 0, left = 0;
+    unsigned char* bytes = nullptr;
+    XGetWindowProperty(display_, mine, text, 0, 1 << 16, True, text, &type, &format, &count, &left, &bytes);
+    std::string answer(reinterpret_cast<const char*>(bytes), bytes ? count : 0);
+    if (bytes) XFree(bytes);
+    XDestroyWindow(display_, mine);
+    return answer;
 }
 
 void WindowDriver::settle(double seconds) {

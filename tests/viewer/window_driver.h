@@ -51,6 +51,9 @@ class WindowDriver {
     void key(const std::string& name);
     void type(const std::string& digits);
 
+    /// What the window put there.
+    std::string clipboard();
+
     /// Waits until the window and its screen have slept for a while, and throws after `seconds` without that.
     void settle(double seconds = 120);
     /// Display values (sRGB, 0 to 1), row 0 on top.
