@@ -133,6 +133,9 @@ Wishes handleInput(ViewerState& state, const std::vector<Window::KeyPress>& pres
         for (const Window::KeyPress& press : pressed) handleKey(state, press, place.size, wishes);
         if (state.document) handleFlight(state);
     }
+    if (!pressed.empty() || io.MouseDelta.x != 0 || io.MouseDelta.y != 0 || io.MouseWheel != 0 ||
+        ImGui::IsAnyMouseDown())
+        state.lastInput = std::chrono::steady_clock::now();
     state.pictureSize = {area.z, area.w};
     state.mouse = io.WantCaptureMouse ? glm::vec2(-1) : place(io.MousePos);
     if (!io.WantCaptureMouse && state.document) handleMouse(state, place);

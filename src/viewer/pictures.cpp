@@ -20,6 +20,8 @@ constexpr double kRaySeconds = 0.4;
 // While something moves, pixels are left out so that a frame takes no longer than this.
 constexpr double kMovingFrameSeconds = 0.04;
 constexpr int kMostCoarseness = 8;
+// A picture that is there is not refined while hands move: one more sample may take longer than a click.
+constexpr auto kHandsRest = std::chrono::milliseconds(150);
 // After the last motion the picture waits so long before it is drawn with all pixels, where that is slow.
 constexpr auto kSettleTime = std::chrono::milliseconds(150);
 
@@ -147,6 +149,7 @@ bool Pictures::refine(ViewerState& state, glm::uvec2 size) {
         size_ = size;
         metrics_.reset();
     }
+    const bool handsMove = now - state.lastInput < kHandsRest;
     const bool settled = now - lastChange_ >= kSettleTime;
     sides_[0].source = state.view.left;
     sides_[1].source = state.view.right;
@@ -170,7 +173,7 @@ bool Pictures::refine(ViewerState& state, glm::uvec2 size) {
         const int still = stillSamples(state, side.source);
         if (current && sharp && side.byRays == rays && side.drawn.samples >= still && side.wanted == still) continue;
         // Coarse pictures are drawn once a change and wait to be replaced by a sharp one.
-        if (!current || settled || coarseness == 1)
+        if (!current || (!handsMove && (settled || coarseness == 1)))
             draw(state, side, pixels, coarseness > 1 ? 1 : still, rays);
         more = true;
     }

@@ -115,7 +115,7 @@ void drawPhatexelPanel(ViewerState& state, const Pictures& pictures) {
     }
     bool changed = false;
     int index = int(inspection.what) - 1;
-    if (ImGui::Combo("View", &index, kInspectedNames.data(), int(kInspectedNames.size()))) {
+    if (ImGui::Combo("View", &index, kInspectedNames.data(), int(kInspectedNames.size()), int(kInspectedNames.size()))) {
         inspection.what = Inspected(index + 1);
         view.left = Source::phatexels;
         changed = true;

@@ -2,6 +2,7 @@
 // What the window shows and how: read by the drawing, changed by the panels and the mouse.
 
 #include <array>
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,6 +44,8 @@ struct ViewerState {
     std::optional<uint32_t> selectedSurface;
     glm::ivec2 pictureSize{1};
     glm::vec2 mouse{-1};  // in the picture, pixels; negative: not over it
+    /// When a hand last moved the mouse or pressed something.
+    std::chrono::steady_clock::time_point lastInput{};
     ViewSettings view;
     bool editing = false;  // a slider is held
     bool draggingWipe = false;
