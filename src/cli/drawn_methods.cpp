@@ -46,20 +46,20 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     const Method method = methodOf(options);
     std::optional<RayTracing> tracing;
     if (method == Method::phat) tracing.emplace(baked, options.reflections, progress);
-    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture},
-                      shaderFolder());
+    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture}, shaderFolder());
     std::vector<json> reports;
     for (const View& view : views) {
         progress.throwIfStopped();
-        const Image picture = renderer.render({.width = view.width,
-                                               .height = view.height,
-                                               .camera = view.camera,
-                                               .method = method,
-                                               .quality = options.quality,
-                                               .component = options.component,
-                                               .inspection = {options.countReads ? Inspected::reads : Inspected::nothing},
-                                               .samplesPerPixel = options.samplesPerPixel,
-                                               .traced = tracing ? &tracing->traced : nullptr});
+        const Image picture =
+            renderer.render({.width = view.width,
+                             .height = view.height,
+                             .camera = view.camera,
+                             .method = method,
+                             .quality = options.quality,
+                             .component = options.component,
+                             .inspection = {options.countReads ? Inspected::reads : Inspected::nothing},
+                             .samplesPerPixel = options.samplesPerPixel,
+                             .traced = tracing ? &tracing->traced : nullptr});
         progress.throwIfStopped();
         writePicture(options, view, picture);
         const FrameTimes times = renderer.lastFrameTimes();

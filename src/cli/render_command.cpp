@@ -61,8 +61,8 @@ void printReport(const json& report, bool traced) {
             "relight {:.1f} ms, pyramid {:.1f} ms, shadows {:.1f} ms, lookup {:.1f} ms, display {:.1f} ms, "
             "reflections {:.1f} ms ({:.2f} million rays)\n",
             milliseconds({"relight"}), milliseconds({"pyramid"}), milliseconds({"shadows"}),
-            milliseconds({"lookup", "pool"}), milliseconds({"depth", "display"}), milliseconds({"reflections"}),
-            report["reflectionRays"].get<double>() * 1e-6);
+            milliseconds({"lookup", "pool"}), milliseconds({"depth", "display"}),
+            milliseconds({"reflections"}), report["reflectionRays"].get<double>() * 1e-6);
     if (report.contains("bytesPerPhatexel"))
         fmt::print("lookup: {:.1f} bytes a PHATexel\n", report["bytesPerPhatexel"].get<double>());
     if (report.contains("reads"))

@@ -53,7 +53,8 @@ Environment turned(const Environment& environment, int columns) {
     const int shift = ((columns % from.width) + from.width) % from.width;
     for (int y = 0; y < from.height; ++y) {
         const auto row = from.pixels.begin() + ptrdiff_t(y) * from.width;
-        std::rotate_copy(row, row + (from.width - shift) % from.width, row + from.width, &out.radiance.at(0, y));
+        std::rotate_copy(row, row + (from.width - shift) % from.width, row + from.width,
+                         &out.radiance.at(0, y));
     }
     return out;
 }

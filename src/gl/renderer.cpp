@@ -76,7 +76,8 @@ struct Renderer::State {
 
     Relit& relitFor(bool paper) {
         std::optional<Relit>& made = paper ? relitPaper : relit;
-        if (!made) made.emplace().pass = createRelightPass(shaderFolder, atlas, anyClearcoat(materials), paper);
+        if (!made)
+            made.emplace().pass = createRelightPass(shaderFolder, atlas, anyClearcoat(materials), paper);
         return *made;
     }
     LookupPass& lookupFor(bool counting) {

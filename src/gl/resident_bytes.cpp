@@ -36,8 +36,9 @@ ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, cons
     bytes.shadows = bytesOf(shadows.depth, shadows.lightTable);
     const LookupTargets& looked = targets.lookup;
     const ReflectionTargets& traced = targets.reflections;
-    bytes.frame = bytesOf(targets.picture, targets.depth, looked.seen, looked.seenCoat, looked.pooled,
-                          looked.pooledCoat, looked.places, looked.glossy, traced.base, traced.coat, traced.surface);
+    bytes.frame =
+        bytesOf(targets.picture, targets.depth, looked.seen, looked.seenCoat, looked.pooled,
+                looked.pooledCoat, looked.places, looked.glossy, traced.base, traced.coat, traced.surface);
     return bytes;
 }
 

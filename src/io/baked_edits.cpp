@@ -96,8 +96,8 @@ void turnEnvironment(GlbBuilder& glb, int columns) {
     const json& payload = sky.at("radiance");
     const size_t view = payload.at("bufferView").get<size_t>();
     const json& place = glb.json.at("bufferViews").at(view);
-    const std::span<const uint8_t> stream =
-        std::span(glb.bin).subspan(place.value("byteOffset", size_t(0)), place.at("byteLength").get<size_t>());
+    const std::span<const uint8_t> stream = std::span(glb.bin).subspan(place.value("byteOffset", size_t(0)),
+                                                                       place.at("byteLength").get<size_t>());
     std::vector<uint8_t> bytes = decodePayload(stream, payload.at("byteLength").get<size_t>());
     const size_t row = width * sizeof(uint32_t);
     const size_t shift = size_t(((columns % int(width)) + int(width)) % int(width)) * sizeof(uint32_t);

@@ -55,7 +55,8 @@ void replaceBufferView(GlbBuilder& glb, size_t view, std::span<const uint8_t> by
     if (!shared && begin % kAlignment == 0 && end % kAlignment == 0 && begin < end) {
         glb.bin.erase(glb.bin.begin() + ptrdiff_t(begin), glb.bin.begin() + ptrdiff_t(end));
         for (json& other : views)
-            if (&other != &replaced && beginOf(other) >= end) other["byteOffset"] = beginOf(other) - (end - begin);
+            if (&other != &replaced && beginOf(other) >= end)
+                other["byteOffset"] = beginOf(other) - (end - begin);
     }
     glb.bin.resize(aligned(glb.bin.size()));
     replaced["byteOffset"] = glb.bin.size();

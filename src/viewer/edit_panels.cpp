@@ -45,7 +45,8 @@ void drawSelectionPanel(ViewerState& state, Edit& edit) {
     }
     const Surface& surface = scene.surfaces[*state.selectedSurface];
     Material& material = edit.next.materials[surface.material];
-    panelText(fmt::format("{}, material {}", surface.name, material.name.empty() ? "(unnamed)" : material.name));
+    panelText(
+        fmt::format("{}, material {}", surface.name, material.name.empty() ? "(unnamed)" : material.name));
     drawMaterial(edit, material);
     if (ImGui::Button("Reset material")) {
         material = state.document->edits.original().materials[surface.material];

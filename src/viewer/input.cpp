@@ -39,6 +39,7 @@ struct Place {
 
 void handleMouse(ViewerState& state, const Place& place) {
     const ImGuiIO& io = ImGui::GetIO();
+    if (ImGui::IsAnyMouseDown()) state.message.clear();
     const glm::vec2 moved = glm::vec2(io.MouseDelta.x, io.MouseDelta.y) * place.scale;
     const glm::vec2 mouse = place(io.MousePos);
     Navigation& navigation = state.navigation;
@@ -130,6 +131,7 @@ Wishes handleInput(ViewerState& state, const std::vector<Window::KeyPress>& pres
                       glm::vec2(area.z, area.w),
                       {io.DisplayFramebufferScale.x, io.DisplayFramebufferScale.y}};
     if (!io.WantTextInput) {
+        if (!pressed.empty()) state.message.clear();
         for (const Window::KeyPress& press : pressed) handleKey(state, press, place.size, wishes);
         if (state.document) handleFlight(state);
     }

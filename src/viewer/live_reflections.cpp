@@ -13,8 +13,7 @@ const TracedReflections& LiveReflections::within(double seconds) {
 }
 
 bool LiveReflections::Limit::stopRequested() const {
-    return seconds > 0 &&
-           std::chrono::steady_clock::now() - start_ > std::chrono::duration<double>(seconds);
+    return seconds > 0 && std::chrono::steady_clock::now() - start_ > std::chrono::duration<double>(seconds);
 }
 
 }  // namespace phat

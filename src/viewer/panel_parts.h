@@ -1,8 +1,9 @@
 #pragma once
 // The sections of the panels, in the order in which they stand.
 
-#include <array>
 #include <imgui.h>
+
+#include <array>
 
 #include "viewer/panels.h"
 

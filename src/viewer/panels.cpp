@@ -84,6 +84,23 @@ void drawLabels(const ViewerState& state, const Pictures& pictures, float leftEd
     label(std::min(wipe + line, size.x - width(right)), right);
 }
 
+// Over the picture, where it moves nothing that a hand may be about to press.
+void drawMessage(const std::string& message, float leftEdge) {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    const float line = ImGui::GetTextLineHeight();
+    ImGui::SetNextWindowPos({leftEdge + line, size.y - 3 * line}, ImGuiCond_Always, {0, 1});
+    ImGui::Begin("message", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoNav |
+                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_AlwaysAutoResize);
+    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 0.7f, 0.4f, 1));
+    ImGui::PushTextWrapPos(std::max(size.x - leftEdge - 4 * line, 4 * line));
+    panelText(message);
+    ImGui::PopTextWrapPos();
+    ImGui::PopStyleColor();
+    ImGui::End();
+}
+
 }  // namespace
 
 void panelText(const std::string& line) {
@@ -102,8 +119,9 @@ float panelWidth(float uiScale) {
 
 PanelWishes drawPanels(ViewerState& state, const PanelInput& input) {
     PanelWishes wishes;
-    if (state.document)
-        drawLabels(state, input.pictures, state.view.panels ? panelWidth(input.uiScale) : 0.0f);
+    const float leftEdge = state.view.panels ? panelWidth(input.uiScale) : 0.0f;
+    if (state.document) drawLabels(state, input.pictures, leftEdge);
+    if (!state.message.empty()) drawMessage(state.message, leftEdge);
     if (!state.view.panels) return wishes;
     ImGui::SetNextWindowPos({0, 0});
     ImGui::SetNextWindowSize({panelWidth(input.uiScale), ImGui::GetIO().DisplaySize.y});
@@ -114,11 +132,6 @@ PanelWishes drawPanels(ViewerState& state, const PanelInput& input) {
     if (!input.bakeStatus.empty()) {
         wrappedText(input.bakeStatus);
         ImGui::ProgressBar(input.bakeShare);
-    }
-    if (!state.message.empty()) {
-        ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 0.7f, 0.4f, 1));
-        wrappedText(state.message);
-        ImGui::PopStyleColor();
     }
     drawFiles(state, wishes);
     if (!state.document) {

@@ -83,9 +83,8 @@ bool Pictures::mayTrace(const ViewerState& state, const Side& side) const {
     if (!state.view.raysAtRest || side.tooManyRays) return false;
     if (side.source != Source::phat && side.source != Source::direct) return false;
     const auto& materials = state.document->edits.now().materials;
-    return std::any_of(materials.begin(), materials.end(), [](const Material& m) {
-        return mayReflectSmoothly(m, Reflections::automatic);
-    });
+    return std::any_of(materials.begin(), materials.end(),
+                       [](const Material& m) { return mayReflectSmoothly(m, Reflections::automatic); });
 }
 
 void Pictures::draw(ViewerState& state, Side& side, glm::uvec2 size, int samplesPerPixel, bool rays) {
@@ -171,7 +170,8 @@ bool Pictures::refine(ViewerState& state, glm::uvec2 size) {
         const glm::uvec2 pixels = glm::max(size / uint32_t(coarseness), glm::uvec2(1));
         const bool sharp = side.drawn.size == size, rays = settled && mayTrace(state, side);
         const int still = stillSamples(state, side.source);
-        if (current && sharp && side.byRays == rays && side.drawn.samples >= still && side.wanted == still) continue;
+        if (current && sharp && side.byRays == rays && side.drawn.samples >= still && side.wanted == still)
+            continue;
         // Coarse pictures are drawn once a change and wait to be replaced by a sharp one.
         if (!current || (!handsMove && (settled || coarseness == 1)))
             draw(state, side, pixels, coarseness > 1 ? 1 : still, rays);

@@ -56,9 +56,11 @@ std::string renderCommandLine(const ViewerState& state, glm::ivec2 size) {
             line += fmt::format(" --fov {}", glm::degrees(navigation.camera.yfovRadians));
     }
     const Component component = view.left == Source::direct ? Component::direct : view.component;
-    if (component != Component::all) line += fmt::format(" --component {}", nameOf(kComponentNames, component));
+    if (component != Component::all)
+        line += fmt::format(" --component {}", nameOf(kComponentNames, component));
     if (view.exposureStops != 0) line += fmt::format(" --exposure {}", view.exposureStops);
-    if (view.toneMap != ToneMap::agx) line += fmt::format(" --tonemap {}", nameOf(kToneMapNames, view.toneMap));
+    if (view.toneMap != ToneMap::agx)
+        line += fmt::format(" --tonemap {}", nameOf(kToneMapNames, view.toneMap));
     const auto edits = materialEdits(document.edits.original().materials, document.edits.now().materials);
     if (!edits.empty()) line += " --set";
     for (const std::string& edit : edits) line += " " + quoted(edit);

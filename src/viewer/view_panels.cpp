@@ -9,9 +9,9 @@ namespace phat {
 namespace {
 
 // In the order of Inspected, after Inspected::nothing.
-constexpr std::array<const char*, 9> kInspectedNames = {
-    "radiance", "directions", "hit distance",  "validity",         "charts",
-    "density",  "pyramid",    "sample count", "reads of texels"};
+constexpr std::array<const char*, 9> kInspectedNames = {"radiance", "directions",   "hit distance",
+                                                        "validity", "charts",       "density",
+                                                        "pyramid",  "sample count", "reads of texels"};
 constexpr std::array<const char*, 9> kLegends = {
     "The radiance that each PHATexel stores.",
     "Where it comes from: x, y, z as red, green, blue.",
@@ -58,7 +58,8 @@ void drawTexelUnderMouse(const ViewerState& state) {
     if (!p.valid)
         panelText("holds no value");
     else if (p.distance >= kFarDistance)
-        panelText(fmt::format("{:.3g} {:.3g} {:.3g} W/(m2 sr) from afar", p.radiance.r, p.radiance.g, p.radiance.b));
+        panelText(fmt::format("{:.3g} {:.3g} {:.3g} W/(m2 sr) from afar", p.radiance.r, p.radiance.g,
+                              p.radiance.b));
     else
         panelText(fmt::format("{:.3g} {:.3g} {:.3g} W/(m2 sr) from {:.3g} m", p.radiance.r, p.radiance.g,
                               p.radiance.b, p.distance));
@@ -115,7 +116,8 @@ void drawPhatexelPanel(ViewerState& state, const Pictures& pictures) {
     }
     bool changed = false;
     int index = int(inspection.what) - 1;
-    if (ImGui::Combo("View", &index, kInspectedNames.data(), int(kInspectedNames.size()), int(kInspectedNames.size()))) {
+    if (ImGui::Combo("View", &index, kInspectedNames.data(), int(kInspectedNames.size()),
+                     int(kInspectedNames.size()))) {
         inspection.what = Inspected(index + 1);
         view.left = Source::phatexels;
         changed = true;

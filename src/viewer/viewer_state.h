@@ -49,7 +49,7 @@ struct ViewerState {
     ViewSettings view;
     bool editing = false;  // a slider is held
     bool draggingWipe = false;
-    std::string message;  // the last error or notice, one sentence
+    std::string message;  // the last error or notice, one sentence, until the next key or click
     std::vector<std::string> recentFiles;
     bool fileChanged = false;  // on disk, since it was read
     /// Grows with every change that asks for a new picture.

@@ -56,7 +56,8 @@ TEST_F(BakedEdits, AreTakenBackFromTheFile) {
     writeEdits(baked, baked, noEdits(before.loaded.scene), edited);
     EXPECT_NE(readBytes(baked), bytes);
     writeEdits(baked, baked, edited, noEdits(before.loaded.scene));
-    const auto left = materialEdits(readBakedFile(baked).loaded.scene.materials, before.loaded.scene.materials);
+    const auto left =
+        materialEdits(readBakedFile(baked).loaded.scene.materials, before.loaded.scene.materials);
     EXPECT_TRUE(left.empty()) << left.front();
 }
 
@@ -64,7 +65,8 @@ TEST_F(BakedEdits, TurnTheSkyByItsOwnTexels) {
     Scene scene = loadGltf(source).scene;
     scene.environment = Environment{Image(8, 4)};
     std::mt19937 random(1);
-    for (glm::vec3& pixel : scene.environment->radiance.pixels) pixel = glm::vec3(float(random() % 512), 1, 2);
+    for (glm::vec3& pixel : scene.environment->radiance.pixels)
+        pixel = glm::vec3(float(random() % 512), 1, 2);
     writeBakedFile(baked, source, scene, randomBake(scene, 1, false, 1), someRecord());
     const auto bytes = readBytes(baked);
     SceneEdits edited = noEdits(scene);

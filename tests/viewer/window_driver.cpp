@@ -23,8 +23,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Asleep for so many looks in a row, so far apart, means idle: the window draws the settled picture 150 ms after
-// the last motion and then sleeps.
+// Asleep for so many looks in a row, so far apart, means idle: the window draws the settled picture 150 ms
+// after the last motion and then sleeps.
 constexpr int kIdleLooks = 4;
 constexpr double kLookSeconds = 0.1;
 
@@ -100,11 +100,12 @@ VirtualScreen::VirtualScreen(glm::ivec2 size) {
                       fmt::format("{}x{}x24", size.x, size.y), "-nolisten", "tcp", "-noreset"},
                      ownVariables(), "", "/dev/null");
     ::close(ends[1]);
-    char number[16] = {};
-    const ssize_t length = read(ends[0], number, sizeof number - 1);
+    // It writes the number when it is ready, then a line feed.
+    std::string number;
+    for (char c = 0; read(ends[0], &c, 1) == 1 && c != '\n';) number += c;
     ::close(ends[0]);
-    if (length <= 1) throw std::runtime_error("Xvfb (Debian package xvfb) does not start");
-    name_ = fmt::format(":{}", std::atoi(number));
+    if (number.empty()) throw std::runtime_error("Xvfb (Debian package xvfb) does not start");
+    name_ = ":" + number;
 }
 
 VirtualScreen::~VirtualScreen() {
@@ -129,13 +130,15 @@ WindowDriver::WindowDriver(glm::ivec2 size, std::vector<std::string> arguments,
     display_ = XOpenDisplay(screen_.name().c_str());
     if (!display_) throw std::runtime_error("the virtual screen cannot be reached");
 
+    // Windows may go between two questions about them.
+    XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });
     // Nothing else is on the screen: the window is the root's child of the right size.
     for (const auto end = Clock::now() + std::chrono::seconds(60); window_ == 0;) {
         Window root = 0, parent = 0, *children = nullptr;
         unsigned count = 0;
         XQueryTree(display_, DefaultRootWindow(display_), &root, &parent, &children, &count);
         for (unsigned i = 0; i < count; ++i) {
-            XWindowAttributes attributes;
+            XWindowAttributes attributes = {};
             XGetWindowAttributes(display_, children[i], &attributes);
             if (attributes.map_state == IsViewable && attributes.width == size.x) window_ = children[i];
         }
@@ -220,8 +223,7 @@ void WindowDriver::type(const std::string& digits) {
 }
 
 std::string WindowDriver::clipboard() {
-    const Window mine =
-        XCreateSimpleWindow(display_, DefaultRootWindow(display_), 0, 0, 1, 1, 0, 0, 0);
+    const Window mine = XCreateSimpleWindow(display_, DefaultRootWindow(display_), 0, 0, 1, 1, 0, 0, 0);
     const Atom text = XInternAtom(display_, "UTF8_STRING", False);
     XConvertSelection(display_, XInternAtom(display_, "CLIPBOARD", False), text, text, mine, CurrentTime);
     XEvent event = {};
