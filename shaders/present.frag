@@ -28,8 +28,8 @@ void main() {
     vec2 place = gl_FragCoord.xy - corner;
     vec2 uv = place / size;
     vec3 a = texture(left, uv).rgb * leftScale, b = texture(right, uv).rgb * rightScale;
-    a = leftHeat > 0.0 ? heat(a.r * leftHeat) : toneMap(a, leftToneMapping, leftExposureStops);
-    b = rightHeat > 0.0 ? heat(b.r * rightHeat) : toneMap(b, rightToneMapping, rightExposureStops);
+    a = leftHeat > 0.0 ? heat((a.r + a.g) * leftHeat) : toneMap(a, leftToneMapping, leftExposureStops);
+    b = rightHeat > 0.0 ? heat((b.r + b.g) * rightHeat) : toneMap(b, rightToneMapping, rightExposureStops);
     if (difference == 1) {
         // Of the right picture's display value, so that black pixels do not divide.
         vec3 apart = abs(a - b) / (b + 0.05);

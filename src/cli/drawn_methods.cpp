@@ -82,8 +82,11 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
         json& report = reports.back();
         if (renderer.bytesPerPhatexel() > 0) report["bytesPerPhatexel"] = renderer.bytesPerPhatexel();
         if (options.countReads) {
-            const ReadCount reads = countReads(picture);
-            report["reads"] = {{"mean", reads.mean}, {"max", reads.most}};
+            const auto readsOf = [&](int source) {
+                const ReadCount reads = countReads(picture, source);
+                return json{{"mean", reads.mean}, {"max", reads.most}};
+            };
+            report["reads"] = {{"indirect", readsOf(0)}, {"area", readsOf(1)}};
         }
     }
     return reports;

@@ -51,7 +51,6 @@ struct Renderer::State {
         RelightPass pass;
         bool materialsChanged = true;
         Eye eye;
-        bool indirect = false;
     };
 
     std::string shaderFolder;
@@ -82,7 +81,7 @@ struct Renderer::State {
     }
     LookupPass& lookupFor(bool counting) {
         std::optional<LookupPass>& made = counting ? countingLookupPass : lookupPass;
-        if (!made) made = createLookupPass(shaderFolder, atlas, lookup, anyClearcoat(materials), counting);
+        if (!made) made = createLookupPass(shaderFolder, lookup, anyClearcoat(materials), counting);
         return *made;
     }
     DisplayPass& displayFor(bool paper, bool counting) {
@@ -112,7 +111,6 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     if (state_->lookup.guideCount > 0) state_->bytesPerPhatexel = bytesOfPhatexel(input.phatexture);
     if (input.scene.environment) state_->environmentWidth = input.scene.environment->radiance.width;
     // What cannot be compiled is told now.
-    state_->relitFor(false);
     state_->displayFor(false, false);
     if (state_->lookup.guideCount > 0) state_->lookupFor(false);
 }
@@ -129,9 +127,10 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     if (what != Inspected::reads && what != Inspected::nothing) settings.method = Method::phatPyramid;
     if (!canLookUp && settings.method == Method::phat) settings.method = Method::phatPyramid;
     const bool lookedUp = settings.method == Method::phat;
-    const bool pyramidOfIndirect = !lookedUp || anyBlended(s.materials);
+    const bool pyramid = !lookedUp || anyBlended(s.materials);
     const bool paper = settings.method == Method::phatPaper, counting = what == Inspected::reads && lookedUp;
-    State::Relit& relit = s.relitFor(paper);
+    const RelightPass notRelit;
+    State::Relit* relit = pyramid ? &s.relitFor(paper) : nullptr;
     DisplayPass& displayPass = s.displayFor(paper, counting);
     const LookupPass none;
     const LookupPass& lookupPass = canLookUp ? s.lookupFor(counting) : none;
@@ -151,11 +150,6 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
     const Eye eye = eyeOf(settings.camera);
-    const bool current = !relit.materialsChanged && eye.place == relit.eye.place &&
-                         eye.atInfinity == relit.eye.atInfinity && pyramidOfIndirect == relit.indirect;
-    if (relit.materialsChanged) applyMaterials(relit.pass, s.atlas, s.materials);
-    relit.materialsChanged = false;
-    s.clock.ended(Pass::relight);
 
     if (!s.shadows.depth) {
         s.shadows = renderShadowMaps(s.lights, s.scene, s.materials, displayPass.depthProgram);
@@ -165,18 +159,22 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
-    if (!current) {
-        relight(relit.pass, s.atlas, s.scene.splitSum.name(), eye, pyramidOfIndirect);
-        s.clock.ended(Pass::relight);
-        buildPyramid(relit.pass, s.atlas, pyramidOfIndirect);
-        s.clock.ended(Pass::pyramid);
+    if (relit) {
+        if (relit->materialsChanged) applyMaterials(relit->pass, s.atlas, s.materials);
+        if (relit->materialsChanged || eye.place != relit->eye.place ||
+            eye.atInfinity != relit->eye.atInfinity) {
+            relight(relit->pass, s.atlas, s.scene.splitSum.name(), eye);
+            s.clock.ended(Pass::relight);
+            buildPyramid(relit->pass, s.atlas);
+            s.clock.ended(Pass::pyramid);
+        }
+        relit->materialsChanged = false;
+        relit->eye = eye;
     }
-    relit.eye = eye;
-    relit.indirect = pyramidOfIndirect;
 
     s.reflections = phat::display(displayPass,
-                                  {s.scene, s.atlas, relit.pass, s.shadows, s.lookup, lookupPass,
-                                   *s.reflectionPass, s.materials, s.clock, s.environmentTurn},
+                                  {s.scene, s.atlas, relit ? relit->pass : notRelit, s.shadows, s.lookup,
+                                   lookupPass, *s.reflectionPass, s.materials, s.clock, s.environmentTurn},
                                   settings, s.targets, sum);
     checkGl("drawing a frame");
 }
@@ -218,7 +216,7 @@ void Renderer::setMaterials(const std::vector<Material>& materials) {
     State& s = *state_;
     if (materials.size() != s.materials.size())
         throw GlError("materials may be changed, not added or removed");
-    const bool coatAppears = anyClearcoat(materials) && !s.relitFor(false).pass.clearcoat;
+    const bool coatAppears = anyClearcoat(materials) && !anyClearcoat(s.materials);
     s.materials = materials;
     for (auto* relit : {&s.relit, &s.relitPaper})
         if (*relit) (*relit)->materialsChanged = true;
@@ -234,13 +232,13 @@ void Renderer::turnEnvironment(int columns) {
     state_->environmentTurn = float(columns) / float(state_->environmentWidth);
 }
 
-ReadCount countReads(const Image& picture) {
+ReadCount countReads(const Image& picture, int source) {
     ReadCount count;
     size_t pixels = 0;
     for (const glm::vec3& pixel : picture.pixels) {
         if (pixel.x <= 0) continue;
-        count.mean += double(pixel.x);
-        count.most = std::max(count.most, double(pixel.x));
+        count.mean += double(pixel[source]);
+        count.most = std::max(count.most, double(pixel[source]));
         ++pixels;
     }
     count.mean /= double(std::max<size_t>(pixels, 1));

@@ -41,7 +41,7 @@ enum class Inspected : uint8_t {
     density,    // a checker of texels; blue as coarse as anywhere, red an eighth
     pyramid,    // a level of the relit PHATexels, seen from the eye: light
     samples,    // effective number in the pyramid's cone: black 1, red 6, yellow 40, white 256
-    reads,      // of texels for a pixel's indirect glossy light by the lookup: the numbers themselves
+    reads,      // of texels by the lookup: red for indirect light, green for area lights; the numbers themselves
 };
 struct Inspection {
     Inspected what = Inspected::nothing;
@@ -80,11 +80,11 @@ inline bool showsLight(Inspected what) {
     return what == Inspected::nothing || what == Inspected::radiance || what == Inspected::pyramid;
 }
 
-/// Of a picture of Inspected::reads, over the pixels that show a surface.
+/// Of a picture of Inspected::reads, over the pixels that show a surface. `source` as in Inspection.
 struct ReadCount {
     double mean = 0, most = 0;
 };
-ReadCount countReads(const Image& picture);
+ReadCount countReads(const Image& picture, int source);
 
 /// Seconds by pass, on the GPU unless said otherwise; of all samples that a draw added.
 struct FrameTimes {

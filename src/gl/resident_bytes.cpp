@@ -25,8 +25,9 @@ ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, cons
                               const ShadowMaps& shadows, const FrameTargets& targets) {
     ResidentBytes bytes;
     bytes.scene = sceneBytes(scene);
+    bytes.phatexels = textureBytes(atlas.phatexels);
     for (const GpuPhatexels& source : atlas.sources) {
-        bytes.phatexels += bytesOf(source.texels, source.texelPdf);
+        bytes.phatexels += textureBytes(source.texelPdf);
         bytes.pyramid += textureBytes(source.guidePdf);
     }
     bytes.lookup = bytesOf(lookup.warps, lookup.probes, lookup.scrambles, atlas.tilePatches, atlas.charts,
@@ -34,11 +35,9 @@ ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, cons
     bytes.irradiance = textureBytes(atlas.irradiance);
     bytes.pyramid += bytesOf(atlas.normals, atlas.materialIndex, atlas.texturesA, atlas.texturesB);
     bytes.shadows = bytesOf(shadows.depth, shadows.lightTable);
-    const LookupTargets& looked = targets.lookup;
     const ReflectionTargets& traced = targets.reflections;
-    bytes.frame =
-        bytesOf(targets.picture, targets.depth, looked.seen, looked.seenCoat, looked.pooled,
-                looked.pooledCoat, looked.places, looked.glossy, traced.base, traced.coat, traced.surface);
+    bytes.frame = bytesOf(targets.picture, targets.depth, targets.lookup.seen, targets.lookup.pooled,
+                          traced.base, traced.coat, traced.surface);
     return bytes;
 }
 

@@ -68,7 +68,7 @@ uint64_t textureBytes(const GlTexture& texture) {
     return bytes;
 }
 
-GlFramebuffer createFramebuffer(std::initializer_list<Attachment> colors, GLuint depth) {
+GlFramebuffer createFramebuffer(const std::vector<Attachment>& colors, GLuint depth) {
     GLuint name = 0;
     glCreateFramebuffers(1, &name);
     GlFramebuffer framebuffer(name);

@@ -55,6 +55,10 @@ void Pictures::reset() {
     reads_.reset();
 }
 
+Pictures::Reads Pictures::readsOf(const Image& picture) {
+    return {countReads(picture, 0), countReads(picture, 1)};
+}
+
 Pictures::SideReport Pictures::reportOf(const Side& side) {
     return {side.source == Source::pathTracer ? side.tracedSamples : side.drawn.samples, side.wanted};
 }
@@ -113,7 +117,7 @@ void Pictures::draw(ViewerState& state, Side& side, glm::uvec2 size, int samples
     secondsPerPixel_ = frameTimes_.gpu() / (double(size.x) * double(size.y));
     coarseness_ = int(std::max(1u, size_.x / size.x));
     if (side.counts && coarseness_ == 1 && side.drawn.samples == side.wanted)
-        reads_ = countReads(readMean(side.drawn));
+        reads_ = readsOf(readMean(side.drawn));
 }
 
 void Pictures::askPathTracer(const ViewerState& state, Side& side, glm::uvec2 size) {

@@ -39,7 +39,10 @@ class Pictures {
     FrameTimes frameTimes() const { return frameTimes_; }
     int coarseness() const { return coarseness_; }
     /// Of the last picture of Inspected::reads.
-    std::optional<ReadCount> reads() const { return reads_; }
+    struct Reads {
+        ReadCount indirect, area;
+    };
+    std::optional<Reads> reads() const { return reads_; }
     /// Smooth surfaces of the left picture are looked up, because rays would take too long.
     bool tooManyRays() const { return sides_[0].tooManyRays; }
 
@@ -58,6 +61,7 @@ class Pictures {
         bool counts = false;
     };
     static SideReport reportOf(const Side& side);
+    static Reads readsOf(const Image& picture);
     void draw(ViewerState& state, Side& side, glm::uvec2 size, int samplesPerPixel, bool rays);
     bool mayTrace(const ViewerState& state, const Side& side) const;
     const TracedReflections& reflections(const ViewerState& state, double seconds);
@@ -79,7 +83,7 @@ class Pictures {
     int coarseness_ = 1;
     std::optional<LiveReflections> reflections_;
     uint64_t reflectionsRevision_ = 0;
-    std::optional<ReadCount> reads_;
+    std::optional<Reads> reads_;
     std::optional<Metrics> metrics_;
     std::future<Metrics> measuring_;
     int measuredSamples_ = 0;

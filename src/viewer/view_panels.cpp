@@ -46,6 +46,14 @@ void sizeRow(const char* name, uint64_t bytes) {
     panelText(fmt::format("{:<20}{:9.1f} MB", name, double(bytes) * 1e-6));
 }
 
+void drawReads(const Pictures::Reads& reads) {
+    const auto line = [](const char* source, ReadCount count) {
+        panelText(fmt::format("{:<12} reads {:6.1f}, {:.0f} at most", source, count.mean, count.most));
+    };
+    line("indirect", reads.indirect);
+    line("area lights", reads.area);
+}
+
 void drawTexelUnderMouse(const ViewerState& state) {
     const auto found = texelUnderMouse(state);
     if (!found) {
@@ -132,8 +140,7 @@ void drawPhatexelPanel(ViewerState& state, const Pictures& pictures) {
     const bool lookedUp = state.renderer && state.renderer->bytesPerPhatexel() > 0;
     wrappedText(inspection.what == Inspected::reads && !lookedUp ? "These PHATexels cannot be looked up."
                                                                  : kLegends[size_t(index)]);
-    if (const auto reads = pictures.reads(); reads && inspection.what == Inspected::reads)
-        panelText(fmt::format("{:.1f} in the mean, {:.0f} at most", reads->mean, reads->most));
+    if (const auto reads = pictures.reads(); reads && inspection.what == Inspected::reads) drawReads(*reads);
     if (view.left == Source::phatexels) {
         if (ImGui::Button("Back to the light")) {
             view.left = Source::phat;
@@ -174,7 +181,7 @@ void drawPerformancePanel(ViewerState& state, const Pictures& pictures) {
     sizeRow("resident in all", bytes.sum());
     ImGui::Separator();
     if (const auto reads = pictures.reads())
-        panelText(fmt::format("reads a pixel: {:.1f}, {:.0f} at most", reads->mean, reads->most));
+        drawReads(*reads);
     else
         wrappedText("Reads a pixel: choose the view \"reads of texels\" under PHATexels.");
 }

@@ -224,7 +224,7 @@ TEST_F(Inspect, SampleCountsAreEffectiveNumbers) {
 TEST_F(Inspect, ReadsAreWholeNumbers) {
     followTheLayout();
     const Image image = shown({Inspected::reads});
-    const ReadCount reads = countReads(image);
+    const ReadCount reads = countReads(image, 0);
     EXPECT_GT(reads.mean, 10);
     EXPECT_LT(reads.most, 500);
     for (const glm::vec3& pixel : image.pixels) EXPECT_EQ(pixel.x, std::round(pixel.x));
