@@ -17,11 +17,11 @@ namespace phat {
 namespace {
 
 // Small, because software draws every pixel sixteen times before the window comes to rest.
-constexpr glm::ivec2 kWindow(440, 340);
+constexpr glm::ivec2 kWindow(400, 320);
 // Where things are in it: panels left, then the picture.
 constexpr int kPanelWidth = 330;
 constexpr glm::ivec2 kPicture(kWindow.x - kPanelWidth, kWindow.y);
-constexpr glm::ivec2 kTable(385, 257);
+constexpr glm::ivec2 kTable(365, 242);
 constexpr glm::ivec2 kPictureHeader(100, 41), kMethodList(100, 87), kPyramidInList(60, 128);
 // With the table selected.
 constexpr glm::ivec2 kRoughness(100, 242), kRoughnessEnd(180, 242);
@@ -194,8 +194,8 @@ TEST_F(ViewerWindow, WipesBetweenTwoPictures) {
     }
     EXPECT_LE(left, 0.002);  // the difference of single samples while it refines is above
     EXPECT_GT(right, 0.01);  // the noise of few paths
-    window.drag({kPanelWidth + middle, 100}, {kPanelWidth + middle + 40, 100});
-    std::tie(left, right) = halves(middle + 40);
+    window.drag({kPanelWidth + middle, 100}, {kPanelWidth + middle + 20, 100});
+    std::tie(left, right) = halves(middle + 20);
     EXPECT_LE(left, 0.002);
     window.key("c");
     window.settle();
@@ -207,7 +207,7 @@ TEST_F(ViewerWindow, SleepsAndNoticesThatItsFileChanged) {
     const std::string path = folder->file("changing.phat.glb");
     std::filesystem::copy_file(baked(), path);
     WindowDriver window(kWindow, {path});
-    window.moveTo({200, kWindow.y - 2});
+    window.moveTo({365, 100});
     window.settle();
     const Image start = window.screenshot();
     const double before = window.processorSeconds();
@@ -220,7 +220,7 @@ TEST_F(ViewerWindow, SleepsAndNoticesThatItsFileChanged) {
     EXPECT_GT(meanDifference(panelsOf(offered), panelsOf(start)), 0.005);
     EXPECT_EQ(largestDifference(pictureOf(offered), pictureOf(start)), 0);
     window.click({270, 17});
-    window.moveTo({200, kWindow.y - 2});  // over nothing that lights up
+    window.moveTo({365, 100});  // over nothing that lights up
     window.settle();
     EXPECT_EQ(largestDifference(pictureOf(window.screenshot()), pictureOf(start)), 0);
     EXPECT_LE(meanDifference(panelsOf(window.screenshot()), panelsOf(start)), 0.002);
