@@ -1,14 +1,30 @@
-# Four commands: `make demo`, `make test`, `make bench` and `make figures`. All install what is missing on Debian 12 (root or sudo).
+# `make demo`, `make web`, `make web-examples`, `make test`, `make bench` and `make figures`. All install what is missing
+# on Debian 12 (root or sudo).
 
 BUILD_JOBS ?= $(shell nproc)
 
-.PHONY: demo test bench figures release dev setup clean
+.PHONY: demo test web web-examples bench figures release dev setup clean
 
 demo: out/tabletop.png
 	@echo "Look at out/tabletop.png"
 
-test: dev
+test: dev web
+	@tools/setup chromium
 	tools/run_tests build/dev
+
+# The page of `phat web`, and the package for three.js.
+web: web/dist/sizes.json
+
+web/dist/sizes.json: web/node_modules/.package-lock.json web/build.js $(wildcard web/src/* web/viewer/* shaders/* shaders/lib/*)
+	cd web && node build.js
+
+web/node_modules/.package-lock.json: web/package-lock.json
+	@tools/setup node
+	cd web && npm ci
+
+# Two rooms to look at from any web server.
+web-examples: release web
+	web/examples/make build/release/phat out/web-examples
 
 bench: setup
 	@test -f build/release/build.ninja || cmake --preset release
@@ -40,4 +56,4 @@ setup:
 	@tools/setup
 
 clean:
-	rm -rf build out
+	rm -rf build out web/dist web/node_modules

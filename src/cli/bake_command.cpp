@@ -17,6 +17,7 @@
 #include "cli/interrupt.h"
 #include "cli/progress_bar.h"
 #include "core/glossy_density.h"
+#include "core/lights.h"
 #include "io/atomic_file.h"
 #include "io/bake_journal.h"
 #include "io/bake_record.h"
@@ -29,14 +30,16 @@ namespace {
 
 using nlohmann::json;
 
+constexpr uint64_t kFewestTexels = 64;
+
 struct BakeOptions {
     std::string input;
     std::string output;
     std::string environment;  // empty: none
     BakeSettings settings;
-    BakeRecord record;
     std::optional<int> threads;
     double memoryLimitBytes = 0;
+    std::optional<uint64_t> mostBytes;  // of the file
     bool resume = false;
     bool quiet = false;
     bool json = false;
@@ -84,10 +87,10 @@ void refuseTooLarge(const BakeOptions& options, const Scene& scene) {
                         needed * 1e-9, options.memoryLimitBytes * 1e-9));
 }
 
-uint64_t fingerprintOf(const BakeOptions& options) {
+uint64_t fingerprintOf(const BakeOptions& options, const BakeRecord& record) {
     Fingerprint fingerprint;
-    fingerprint.add(options.record.generator);
-    fingerprint.add(options.record.settings);
+    fingerprint.add(record.generator);
+    fingerprint.add(record.settings);
     addGltfFile(fingerprint, options.input);
     if (!options.environment.empty()) addFile(fingerprint, options.environment);
     return fingerprint.value();
@@ -106,34 +109,28 @@ void checkOutput(const BakeOptions& options) {
 // The same failure, always with a file's name; `kept` tells what remains of the work.
 [[noreturn]] void failWith(const std::exception& error, const std::string& input, const std::string& kept) {
     if (dynamic_cast<const Interrupted*>(&error)) throw Interrupted("interrupted" + kept);
+    if (const auto* large = dynamic_cast<const FileTooLarge*>(&error)) throw *large;
     if (const auto* failed = dynamic_cast<const FileError*>(&error))
         throw FileError(failed->path, failed->reason + kept);
     const bool memory = dynamic_cast<const std::bad_alloc*>(&error);
     throw FileError(input, (memory ? "out of memory" : error.what()) + kept);
 }
 
-void runBake(const BakeOptions& options) {
-    std::optional<tbb::global_control> threads;
-    if (options.threads)
-        threads.emplace(tbb::global_control::max_allowed_parallelism, size_t(*options.threads));
-    catchInterrupts();
-
-    const LoadedScene loaded = loadInput(options);
-    checkOutput(options);
-    refuseTooLarge(options, loaded.scene);
+void bakeOnce(const BakeOptions& options, const LoadedScene& loaded) {
+    const BakeRecord record = recordOf(options.settings, options.input, options.environment);
     const std::string journalPath = options.output + ".journal";
-    FileJournal journal(journalPath, fingerprintOf(options), options.resume);
+    FileJournal journal(journalPath, fingerprintOf(options, record), options.resume);
     json report;
     try {
         ProgressBar progress(progressStyle(options.quiet), bakeStages(options.settings));
         const Bake result = bake(loaded.scene, options.settings, progress, &journal);
         std::vector<std::string> notes = loaded.notes;
-        for (std::string& note :
-             writeBakedFile(options.output, options.input, loaded.scene, result, options.record, &progress))
+        for (std::string& note : writeBakedFile(options.output, options.input, loaded.scene, result, record,
+                                                &progress, options.mostBytes.value_or(~uint64_t(0))))
             notes.push_back(std::move(note));
         report = reportOf(options.output, result, journal.resumedRecords(), progress.stageTimes(), notes);
     } catch (const std::exception& error) {
-        if (journal.empty()) journal.remove();
+        if (journal.empty() || dynamic_cast<const FileTooLarge*>(&error)) journal.remove();
         failWith(error, options.input,
                  journal.empty()
                      ? ""
@@ -144,6 +141,35 @@ void runBake(const BakeOptions& options) {
         fmt::print("{}\n", report.dump(-1, ' ', false, json::error_handler_t::replace));
     else if (!options.quiet)
         printReport(report);
+}
+
+void runBake(BakeOptions options) {
+    std::optional<tbb::global_control> threads;
+    if (options.threads)
+        threads.emplace(tbb::global_control::max_allowed_parallelism, size_t(*options.threads));
+    catchInterrupts();
+
+    const LoadedScene loaded = loadInput(options);
+    checkOutput(options);
+    uint64_t& texels = options.settings.atlas.texelBudget;
+    if (options.mostBytes)
+        texels =
+            std::min(texels, texelsThatFit(*options.mostBytes, std::filesystem::file_size(options.input),
+                                           options.settings.layers, LightSampler(loaded.scene).hasArea()));
+    if (texels < kFewestTexels) throw FileError(options.output, "would not fit into --max-megabytes");
+    refuseTooLarge(options, loaded.scene);
+    // How well light is compressed shows when it is there.
+    constexpr int kAttempts = 3;
+    for (int attempt = 1;; ++attempt) {
+        try {
+            return bakeOnce(options, loaded);
+        } catch (const FileTooLarge& error) {
+            texels = uint64_t(0.97 * double(texels) * double(*options.mostBytes) / double(error.bytes));
+            if (attempt == kAttempts || texels < kFewestTexels)
+                throw FileError(error.path, error.reason + ", more than --max-megabytes");
+            if (!options.quiet) fmt::print(stderr, "{}; once more with {} texels\n", error.what(), texels);
+        }
+    }
 }
 
 }  // namespace
@@ -198,6 +224,9 @@ void addBakeCommand(CLI::App& app) {
     CLI::Option* memory =
         option("--memory-limit", "GB", "Refuse to start a larger bake; default: the machine's")
             ->check(CLI::Range(0.001, 1e6));
+    CLI::Option* megabytes = option("--max-megabytes", "MB", "Fewer texels, so that the file is no larger")
+                                 ->check(CLI::Range(0.01, 4e3))
+                                 ->excludes(texelSize);
     CLI::Option* resume = command->add_flag("--resume")->description("Go on where a stopped bake was");
     CLI::Option* quiet = command->add_flag("--quiet")->description("Print errors only");
     CLI::Option* asJson = command->add_flag("--json")->description("Print the result as JSON");
@@ -213,7 +242,7 @@ void addBakeCommand(CLI::App& app) {
         BakeSettings& settings = options.settings;
         if (*texelSize) settings.atlas.texelSizeMeters = texelSize->as<float>();
         settings.atlas.glossyDensity = glossyDensityOf(*glossyDensity, texelSize->count() > 0);
-        if (*resolution) settings.atlas.texelBudget = parseCount(resolution, 64, 0x1p32);
+        if (*resolution) settings.atlas.texelBudget = parseCount(resolution, kFewestTexels, 0x1p32);
         if (*photons) settings.photons.count = parseCount(photons, 1, 0x1p32);
         if (*useUv) settings.atlas.useUvSet = useUv->as<int>();
         settings.atlas.gutterTexels = gutter->as<uint32_t>();
@@ -227,7 +256,7 @@ void addBakeCommand(CLI::App& app) {
         if (*bounces) settings.photons.maxBounces = settings.maxBounces;
         settings.pathsPerPhatexel = paths->as<int>();
         settings.seed = settings.photons.seed = seed->as<uint64_t>();
-        options.record = recordOf(settings, options.input, options.environment);
+        if (*megabytes) options.mostBytes = uint64_t(megabytes->as<double>() * 1e6);
         if (*threads) options.threads = threads->as<int>();
         options.memoryLimitBytes = *memory ? memory->as<double>() * 1e9 : physicalMemoryBytes();
         options.resume = resume->count() > 0;

@@ -24,6 +24,7 @@ std::vector<PlannedStage> bakeStages(const BakeSettings& settings) {
         stages.push_back({"directions", 2 * texels});
         stages.push_back({"indirect light", indirect * texels});
     }
+    stages.push_back({"distances", 3 * texels});
     stages.push_back({"compress", 4 * texels * settings.layers});
     return stages;
 }

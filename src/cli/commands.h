@@ -15,5 +15,6 @@ void addCompareCommand(CLI::App& app);
 void addInfoCommand(CLI::App& app);
 void addExportCommand(CLI::App& app);
 void addViewCommand(CLI::App& app);
+void addWebCommand(CLI::App& app);
 
 }  // namespace phat

@@ -5,10 +5,10 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 
+#include "cli/data_folders.h"
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
-#include "cli/shader_folder.h"
 #include "gl/gl_context.h"
 
 namespace phat {

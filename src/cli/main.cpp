@@ -34,6 +34,7 @@ int run(int argc, char** argv) {
     phat::addInfoCommand(app);
     phat::addExportCommand(app);
     phat::addViewCommand(app);
+    phat::addWebCommand(app);
     try {
         app.parse(argc, argv);
         return kDone;

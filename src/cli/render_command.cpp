@@ -102,7 +102,8 @@ void addRenderCommand(CLI::App& app) {
     };
     CLI::Option* input =
         option("IN", "FILE", "A baked file or a scene; methods that need a bake make it first")->required();
-    CLI::Option* output = option("-o,--output", "FILE", "The picture: .exr (linear) or .png")->required();
+    CLI::Option* output =
+        option("-o,--output", "FILE", "The picture: .exr (linear), .png or .jpg")->required();
     CLI::Option* method = option("--method", "NAME", fmt::format("{}", fmt::join(methodNames(), ", ")))
                               ->check(CLI::IsMember(methodNames()))
                               ->default_val(kRenderMethods[0].name);
@@ -158,9 +159,10 @@ void addRenderCommand(CLI::App& app) {
     CLI::Option* edits =
         option("--set", "MATERIAL.PROPERTY=VALUE", "Changes a material, e.g. floor.roughness=0.3")
             ->expected(1, -1);
-    CLI::Option* exposure =
-        option("--exposure", "EV", "Stops, for .png")->check(CLI::Range(-40.0, 40.0))->default_val("0");
-    CLI::Option* toneMapping = option("--tonemap", "NAME", "linear, agx or aces, for .png")
+    CLI::Option* exposure = option("--exposure", "EV", "Stops, for .png and .jpg")
+                                ->check(CLI::Range(-40.0, 40.0))
+                                ->default_val("0");
+    CLI::Option* toneMapping = option("--tonemap", "NAME", "linear, agx or aces, for .png and .jpg")
                                    ->check(CLI::IsMember(namesOf(kToneMapNames)))
                                    ->default_val("agx");
     CLI::Option* quiet = command->add_flag("--quiet")->description("Print errors only");

@@ -24,9 +24,9 @@ std::string pictureKind(const std::string& path) {
 
 void checkPlaces(const RenderOptions& options) {
     const std::string kind = pictureKind(options.output);
-    if (kind != ".exr" && kind != ".png")
+    if (kind != ".exr" && kind != ".png" && kind != ".jpg")
         throw CLI::ValidationError("--output",
-                                   fmt::format("\"{}\" is neither .exr nor .png", options.output));
+                                   fmt::format("\"{}\" is neither .exr, .png nor .jpg", options.output));
     if (!options.varianceOutput.empty()) {
         if (pictureKind(options.varianceOutput) != ".exr")
             throw CLI::ValidationError("--variance",
@@ -74,10 +74,12 @@ void editScene(const RenderOptions& options, Scene& scene) {
 
 void writePicture(const RenderOptions& options, const View& view, const Image& picture) {
     const std::string path = pathFor(view, options.output);
-    if (pictureKind(path) == ".exr")
+    const std::string kind = pictureKind(path);
+    if (kind == ".exr")
         writeExr(path, picture);
     else
-        writePng(path, toneMap(picture, options.toneMap, options.exposureStops));
+        (kind == ".png" ? writePng : writeJpeg)(path,
+                                                toneMap(picture, options.toneMap, options.exposureStops));
 }
 
 }  // namespace phat

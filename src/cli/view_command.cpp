@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.h"
-#include "cli/shader_folder.h"
+#include "cli/data_folders.h"
 #include "cli/size_option.h"
 #include "viewer/viewer.h"
 

@@ -1,5 +1,6 @@
 #include "io/baked_file.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <zlib.h>
 
@@ -165,9 +166,19 @@ std::vector<uint8_t> bakedBytes(const std::string& sourcePath, const Scene& scen
 
 }  // namespace
 
+FileTooLarge::FileTooLarge(const std::string& file, uint64_t size)
+    : FileError(file, fmt::format("would have {:.1f} MB", double(size) * 1e-6)), bytes(size) {}
+
+uint64_t texelsThatFit(uint64_t bytes, uint64_t sceneBytes, int layers, bool areaLights) {
+    // Compressed bytes a texel, measured on tabletop: irradiance and tiles; a layer; the area lights' share.
+    constexpr double kBase = 2.4, kLayer = 7.3, kArea = 4.6;
+    const double left = double(bytes) - double(sceneBytes);
+    return uint64_t(std::max(0.0, left / (kBase + kLayer * layers + (areaLights ? kArea : 0.0))));
+}
+
 std::vector<std::string> writeBakedFile(const std::string& outPath, const std::string& sourcePath,
                                         const Scene& scene, const Bake& bake, const BakeRecord& record,
-                                        Progress* progress) {
+                                        Progress* progress, uint64_t mostBytes) {
     std::vector<std::string> notes;
     std::vector<uint8_t> bytes;
     try {
@@ -179,6 +190,7 @@ std::vector<std::string> writeBakedFile(const std::string& outPath, const std::s
     } catch (const std::exception& error) {
         throw FileError(sourcePath, error.what());
     }
+    if (bytes.size() > mostBytes) throw FileTooLarge(outPath, bytes.size());
     replaceFile(outPath, bytes);
     return notes;
 }

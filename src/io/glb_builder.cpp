@@ -82,7 +82,7 @@ size_t appendAccessor(GlbBuilder& glb, json accessor, std::span<const uint8_t> b
 
 std::vector<uint8_t> glbBytes(const GlbBuilder& glb) {
     json described = glb.json;
-    if (!glb.bin.empty()) described["buffers"] = {{{"byteLength", aligned(glb.bin.size())}}};
+    if (!glb.bin.empty()) described["buffers"][0] = {{"byteLength", aligned(glb.bin.size())}};
     for (const char* array : {"bufferViews", "accessors"})
         if (described.contains(array) && described[array].empty()) described.erase(array);
     // File names of any encoding may have come in; glTF asks for UTF-8.

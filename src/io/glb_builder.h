@@ -10,7 +10,7 @@
 namespace phat {
 
 struct GlbBuilder {
-    nlohmann::json json;       // without "buffers", which glbBytes adds
+    nlohmann::json json;       // "buffers", if any, are others than `bin`; glbBytes sets the first
     std::vector<uint8_t> bin;  // bufferViews start at multiples of 4
 };
 

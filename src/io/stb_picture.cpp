@@ -157,8 +157,9 @@ Image readPng(const std::string& path) {
                 : decodeSrgb(static_cast<const uint8_t*>(values.get()), file.width, file.height);
 }
 
-void writePng(const std::string& path, const Image& image) {
-    if (image.pixels.empty()) throw FileError(path, "an empty picture cannot be written");
+namespace {
+
+std::vector<uint8_t> srgbSamples(const Image& image) {
     std::vector<uint8_t> samples;
     samples.reserve(image.pixels.size() * 3);
     for (const glm::vec3& pixel : image.pixels)
@@ -166,15 +167,36 @@ void writePng(const std::string& path, const Image& image) {
             const float value = pixel[i] > 0 ? std::min(pixel[i], 1.0f) : 0.0f;  // the test is false for NaN
             samples.push_back(uint8_t(std::lround(255 * srgbFromLinear(value))));
         }
+    return samples;
+}
+
+// `encode`: calls an stb writer with the function and the argument that it gets.
+template <class Encode>
+void writeEncoded(const std::string& path, const Image& image, const Encode& encode) {
+    if (image.pixels.empty()) throw FileError(path, "an empty picture cannot be written");
     std::vector<uint8_t> bytes;
     const auto append = [](void* user, void* data, int size) {
         auto& all = *static_cast<std::vector<uint8_t>*>(user);
         all.insert(all.end(), static_cast<uint8_t*>(data), static_cast<uint8_t*>(data) + size);
     };
-    if (!stbi_write_png_to_func(append, &bytes, image.width, image.height, 3, samples.data(),
-                                3 * image.width))
-        throw FileError(path, "the picture cannot be encoded as PNG");
+    if (!encode(append, &bytes, srgbSamples(image))) throw FileError(path, "the picture cannot be encoded");
     replaceFile(path, bytes);
+}
+
+}  // namespace
+
+void writePng(const std::string& path, const Image& image) {
+    writeEncoded(path, image, [&](auto append, void* user, const std::vector<uint8_t>& samples) {
+        return stbi_write_png_to_func(append, user, image.width, image.height, 3, samples.data(),
+                                      3 * image.width);
+    });
+}
+
+void writeJpeg(const std::string& path, const Image& image) {
+    constexpr int kQuality = 85;
+    writeEncoded(path, image, [&](auto append, void* user, const std::vector<uint8_t>& samples) {
+        return stbi_write_jpg_to_func(append, user, image.width, image.height, 3, samples.data(), kQuality);
+    });
 }
 
 Image readPicture(const std::string& path) {

@@ -37,8 +37,8 @@ std::vector<float> radiiOf(const RendererWorld& world) {
     glTextureSubImage2D(splitSum.name(), 0, 0, 0, kSplitSumSize, kSplitSumSize, GL_RG, GL_FLOAT,
                         splitSumTable().data());
     applyMaterials(pass, atlas, world.scene.materials);
-    relight(pass, atlas, splitSum.name(), {{0, 1, 0}, true}, true);
-    buildPyramid(pass, atlas, true);
+    relight(pass, atlas, splitSum.name(), {{0, 1, 0}, true});
+    buildPyramid(pass, atlas);
     std::vector<glm::vec4> values(world.atlas.tileChart.size());
     glGetTextureImage(pass.radii.name(), 0, GL_RGBA, GL_FLOAT, GLsizei(values.size() * sizeof(glm::vec4)),
                       values.data());

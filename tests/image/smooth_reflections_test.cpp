@@ -6,6 +6,7 @@
 #include <tbb/global_control.h>
 
 #include "core/lights.h"
+#include "core/lookup_tables.h"
 #include "image/renderer_world.h"
 
 namespace phat::test {
@@ -37,6 +38,7 @@ void setIrradiance(RendererWorld& world, uint32_t surface, float wattsPerSquareM
 PhatexelLayer layerOf(const RendererWorld& world, float radiance) {
     PhatexelLayer layer;
     layer.texels.resize(world.atlas.texelCount());
+    layer.scrambles.assign(world.atlas.blockCount, 0);
     for (uint32_t y = 0; y < world.atlas.sizeTexels.y; ++y) {
         for (uint32_t x = 0; x < world.atlas.sizeTexels.x; ++x) {
             const glm::uvec2 inBlock =
@@ -61,6 +63,10 @@ void fillWithLookups(RendererWorld& world, float indirect, float area) {
     world.phatexture.indirect = {layerOf(world, indirect)};
     world.phatexture.area = {layerOf(world, area)};
     world.phatexture.areaGuides = world.phatexture.indirectGuides;
+    world.phatexture.areaIrradiance.assign(world.atlas.texelCount(), packRgb9e5(glm::vec3(kPi * area)));
+    SilentProgress silent;
+    prepareLookup(world.phatexture, world.atlas, world.points, blockFrames(world.atlas, world.points),
+                  RayScene(world.scene), silent);
 }
 
 /// Traces from the floor's middle, seen from an eye that looks down at 45 degrees.

@@ -107,8 +107,13 @@ TEST_P(Twins, PackedRadianceAndMirrorDirections) {
         run("lib/packed_draws.glsl",
             "vec3 rgb = a.xyz * exp2(a.w * 20.0 - 10.0);"
             "vec3 mirror = normalize(b.xyz - 0.5);"
-            "Draws back = unpackDraws(packDraws(Draws(rgb, 1.0, mirror, 5u, b.w)));"
-            "result = vec4(back.radiance, dot(back.mirror, mirror) * float(back.surface) / 5.0);",
+            "Draws drawn = noDraws();"
+            "drawn.indirect = vec4(rgb, 1.0);"
+            "drawn.mirror = mirror;"
+            "drawn.surface = 5u;"
+            "drawn.alpha = b.w;"
+            "Draws back = unpackDraws(packDraws(drawn));"
+            "result = vec4(back.indirect.rgb, dot(back.mirror, mirror) * float(back.surface) / 5.0);",
             rows);
     for (int row = 0; row < kRows; ++row) {
         const glm::vec4 a = rows[row][0];
@@ -177,6 +182,21 @@ const std::string kBrdfCase = R"(
     Brdf brdf = Brdf(0.9 * a.xyz, b.xyz, b.w, max(a.w * a.w, kMinAlpha), d.x > 0.5 ? d.y : 0.0,
                      0.01 + 0.5 * d.z, normalize(vec3(0.3 * d.w, 0.1, 1.0)));
     vec3 eye = squareToHemisphere(c.xy), light = squareToHemisphere(c.zw);)";
+
+TEST_P(Twins, SplitSum) {
+    const auto rows = randomRows(8);
+    const auto entries = run("lib/split_sum.glsl", R"(
+        ivec2 at = ivec2(a.xy * 63.999);
+        float roughness = float(at.y) / 63.0;
+        result.xy = integrateSplitSum(max(float(at.x) / 63.0, 1e-3), max(roughness * roughness, kMinAlpha));)",
+                             rows);
+    for (int i = 0; i < kRows; ++i) {
+        const glm::ivec2 at(glm::vec2(rows[i][0]) * 63.999f);
+        const glm::vec2 want = splitSumTable()[size_t(at.y) * kSplitSumSize + size_t(at.x)];
+        // Sums of 1,024 floats.
+        expectNear(glm::vec3(glm::vec2(entries[i]), 0), glm::vec3(want, 0), 1e-4f, 1e-5f, i);
+    }
+}
 
 TEST_P(Twins, BrdfLobes) {
     const GlTexture table = splitSumTexture();

@@ -6,5 +6,7 @@ namespace phat {
 
 /// shaders/ as installed beside the program, or where it was built.
 std::string shaderFolder();
+/// The built page of `phat web`, likewise.
+std::string siteFolder();
 
 }  // namespace phat

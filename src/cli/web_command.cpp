@@ -1,0 +1,144 @@
+// phat web: a folder that any web server can host, with a baked room to walk through.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "cli/commands.h"
+#include "cli/data_folders.h"
+#include "cli/interrupt.h"
+#include "cli/progress_bar.h"
+#include "cli/render_methods.h"
+#include "cli/render_options.h"
+#include "io/atomic_file.h"
+#include "io/baked_file.h"
+#include "io/file_error.h"
+#include "io/web_parts.h"
+
+namespace phat {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRoom = "room.glb";
+constexpr const char* kReflections = "room.reflections.bin";
+constexpr const char* kPoster = "poster.jpg";
+constexpr int kPosterWidth = 960;
+
+struct WebOptions {
+    std::string input, site, title;
+    float exposureStops = 0;
+    bool quiet = false;
+};
+
+std::string readText(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    if (!file) throw FileError(path.string(), "the viewer is not built; `make web` does it");
+    return text.str();
+}
+
+void writeText(const fs::path& path, const std::string& text) {
+    replaceFile(path.string(), std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+}
+
+std::string escaped(const std::string& text) {
+    std::string result;
+    for (const char c : text) switch (c) {
+            case '&':
+                result += "&amp;";
+                break;
+            case '<':
+                result += "&lt;";
+                break;
+            case '>':
+                result += "&gt;";
+                break;
+            case '"':
+                result += "&quot;";
+                break;
+            default:
+                result += c;
+        }
+    return result;
+}
+
+void fill(std::string& page, const std::string& placeholder, const std::string& value) {
+    const size_t at = page.find(placeholder);
+    if (at == std::string::npos) throw FileError(siteFolder(), "the viewer was built by another version");
+    page.replace(at, placeholder.size(), value);
+}
+
+void writePoster(const WebOptions& options, const fs::path& site, Progress& progress) {
+    RenderOptions poster;
+    poster.input = options.input;
+    poster.output = (site / kPoster).string();
+    poster.width = kPosterWidth;
+    poster.reflections = Reflections::lookup;  // as the page draws
+    poster.exposureStops = options.exposureStops;
+    renderDrawn(poster, progress);
+}
+
+void writeSite(const WebOptions& options) {
+    if (!isBakedFile(options.input))
+        throw FileError(options.input, "is not a baked file: `phat bake` makes one");
+    const fs::path site = options.site, built = siteFolder();
+    std::string page = readText(built / "index.html");
+    const std::string script = readText(built / "viewer.js"), style = readText(built / "viewer.css");
+    const std::string name = fs::path(options.input).filename().string();
+    fill(page, "@TITLE@", escaped(options.title.empty() ? name.substr(0, name.find('.')) : options.title));
+    fill(page, "@EXPOSURE@", fmt::format("{}", options.exposureStops));
+    const WebParts parts = splitForWeb(options.input, kReflections);
+
+    std::error_code error;
+    fs::create_directories(site, error);
+    if (error) throw FileError(options.site, "cannot be created: " + error.message());
+    catchInterrupts();
+    ProgressBar progress(progressStyle(options.quiet), {});
+    writePoster(options, site, progress);
+    replaceFile((site / kReflections).string(), parts.reflections);
+    replaceFile((site / kRoom).string(), parts.room);
+    writeText(site / "viewer.js", script);
+    writeText(site / "viewer.css", style);
+    writeText(site / "index.html", page);
+    if (options.quiet) return;
+    uint64_t bytes = 0;
+    for (const auto& entry : fs::directory_iterator(site)) bytes += entry.file_size();
+    fmt::print("{}: {:.1f} MB; a first picture after {:.1f} MB\n", options.site, double(bytes) * 1e-6,
+               double(parts.room.size() + script.size()) * 1e-6);
+}
+
+}  // namespace
+
+void addWebCommand(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("web", "Write a page that shows a baked file, for any web server");
+    CLI::Option* input = command->add_option("IN", "A .phat.glb file")->required();
+    CLI::Option* site = command->add_option("-o,--output", "Folder of the page; made if missing")
+                            ->type_name("SITE")
+                            ->required();
+    CLI::Option* title =
+        command->add_option("--title", "Of the page; default: the file's name")->type_name("TEXT");
+    CLI::Option* exposure = command->add_option("--exposure", "Stops at the start")
+                                ->type_name("EV")
+                                ->check(CLI::Range(-4.0, 4.0));
+    CLI::Option* quiet = command->add_flag("--quiet")->description("Say nothing");
+    command->footer(
+        "The folder is complete: no other site is asked for anything. Browsers load it from a web server\n"
+        "only, e.g.: python3 -m http.server --directory room-site\n"
+        "Example: phat web room.phat.glb -o room-site");
+    command->callback([=] {
+        WebOptions options;
+        options.input = input->as<std::string>();
+        options.site = site->as<std::string>();
+        if (*title) options.title = title->as<std::string>();
+        if (*exposure) options.exposureStops = exposure->as<float>();
+        options.quiet = quiet->count() > 0;
+        writeSite(options);
+    });
+}
+
+}  // namespace phat

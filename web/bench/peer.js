@@ -1,0 +1,109 @@
+// What people use: MeshStandardMaterial, a RectAreaLight for each lamp, and a prefiltered probe whose
+// reflections are projected on the room's box. The probe is made here from the directly lit scene, as a page
+// without a bake would.
+import {
+    Box3,
+    FloatType,
+    LinearSRGBColorSpace,
+    PMREMGenerator,
+    RectAreaLight,
+    Scene,
+    ShaderChunk,
+    Vector3,
+    WebGLRenderTarget,
+    WebGLRenderer,
+} from 'three';
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { RectAreaLightUniformsLib } from 'three/addons/lights/RectAreaLightUniformsLib.js';
+
+RectAreaLightUniformsLib.init();
+const renderer = new WebGLRenderer({ canvas: document.getElementById('view'), antialias: false });
+renderer.outputColorSpace = LinearSRGBColorSpace;
+renderer.setSize(innerWidth, innerHeight, false);
+const gltf = await new GLTFLoader().loadAsync('room.phat.glb');
+const scene = new Scene();
+scene.add(gltf.scene);
+
+// A lamp is a flat emissive mesh that shines down.
+function addLamp(mesh) {
+    const box = new Box3().setFromObject(mesh),
+        size = box.getSize(new Vector3()),
+        middle = box.getCenter(new Vector3());
+    const { emissive, emissiveIntensity } = mesh.material;
+    const lamp = new RectAreaLight(emissive, emissiveIntensity, size.x, size.z);
+    lamp.position.copy(middle);
+    lamp.position.y = box.min.y - 1e-3;
+    lamp.lookAt(lamp.position.clone().add(new Vector3(0, -1, 0)));
+    scene.add(lamp);
+}
+
+// Parallax correction [Lagarde and Zanuttini 2012]: the reflected ray meets the box, seen from the probe's place.
+function projectOnBox(material, box, probe) {
+    material.onBeforeCompile = (shader) => {
+        Object.assign(shader.uniforms, {
+            boxLow: { value: box.min },
+            boxHigh: { value: box.max },
+            probe: { value: probe },
+        });
+        shader.vertexShader = `varying vec3 vBoxPosition;\n${shader.vertexShader.replace(
+            '#include <project_vertex>',
+            '#include <project_vertex>\nvBoxPosition = (modelMatrix * vec4(transformed, 1.0)).xyz;',
+        )}`;
+        shader.fragmentShader = `varying vec3 vBoxPosition;\nuniform vec3 boxLow, boxHigh, probe;\n${shader.fragmentShader.replace(
+            '#include <envmap_physical_pars_fragment>',
+            boxedChunk,
+        )}`;
+    };
+}
+const worldReflection = 'reflectVec = transformDirectionByInverseViewMatrix( reflectVec, viewMatrix );';
+const boxedChunk = ShaderChunk.envmap_physical_pars_fragment.replace(
+    worldReflection,
+    `${worldReflection}
+    vec3 toward = max((boxHigh - vBoxPosition) / reflectVec, (boxLow - vBoxPosition) / reflectVec);
+    reflectVec = vBoxPosition + reflectVec * min(min(toward.x, toward.y), toward.z) - probe;`,
+);
+if (!boxedChunk.includes('boxHigh')) throw new Error('three.js has another chunk than this page knows');
+
+const materials = new Set();
+gltf.scene.traverse((object) => {
+    if (!object.isMesh) return;
+    materials.add(object.material);
+    if (object.material.emissive?.getHex() && object.material.emissiveIntensity > 1) addLamp(object);
+});
+const box = new Box3().setFromObject(gltf.scene),
+    probe = box.getCenter(new Vector3());
+const environment = new PMREMGenerator(renderer).fromScene(scene, 0, 0.01, 100, { position: probe }).texture;
+for (const material of materials) {
+    projectOnBox(material, box, probe);
+    material.needsUpdate = true;
+}
+scene.environment = environment;
+
+const [camera] = gltf.cameras;
+const target = new WebGLRenderTarget(innerWidth, innerHeight, { type: FloatType });
+camera.aspect = innerWidth / innerHeight;
+camera.updateProjectionMatrix();
+
+// Mean linear radiance of `count` jittered pictures, as viewer.render has it.
+function render(count) {
+    const sum = new Float32Array(4 * innerWidth * innerHeight),
+        pixels = new Float32Array(sum.length);
+    renderer.setRenderTarget(target);
+    for (let i = 0; i < count; ++i) {
+        camera.setViewOffset(
+            innerWidth,
+            innerHeight,
+            i / count - 0.5,
+            ((i * 0.618) % 1) - 0.5,
+            innerWidth,
+            innerHeight,
+        );
+        renderer.render(scene, camera);
+        renderer.readRenderTargetPixels(target, 0, 0, innerWidth, innerHeight, pixels);
+        pixels.forEach((x, j) => {
+            sum[j] += x / count;
+        });
+    }
+    return sum;
+}
+globalThis.peer = { render, renderer };

@@ -1,0 +1,146 @@
+// The extension PHAT_photon_accumulation_texture of a baked file (docs/format.md).
+
+export const kName = 'PHAT_photon_accumulation_texture';
+const kVersion = 3;
+export const kNoChart = 0xffffffff;
+
+async function inflate(bytes) {
+    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
+    return new Response(stream).arrayBuffer();
+}
+
+function fail(reason) {
+    throw new Error(`the baked light cannot be read: ${reason}`);
+}
+
+// A payload as `count` values of `Type`.
+export async function readPayload(parser, payload, Type, count, what) {
+    if (!payload) fail(`${what} is missing`);
+    if (payload.byteLength !== count * Type.BYTES_PER_ELEMENT) fail(`${what} has the wrong size`);
+    let bytes;
+    try {
+        bytes = await inflate(await parser.getDependency('bufferView', payload.bufferView));
+    } catch {
+        fail(`${what} is damaged or cut off`);
+    }
+    if (bytes.byteLength !== payload.byteLength) fail(`${what} is cut off`);
+    return new Type(bytes);
+}
+
+// Charts as docs/format.md lists them, with the number of their first block.
+function chartsFrom(words) {
+    const floats = new Float32Array(words.buffer);
+    const charts = [];
+    let firstBlock = 0;
+    for (let i = 0; i < words.length; i += 8) {
+        const chart = {
+            originTile: [words[i], words[i + 1]],
+            sizeTiles: [words[i + 2], words[i + 3]],
+            surface: words[i + 4],
+            back: words[i + 5] !== 0,
+            otherSide: words[i + 6],
+            texelSizeMeters: floats[i + 7],
+            firstBlock,
+        };
+        chart.blocksWide = Math.ceil(chart.sizeTiles[0] / 4);
+        firstBlock += chart.blocksWide * Math.ceil(chart.sizeTiles[1] / 4);
+        charts.push(chart);
+    }
+    return { charts, blockCount: firstBlock };
+}
+
+// All but the PHATexels: enough for diffuse light.
+export async function readAtlas(parser, description, triangleCount) {
+    if (description.version !== kVersion)
+        fail(`it has format version ${description.version}; this program reads version ${kVersion}`);
+    const { atlas, tiles, indirect, area } = description;
+    const [width, height] = atlas.size;
+    const tileCount = (width / 8) * (height / 8),
+        texels = width * height;
+    const payload = (of, Type, count, what) => readPayload(parser, of, Type, count, what);
+    const [chartWords, tileChart, triangleChart, places, brightest, indirectIrradiance, areaIrradiance] =
+        await Promise.all([
+            payload(atlas.charts, Uint32Array, 8 * atlas.chartCount, 'the list of charts'),
+            payload(atlas.tiles, Uint32Array, tileCount, 'the list of tiles'),
+            payload(atlas.triangles, Uint32Array, triangleCount, 'the list of triangles'),
+            payload(tiles.places, Uint32Array, 8 * tileCount, 'the places of the tiles'),
+            payload(tiles.brightest, Float32Array, 3 * tileCount, 'the bound of the light'),
+            payload(indirect.irradiance, Uint32Array, texels, 'the indirect irradiance'),
+            area.irradiance
+                ? payload(area.irradiance, Uint32Array, texels, "the area lights' irradiance")
+                : null,
+        ]);
+    return {
+        width,
+        height,
+        tileChart,
+        triangleChart,
+        places,
+        brightest,
+        indirectIrradiance,
+        areaIrradiance,
+        ...chartsFrom(chartWords),
+    };
+}
+
+export function canLookUp(source) {
+    return (
+        source.guideCount > 0 && source.layers.length > 0 && source.layers.every((layer) => layer.scrambles)
+    );
+}
+
+// The distances around the tiles: 32 words a tile.
+export function readDistances(parser, description, atlas) {
+    return readPayload(
+        parser,
+        description.tiles.distances,
+        Uint32Array,
+        32 * atlas.tileChart.length,
+        'the distances',
+    );
+}
+
+// One source's guides, 256 weights each.
+export function readGuides(parser, source) {
+    return readPayload(parser, source.guides, Uint16Array, 256 * source.guideCount, 'the guides');
+}
+
+// PHATexels of a layer: radiance and direction in turn; and the blocks' permutations.
+export async function readLayer(parser, layer, atlas) {
+    const texels = atlas.width * atlas.height;
+    const [radiance, direction, scrambles] = await Promise.all([
+        readPayload(parser, layer.radiance, Uint32Array, texels, 'the radiance'),
+        readPayload(parser, layer.direction, Uint32Array, texels, 'the directions'),
+        readPayload(parser, layer.scrambles, Uint16Array, atlas.blockCount, 'the permutations'),
+    ]);
+    const words = new Uint32Array(2 * texels);
+    for (let i = 0; i < texels; ++i) {
+        words[2 * i] = radiance[i];
+        words[2 * i + 1] = direction[i];
+    }
+    return { texels: words, scrambles };
+}
+
+// The environment as linear RGBA floats, row 0 at -Y as three.js wants it.
+export async function readEnvironment(parser, description) {
+    const [width, height] = description.size;
+    const packed = await readPayload(
+        parser,
+        description.radiance,
+        Uint32Array,
+        width * height,
+        'the environment',
+    );
+    const pixels = new Float32Array(4 * packed.length);
+    for (let i = 0; i < packed.length; ++i) {
+        const bits = packed[i],
+            scale = description.scale * 2 ** ((bits >>> 27) - 24);
+        const x = i % width,
+            y = height - 1 - Math.floor(i / width);
+        pixels.set(
+            [(bits & 511) * scale, ((bits >>> 9) & 511) * scale, ((bits >>> 18) & 511) * scale, 1],
+            4 * (y * width + x),
+        );
+    }
+    return { width, height, pixels };
+}

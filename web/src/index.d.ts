@@ -1,0 +1,41 @@
+import type { DataTexture, Object3D } from 'three';
+
+/** Reads `PHAT_photon_accumulation_texture`: `loader.register((parser) => new PhatexturesExtension(parser))`. */
+export class PhatexturesExtension {
+    constructor(parser: object);
+    readonly name: string;
+    /** Called by GLTFLoader. Sets `gltf.userData.bakedLight` where the file is baked. */
+    afterRoot(gltf: object): Promise<void>;
+}
+
+/**
+ * What a baked file adds to its scene: `gltf.userData.bakedLight`. Its materials show it wherever `gltf.scene` is drawn,
+ * in place of ambient, hemisphere and environment light; changes of the materials are followed.
+ */
+export class BakedLight {
+    private constructor();
+    /** Resolves when the reflections are loaded, diffuse light being there at once; rejects when the file is damaged. */
+    readonly ready: Promise<BakedLight>;
+    /** 0 to 1: how much of the reflections is loaded. */
+    readonly progress: number;
+    /** The sky that the file was baked under, for `scene.background`; null if there is none, or before `ready`. */
+    readonly environment: DataTexture | null;
+    /** Whether the bake's light is drawn. */
+    enabled: boolean;
+    /** Directions drawn a pixel: 2, 12 or 32. */
+    quality: 'fast' | 'default' | 'high';
+    /** Chooses among the noise patterns; give each picture another one where pictures are averaged. */
+    seed: number;
+    /** To the left of this share of the picture all light is drawn, to the right only direct light. 1: all. */
+    wipe: number;
+    /** The object that the light belongs to. */
+    readonly root: Object3D;
+    /** Frees what is on the GPU and returns the materials to what they were. */
+    dispose(): void;
+}
+
+/** Whether a context can draw baked light: WebGL 2 with float render targets. */
+export function isSupported(context: WebGLRenderingContext | WebGL2RenderingContext | null): boolean;
+
+/** Place of picture `index` of `count` inside the pixel, for averaging pictures (`Camera.setViewOffset`). */
+export function jitterOf(index: number, count: number): [number, number];

@@ -1,0 +1,3 @@
+export { BakedLight, PhatexturesExtension } from './extension.js';
+export { isSupported } from './gl.js';
+export { jitterOf } from './draws.js';

@@ -1,0 +1,330 @@
+// The passes before three.js draws: depth, lookup, pool, display. Their picture is the light that a bake adds
+// to every pixel: all indirect light, and what area lights bring directly. One picture is of the opaque
+// surfaces; where there are blended ones, another is of the nearest of these.
+// twin: src/gl/lookup_pass.cpp, src/gl/display_pass.cpp.
+import { ShaderProgram, createFramebuffer, createTexture2D, createTextureArray } from './gl.js';
+import { drawsOf } from './draws.js';
+import {
+    alphaMode,
+    hasClearcoat,
+    isBlended,
+    kMaterialRows,
+    kOpaque,
+    kSlots,
+    packMaterial,
+} from './material.js';
+import { createVertices } from './vertices.js';
+import { createTargets, disposeTargets } from './targets.js';
+import { uploadAtlas, uploadProbes, uploadScrambles, uploadWarps } from './tables.js';
+
+const kSplitSumSize = 64; // twin: src/core/brdf.h
+const kFirstMaterialUnit = 7;
+// twin: drawsOf in src/gl/display_pass.cpp
+const kDraws = {
+    fast: { count: 2, lampBits: 2 },
+    default: { count: 12, lampBits: 4 },
+    high: { count: 32, lampBits: 4 },
+};
+
+function whiteTexture(gl) {
+    return createTexture2D(gl, gl.RGBA8, 1, 1, new Uint8Array([255, 255, 255, 255]));
+}
+
+// display.frag's shadow maps are three.js's business; a sampler must be complete all the same.
+function noShadows(gl) {
+    const texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, texture);
+    gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.DEPTH_COMPONENT16, 1, 1, 1);
+    gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl.TEXTURE_COMPARE_MODE, gl.COMPARE_REF_TO_TEXTURE);
+    return texture;
+}
+
+export class Passes {
+    // `bake`: { surfaces, atlas, lookup }, the last null until it is loaded, see BakedLight.load.
+    constructor(renderer, bake) {
+        this.renderer = renderer;
+        this.bake = bake;
+        const gl = (this.gl = renderer.getContext());
+        gl.getExtension('EXT_color_buffer_float');
+        gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
+        for (const flag of [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL])
+            gl.pixelStorei(flag, false);
+        gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+        this.vertices = createVertices(gl, bake.surfaces);
+        this.noVertices = gl.createVertexArray();
+        this.white = whiteTexture(gl);
+        this.shadows = noShadows(gl);
+        this.atlas = uploadAtlas(gl, bake.atlas);
+        this.rows = new Float32Array(4 * kMaterialRows);
+        this.uploadLookup();
+        this.createPrograms(bake.surfaces.draws.some(({ mesh }) => hasClearcoat(mesh.material)));
+        this.splitSum = this.drawSplitSum();
+        gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
+    }
+
+    uploadLookup() {
+        const { gl, bake } = this,
+            { lookup, atlas } = bake;
+        if (!lookup) return;
+        this.warps = uploadWarps(gl, lookup.guides);
+        this.probes = uploadProbes(gl, lookup.distances, atlas.width / 8, atlas.height / 8);
+        this.phatexels = createTextureArray(
+            gl,
+            gl.RG32UI,
+            atlas.width,
+            atlas.height,
+            lookup.layers.map((layer) => layer.texels),
+        );
+        if (lookup.layers.length > 1) this.scrambles = uploadScrambles(gl, lookup.layers, atlas.blockCount);
+    }
+
+    createPrograms(clearcoat) {
+        const { gl, bake } = this;
+        this.clearcoat = clearcoat;
+        const defines = [];
+        if (clearcoat) defines.push('CLEARCOAT');
+        if (bake.atlas.areaIrradiance) defines.push('AREA');
+        this.layers = (clearcoat ? 2 : 1) * (bake.atlas.areaIrradiance ? 2 : 1);
+        this.depthProgram = new ShaderProgram(gl, 'surface.vert', 'depth.frag');
+        if (bake.lookup) {
+            this.lookupProgram = new ShaderProgram(
+                gl,
+                'surface.vert',
+                'lookup.frag',
+                this.scrambles ? [...defines, 'SCRAMBLES'] : defines,
+            );
+            this.poolProgram = new ShaderProgram(gl, 'fullscreen.vert', 'pool.frag', defines);
+        }
+        this.displayProgram = new ShaderProgram(gl, 'surface.vert', 'display.frag', [...defines, 'LOOKUP']);
+    }
+
+    // Once: 64x64 numbers that a CPU would need half a second for.
+    drawSplitSum() {
+        const { gl } = this;
+        const texture = createTexture2D(gl, gl.RGBA32F, kSplitSumSize, kSplitSumSize);
+        const framebuffer = createFramebuffer(gl, [texture]);
+        const program = new ShaderProgram(gl, 'fullscreen.vert', 'split_sum.frag');
+        this.resetState(kSplitSumSize, kSplitSumSize);
+        program.use();
+        program.set('size', kSplitSumSize);
+        gl.bindVertexArray(this.noVertices);
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+        gl.deleteFramebuffer(framebuffer);
+        program.dispose();
+        return texture;
+    }
+
+    // What three.js may have left switched on.
+    resetState(width, height) {
+        const { gl } = this;
+        for (const switched of [
+            gl.BLEND,
+            gl.SCISSOR_TEST,
+            gl.STENCIL_TEST,
+            gl.CULL_FACE,
+            gl.DEPTH_TEST,
+            gl.POLYGON_OFFSET_FILL,
+            gl.SAMPLE_ALPHA_TO_COVERAGE,
+            gl.RASTERIZER_DISCARD,
+        ])
+            gl.disable(switched);
+        gl.colorMask(true, true, true, true);
+        gl.depthMask(true);
+        gl.frontFace(gl.CCW);
+        gl.cullFace(gl.BACK);
+        gl.viewport(0, 0, width, height);
+    }
+
+    replaceTargets(targets) {
+        disposeTargets(this.gl, this.targets);
+        this.targets = targets;
+    }
+
+    hasBlended() {
+        return this.bake.surfaces.draws.some(({ mesh }) => isBlended(mesh.material));
+    }
+
+    bindMaterial(program, material, allSlots) {
+        const { gl, renderer } = this;
+        packMaterial(material, this.rows);
+        // Blending itself is three.js's.
+        program.set('alphaMode', isBlended(material) ? kOpaque : alphaMode(material));
+        kSlots.slice(0, allSlots ? kSlots.length : 1).forEach(([sampler, textureOf], i) => {
+            const texture = textureOf(material);
+            const handle = texture && renderer.properties.get(texture).__webglTexture;
+            program.bind(sampler, kFirstMaterialUnit + i, gl.TEXTURE_2D, handle ?? this.white);
+        });
+        program.set('material', this.rows);
+    }
+
+    // three.js uploads a texture when it first draws with it, which is after these passes.
+    uploadMaps() {
+        for (const { mesh } of this.bake.surfaces.draws) {
+            for (const [, textureOf] of kSlots) {
+                const texture = textureOf(mesh.material);
+                if (texture?.image && this.renderer.properties.get(texture).__version !== texture.version)
+                    this.renderer.initTexture(texture);
+            }
+        }
+    }
+
+    drawSurfaces(program, view, allSlots) {
+        const { gl } = this;
+        program.set('clipFromWorld', view.clipFromWorld);
+        program.set('eyeWorld', view.eye);
+        program.set('eyeAtInfinity', view.eyeAtInfinity);
+        this.bake.surfaces.draws.forEach(({ mesh, first, count }, i) => {
+            if (isBlended(mesh.material) !== view.blended || !view.isVisible(mesh)) return;
+            if (mesh.material.side === 2) gl.disable(gl.CULL_FACE);
+            else gl.enable(gl.CULL_FACE);
+            program.set('surfaceIndex', i);
+            this.bindMaterial(program, mesh.material, allSlots);
+            gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
+        });
+    }
+
+    drawDepth(view, target) {
+        const { gl } = this;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, target.lightTarget);
+        gl.depthMask(true);
+        gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
+        gl.clearBufferfv(gl.DEPTH, 0, [1]);
+        gl.enable(gl.DEPTH_TEST);
+        gl.depthFunc(gl.LESS);
+        gl.colorMask(false, false, false, false);
+        this.depthProgram.use();
+        this.drawSurfaces(this.depthProgram, view, false);
+        gl.colorMask(true, true, true, true);
+        gl.depthFunc(gl.EQUAL);
+        gl.depthMask(false);
+    }
+
+    lookUp(view, target, quality, seed) {
+        const { gl, atlas, bake, lookupProgram: program } = this;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, target.seenTarget);
+        for (let layer = 0; layer < this.layers; ++layer) gl.clearBufferuiv(gl.COLOR, layer, [0, 0, 0, 0]);
+        if (!bake.lookup) return;
+        program.use();
+        program.bind('tilePatches', 0, gl.TEXTURE_2D, atlas.tilePatches);
+        program.bind('phatexels', 1, gl.TEXTURE_2D_ARRAY, this.phatexels);
+        program.bind('warps', 2, gl.TEXTURE_2D, this.warps);
+        program.bind('probes', 3, gl.TEXTURE_2D, this.probes);
+        program.bind('charts', 4, gl.TEXTURE_2D, atlas.charts);
+        if (this.scrambles) program.bind('scrambles', 5, gl.TEXTURE_2D, this.scrambles);
+        program.bind('splitSumTable', 6, gl.TEXTURE_2D, this.splitSum);
+        program.set('guideCount', bake.lookup.guideCount);
+        program.set('layerCount', bake.lookup.layerCount);
+        program.set('areaGuideCount', bake.lookup.areaGuideCount);
+        const { count, lampBits } = kDraws[quality];
+        const { draws, ranks } = drawsOf(count, seed);
+        program.set('draws', draws);
+        program.set('ranks', ranks);
+        program.set('drawCount', count);
+        program.set('lampBits', lampBits);
+        this.drawSurfaces(program, view, true);
+        this.poolDraws(target);
+    }
+
+    poolDraws(target) {
+        const { gl, targets, poolProgram: program } = this;
+        gl.disable(gl.DEPTH_TEST);
+        gl.disable(gl.CULL_FACE);
+        gl.bindVertexArray(this.noVertices);
+        program.use();
+        const pool = (from, to, alongWhich) => {
+            gl.bindFramebuffer(gl.FRAMEBUFFER, to);
+            program.bind('seen', 0, gl.TEXTURE_2D_ARRAY, from);
+            program.set('alongWhich', alongWhich);
+            gl.drawArrays(gl.TRIANGLES, 0, 3);
+        };
+        pool(targets.seen, targets.pooledTarget, [1, 0]);
+        pool(targets.pooled, target.seenTarget, [0, 1]);
+        gl.bindVertexArray(this.vertices.vertexArray);
+        gl.enable(gl.DEPTH_TEST);
+    }
+
+    display(view, target, show) {
+        const { gl, targets, atlas, displayProgram: program } = this;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, target.lightTarget);
+        program.use();
+        program.bind('seen', 0, gl.TEXTURE_2D_ARRAY, targets.seen);
+        program.bind('tileLight', 1, gl.TEXTURE_2D, atlas.tileLight);
+        program.bind('tileTable', 2, gl.TEXTURE_2D, atlas.tileTable);
+        program.bind('irradiance', 3, gl.TEXTURE_2D_ARRAY, atlas.irradiance);
+        program.bind('splitSumTable', 4, gl.TEXTURE_2D, this.splitSum);
+        program.bind('lightTable', 5, gl.TEXTURE_2D, this.white);
+        program.bind('shadowMaps', 6, gl.TEXTURE_2D_ARRAY, this.shadows);
+        program.set('lightCount', 0); // three.js's own
+        program.set('tracedLayer', 0);
+        program.set('show', show);
+        this.drawSurfaces(program, view, true);
+    }
+
+    // `view`: { width, height, clipFromWorld, eye, eyeAtInfinity, isVisible(mesh) }; the rest: see BakedLight.
+    // Leaves WebGL's state to the caller.
+    draw(view, { quality, seed, wipe }) {
+        const { gl } = this;
+        this.uploadMaps();
+        const coatAppears =
+            !this.clearcoat && this.bake.surfaces.draws.some(({ mesh }) => hasClearcoat(mesh.material));
+        if (coatAppears) {
+            this.disposePrograms();
+            this.createPrograms(true);
+            this.replaceTargets(null);
+        }
+        const { targets } = this;
+        if (
+            targets?.width !== view.width ||
+            targets?.height !== view.height ||
+            Boolean(targets?.blended) !== this.hasBlended()
+        )
+            this.replaceTargets(createTargets(gl, view.width, view.height, this.layers, this.hasBlended()));
+        this.drawKind({ ...view, blended: false }, this.targets.opaque, quality, seed, wipe);
+        if (this.targets.blended)
+            this.drawKind({ ...view, blended: true }, this.targets.blended, quality, seed, wipe);
+    }
+
+    drawKind(view, target, quality, seed, wipe) {
+        const { gl } = this;
+        this.resetState(view.width, view.height);
+        gl.bindVertexArray(this.vertices.vertexArray);
+        this.drawDepth(view, target);
+        this.lookUp(view, target, quality, seed);
+        const left = Math.round(wipe * view.width);
+        gl.enable(gl.SCISSOR_TEST);
+        for (const [x, width, show] of [
+            [0, left, [1, 1, 1]],
+            [left, view.width - left, [1, 0, 0]],
+        ]) {
+            gl.scissor(x, 0, width, view.height);
+            if (width > 0) this.display(view, target, show);
+        }
+        gl.disable(gl.SCISSOR_TEST);
+        gl.bindVertexArray(null);
+    }
+
+    disposePrograms() {
+        for (const program of [this.depthProgram, this.lookupProgram, this.poolProgram, this.displayProgram])
+            program?.dispose();
+    }
+
+    dispose() {
+        const { gl } = this;
+        this.replaceTargets(null);
+        this.disposePrograms();
+        for (const texture of [
+            ...Object.values(this.atlas),
+            this.warps,
+            this.probes,
+            this.phatexels,
+            this.scrambles,
+            this.white,
+            this.shadows,
+            this.splitSum,
+        ])
+            gl.deleteTexture(texture ?? null);
+        this.vertices.buffers.forEach((buffer) => gl.deleteBuffer(buffer));
+        gl.deleteVertexArray(this.vertices.vertexArray);
+        gl.deleteVertexArray(this.noVertices);
+    }
+}

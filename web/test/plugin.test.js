@@ -1,0 +1,155 @@
+// The plug-in in a page of somebody else's.
+import assert from 'node:assert/strict';
+import { readFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import validator from 'gltf-validator';
+import { launch, serve } from './browser.js';
+import { maeOverMean, makeRoom, meanOf } from './room.js';
+
+let browser, room, server, page;
+
+before(async () => {
+    [browser, room] = await Promise.all([launch(), makeRoom()]);
+    const web = new URL('..', import.meta.url).pathname;
+    server = await serve(web, '/', { 'test/room.phat.glb': room.file, 'examples/room.phat.glb': room.file });
+    page = await browser.newPage();
+    await page.goto(`${server.url}test/plugin.html`);
+    await page.waitForFunction(() => globalThis.ready);
+});
+after(async () => {
+    await browser?.close();
+    server?.close();
+    await room?.dispose();
+});
+
+test('gltf-validator finds no error in what is baked and in what a page loads', async () => {
+    const noteless = { maxIssues: 0 };
+    const baked = await validator.validateBytes(new Uint8Array(await readFile(room.file)), noteless);
+    assert.equal(baked.issues.numErrors, 0, JSON.stringify(baked.issues));
+    const split = await validator.validateBytes(new Uint8Array(await readFile(join(room.site, 'room.glb'))), {
+        ...noteless,
+        externalResourceFunction: async (uri) => new Uint8Array(await readFile(join(room.site, uri))),
+    });
+    assert.equal(split.issues.numErrors, 0, JSON.stringify(split.issues));
+});
+
+test('lights what three.js alone leaves dark, and leaves no trace when it is disposed', async () => {
+    const { plain, lit, disposed, used, left, maps } = await page.evaluate(async () => {
+        const result = { plain: draw(await load(false)) };
+        const world = await load(true);
+        result.lit = draw(world);
+        result.used = countAlive();
+        world.light.dispose();
+        result.left = countAlive();
+        result.disposed = draw(world);
+        // Textures that the passes had three.js upload stay three.js's.
+        const maps = new Set();
+        world.gltf.scene.traverse((o) => {
+            if (o.material?.map) maps.add(o.material.map);
+        });
+        result.maps = maps.size;
+        return result;
+    });
+    assert.ok(meanOf(lit) > 1.5 * meanOf(plain), `${meanOf(lit)} and ${meanOf(plain)}`);
+    assert.ok(maeOverMean(disposed, plain) < 1e-6);
+    assert.ok(used.Texture > maps && used.Framebuffer > 0 && used.Program > 0);
+    assert.deepEqual(left, {
+        Texture: maps,
+        Buffer: 0,
+        Framebuffer: 0,
+        VertexArray: 0,
+        Program: 0,
+        Shader: 0,
+    });
+});
+
+test('moves with its object', async () => {
+    const [still, moved] = await page.evaluate(async () => {
+        const world = await load(true);
+        const first = draw(world);
+        // The camera is a part of the file: both move.
+        world.gltf.scene.position.set(3, -1, 2);
+        world.gltf.scene.rotation.set(0.2, 0.7, 0);
+        world.gltf.scene.scale.setScalar(2);
+        const second = draw(world);
+        world.light.dispose();
+        return [first, second];
+    });
+    // Texels and noise hang on rounded places: single pixels differ.
+    assert.ok(maeOverMean(moved, still) < 0.01, `${maeOverMean(moved, still)}`);
+});
+
+test('follows materials, works with fog and tone mapping', async () => {
+    const pictures = await page.evaluate(async () => {
+        const world = await load(true),
+            result = { baked: draw(world) };
+        let top;
+        world.gltf.scene.traverse((o) => {
+            if (o.material?.name === 'table_top') top = o.material;
+        });
+        top.metalness = 0;
+        result.plastic = draw(world);
+        top.metalness = 1;
+        // Normals that lean to one side.
+        top.normalMap = new THREE.DataTexture(new Uint8Array([200, 128, 220, 255]), 1, 1);
+        top.normalMap.needsUpdate = true;
+        top.needsUpdate = true;
+        result.mapped = draw(world);
+        top.normalMap = null;
+        top.needsUpdate = true;
+        result.unmapped = draw(world);
+        // Blended, but as opaque as before; then hardly to be seen.
+        Object.assign(top, { transparent: true, needsUpdate: true });
+        result.blended = draw(world);
+        top.opacity = 0.1;
+        result.faint = draw(world);
+        Object.assign(top, { transparent: false, opacity: 1, needsUpdate: true });
+        // A lamp of the page's own, beside the bake.
+        const lamp = new THREE.PointLight(0xffffff, 5);
+        lamp.position.set(0, 1.5, 0);
+        world.scene.add(lamp);
+        result.lamp = draw(world);
+        world.scene.remove(lamp);
+        renderer.toneMapping = THREE.AgXToneMapping;
+        result.toneMapped = draw(world);
+        renderer.toneMapping = THREE.NoToneMapping;
+        world.scene.fog = new THREE.Fog(0x00ff00, 0, 0.01);
+        world.gltf.scene.traverse((o) => {
+            if (o.isMesh) o.material.needsUpdate = true;
+        });
+        result.fog = draw(world);
+        world.light.dispose();
+        return result;
+    });
+    const { baked, plastic, mapped, unmapped, blended, faint, lamp, toneMapped, fog } = pictures;
+    assert.ok(maeOverMean(plastic, baked) > 0.02, 'metalness');
+    assert.ok(maeOverMean(mapped, baked) > 0.01, 'normal map');
+    assert.ok(maeOverMean(unmapped, baked) < 1e-6, 'without it again');
+    assert.ok(maeOverMean(blended, baked) < 0.003, `blended: ${maeOverMean(blended, baked)}`);
+    assert.ok(maeOverMean(faint, baked) > 0.03, `hardly there: ${maeOverMean(faint, baked)}`);
+    assert.ok(meanOf(lamp) > 1.05 * meanOf(baked), 'a lamp');
+    assert.ok(maeOverMean(toneMapped, baked) > 0.02, 'tone mapping');
+    const middle = 4 * (160 * 45 + 80);
+    assert.deepEqual(fog.slice(middle, middle + 3), [0, 255, 0]);
+});
+
+test("the README's example draws", async () => {
+    const example = await browser.newPage({ viewport: { width: 160, height: 90 } });
+    const problems = [];
+    example.on('pageerror', (error) => problems.push(error.message));
+    await example.goto(`${server.url}examples/plugin.html`);
+    await example.waitForSelector('canvas');
+    await example.waitForFunction(() => {
+        const canvas = document.querySelector('canvas'),
+            copy = document.createElement('canvas').getContext('2d');
+        return new Promise((done) => {
+            requestAnimationFrame(() => {
+                copy.drawImage(canvas, 0, 0, 1, 1);
+                done(copy.getImageData(0, 0, 1, 1).data.some((x, i) => i < 3 && x > 20));
+            });
+        });
+    });
+    assert.deepEqual(problems, []);
+    await example.close();
+});

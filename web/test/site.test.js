@@ -1,0 +1,268 @@
+// The page that `phat web` writes, in Chromium, beside the pictures of `phat render`.
+import assert from 'node:assert/strict';
+import { cp, readFile, truncate, writeFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { launch, serve } from './browser.js';
+import { maeOverMean, makeRoom, meanOf, phat, readExr } from './room.js';
+
+const viewport = { width: 160, height: 90 };
+let browser, room, server;
+
+before(async () => {
+    [browser, room] = await Promise.all([launch(), makeRoom()]);
+    server = await serve(room.site, '/some/where/');
+});
+after(async () => {
+    await browser?.close();
+    server?.close();
+    await room?.dispose();
+});
+
+// A page of `url` that notes what must not be. `prepare` runs in it first.
+async function open(url, prepare) {
+    const page = await browser.newPage({ viewport });
+    page.problems = [];
+    page.on('pageerror', (error) => page.problems.push(error.message));
+    page.on('console', (message) => {
+        if (message.type() === 'error') page.problems.push(message.text());
+    });
+    page.on('request', (request) => {
+        if (!/^(blob|data):/.test(request.url()) && !request.url().startsWith(url))
+            page.problems.push(request.url());
+    });
+    if (prepare) await page.addInitScript(prepare);
+    await page.goto(url);
+    return page;
+}
+
+// Resolves when the reflections are there, too.
+async function loaded(page) {
+    await page.waitForFunction(() => document.getElementById('loading').hidden);
+    assert.equal(await page.textContent('#message'), '');
+    return page;
+}
+
+// Mean linear radiance of `count` pictures. Fast, because SwiftShader is slow.
+async function pixelsOf(page, count = 1, quality = 'fast') {
+    const bytes = await page.evaluate(
+        ([n, q]) => {
+            const data = new Uint8Array(viewer.render(n, q).buffer);
+            let text = '';
+            for (let i = 0; i < data.length; i += 8192)
+                text += String.fromCharCode(...data.subarray(i, i + 8192));
+            return btoa(text);
+        },
+        [count, quality],
+    );
+    return new Float32Array(new Uint8Array(Buffer.from(bytes, 'base64')).buffer);
+}
+
+const rest = (page) =>
+    page.evaluate(() => {
+        viewer.renderer.setAnimationLoop(null);
+    });
+
+test('draws what phat render draws', async () => {
+    const reference = join(room.folder, 'reference.exr');
+    await phat(
+        'render',
+        room.file,
+        '-o',
+        reference,
+        '--size',
+        '160x90',
+        '--spp',
+        '4',
+        '--reflections',
+        'lookup',
+        '--quiet',
+    );
+    const { width, height, pixels: expected } = await readExr(reference);
+    assert.deepEqual({ width, height }, viewport);
+    const page = await loaded(await open(server.url));
+    await rest(page);
+    const pixels = await pixelsOf(page, 4, 'default');
+    const error = maeOverMean(pixels, expected),
+        bias = meanOf(pixels) / meanOf(expected) - 1;
+    console.log(`MAE/mean ${error.toFixed(5)}, bias ${bias.toFixed(5)}`);
+    // The same samples of the same shaders; half floats and two compilers' rounding are left.
+    assert.ok(error < 0.01, `MAE/mean ${error}`);
+    assert.equal(await page.evaluate(() => viewer.renderer.getContext().getError()), 0);
+    assert.deepEqual(page.problems, []);
+    await page.close();
+});
+
+test('is a page by itself, with a title, a poster and labels', async () => {
+    const page = await open(server.url);
+    assert.equal(await page.title(), 'A <table> & more');
+    const poster = await page.evaluate(() =>
+        document
+            .getElementById('poster')
+            .decode()
+            .then(() => document.getElementById('poster').naturalWidth),
+    );
+    assert.equal(poster, 960);
+    await loaded(page);
+    await page.waitForFunction(() => document.getElementById('poster').hidden);
+    const unnamed = await page.$$eval('input, select, button, canvas, progress', (elements) =>
+        elements
+            .filter((e) => !(e.labels?.length || e.textContent.trim() || e.getAttribute('aria-label')))
+            .map((e) => e.id),
+    );
+    assert.deepEqual(unnamed, []);
+    // Everything can be reached by the keyboard.
+    await page.keyboard.press('Tab');
+    assert.equal(await page.evaluate(() => document.activeElement.id), 'view');
+    await page.keyboard.press('Tab');
+    await page.keyboard.press('Enter');
+    for (const id of [
+        'material',
+        'roughness',
+        'metalness',
+        'color',
+        'reset',
+        'wipe',
+        'exposure',
+        'quality',
+        'camera',
+    ]) {
+        await page.keyboard.press('Tab');
+        while ((await page.evaluate(() => document.activeElement.id)) === 'color' && id !== 'color')
+            await page.keyboard.press('Tab');
+        assert.equal(await page.evaluate(() => document.activeElement.id), id);
+    }
+    assert.deepEqual(page.problems, []);
+    await page.close();
+});
+
+test('turns by pointer and flies by keys', async () => {
+    const page = await loaded(await open(server.url));
+    const eye = () => page.evaluate(() => viewer.camera.position.toArray());
+    const pixels = await pixelsOf(page);
+    const first = await eye();
+    await page.mouse.move(60, 60);
+    await page.mouse.down();
+    await page.mouse.move(100, 50, { steps: 3 });
+    await page.mouse.up();
+    const turned = await eye();
+    const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
+    assert.ok(distance(turned, first) > 0.1, 'the eye has moved');
+    assert.ok(maeOverMean(await pixelsOf(page), pixels) > 0.05, 'the picture is another one');
+    await page.focus('#view');
+    await page.keyboard.down('w');
+    await page.waitForFunction(
+        (from) => viewer.camera.position.distanceTo({ x: from[0], y: from[1], z: from[2] }) > 0.1,
+        turned,
+    );
+    await page.keyboard.up('w');
+    await page.keyboard.press('0');
+    assert.ok(distance(await eye(), first) < 1e-5, 'back at the first view');
+    await page.close();
+});
+
+test('follows its sliders', async () => {
+    const page = await loaded(await open(server.url));
+    await rest(page);
+    const pixels = await pixelsOf(page);
+    const slide = (id, value) =>
+        page.$eval(
+            `#${id}`,
+            (input, to) => {
+                input.value = to;
+                input.dispatchEvent(new Event('input'));
+            },
+            value,
+        );
+    await page.selectOption('#material', { label: 'table_top' }, { force: true });
+    await slide('roughness', '0.8');
+    const rough = await pixelsOf(page);
+    assert.ok(maeOverMean(rough, pixels) > 0.01, 'roughness');
+    await slide('color', '#ff0000');
+    assert.ok(maeOverMean(await pixelsOf(page), rough) > 0.05, 'colour');
+    await page.$eval('#reset', (button) => button.click());
+    assert.ok(maeOverMean(await pixelsOf(page), pixels) < 1e-6, 'as it was baked');
+    // Right of the middle only direct light.
+    await slide('wipe', '0.5');
+    const wiped = await pixelsOf(page);
+    const half = (all, side) => all.filter((_, i) => (i / 4) % 160 < 80 === (side === 'left'));
+    assert.ok(maeOverMean(half(wiped, 'left'), half(pixels, 'left')) < 1e-6, 'left of the wipe');
+    assert.ok(meanOf(half(wiped, 'right')) < 0.9 * meanOf(half(pixels, 'right')), 'right of the wipe');
+    await page.close();
+});
+
+test('survives the loss of its context', async () => {
+    const page = await loaded(await open(server.url));
+    await rest(page);
+    const pixels = await pixelsOf(page);
+    await page.evaluate(async () => {
+        const canvas = document.getElementById('view'),
+            lose = viewer.renderer.getContext().getExtension('WEBGL_lose_context');
+        const event = (name) =>
+            new Promise((done) => {
+                canvas.addEventListener(name, () => setTimeout(done), { once: true });
+            });
+        const lost = event('webglcontextlost'),
+            restored = event('webglcontextrestored');
+        lose.loseContext();
+        await lost;
+        lose.restoreContext();
+        await restored;
+    });
+    assert.ok(maeOverMean(await pixelsOf(page), pixels) < 1e-6);
+    await page.close();
+});
+
+async function messageOf(page) {
+    await page.waitForFunction(() => !document.getElementById('message').hidden);
+    return page.textContent('#message');
+}
+
+test('says what is wrong', async () => {
+    const cut = join(room.folder, 'cut');
+    for (const [name, length, expected] of [
+        ['room.glb', 200_000, /could not be loaded/],
+        ['room.reflections.bin', 300_000, /could not be loaded: .*(cut off|damaged)/],
+    ]) {
+        await cp(room.site, cut, { recursive: true });
+        await truncate(join(cut, name), length);
+        const broken = await serve(cut);
+        const page = await open(broken.url);
+        assert.match(await messageOf(page), expected);
+        await page.close();
+        broken.close();
+    }
+    const noFloats = await open(server.url, () => {
+        const { getExtension } = WebGL2RenderingContext.prototype;
+        WebGL2RenderingContext.prototype.getExtension = function (name) {
+            return name === 'EXT_color_buffer_float' ? null : getExtension.call(this, name);
+        };
+    });
+    assert.match(await messageOf(noFloats), /needs WebGL 2 with float render targets/);
+    const noWebGl = await open(server.url, () => {
+        HTMLCanvasElement.prototype.getContext = () => null;
+    });
+    assert.match(await messageOf(noWebGl), /needs WebGL 2/);
+    const small = await open(server.url, () => {
+        const { getParameter } = WebGL2RenderingContext.prototype;
+        WebGL2RenderingContext.prototype.getParameter = function (name) {
+            return name === this.MAX_TEXTURE_SIZE ? 256 : getParameter.call(this, name);
+        };
+    });
+    assert.match(
+        await messageOf(small),
+        /cannot be drawn: a texture of .* exceeds this device's limit of 256/,
+    );
+    // What another version wrote.
+    const glb = await readFile(join(room.site, 'room.glb'));
+    const at = glb.indexOf('"version":3');
+    assert.ok(at > 0);
+    await cp(room.site, cut, { recursive: true, force: true });
+    glb[at + 10] = '9'.charCodeAt(0);
+    await writeFile(join(cut, 'room.glb'), glb);
+    const other = await serve(cut);
+    const page = await open(other.url);
+    assert.match(await messageOf(page), /format version 9/);
+    other.close();
+    for (const p of [noFloats, noWebGl, small, page]) await p.close();
+});

@@ -1,0 +1,108 @@
+// Orbit by pointer and touch, fly by keys.
+import { Box3, PerspectiveCamera, Raycaster, Sphere, Vector2, Vector3 } from 'three';
+import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+
+const kTurnPerSecond = 1.2; // radians
+const kRadiiPerSecond = 0.4; // of the scene's sphere
+
+export function sphereOf(root) {
+    const sphere = new Box3().setFromObject(root).getBoundingSphere(new Sphere());
+    sphere.radius = Math.max(sphere.radius, 1e-3);
+    return sphere;
+}
+
+// Where a file has no camera. twin: defaultCamera in src/core/scene.cpp.
+export function defaultCamera({ center, radius }) {
+    const camera = new PerspectiveCamera((0.7 * 180) / Math.PI);
+    const distance = (1.1 * radius) / Math.sin(0.35);
+    camera.position.copy(center).addScaledVector(new Vector3(0.6, 0.45, 1).normalize(), distance);
+    camera.lookAt(center);
+    camera.updateMatrixWorld();
+    return camera;
+}
+
+export class Navigation {
+    // `changed` is called when the view is another one.
+    constructor(camera, canvas, root, changed) {
+        Object.assign(this, { camera, root, changed });
+        this.metersPerSecond = kRadiiPerSecond * sphereOf(root).radius;
+        this.controls = new OrbitControls(camera, canvas);
+        this.controls.addEventListener('change', changed);
+        this.pressed = new Set();
+        canvas.addEventListener('keydown', (event) => {
+            if (event.ctrlKey || event.metaKey || event.altKey) return;
+            if (event.code === 'Digit0') this.goTo(this.first);
+            else if (!(event.code in keys)) return;
+            else this.pressed.add(event.code);
+            this.fast = event.shiftKey;
+            event.preventDefault();
+            changed();
+        });
+        canvas.addEventListener('keyup', (event) => {
+            this.pressed.delete(event.code);
+        });
+        canvas.addEventListener('blur', () => this.pressed.clear());
+    }
+
+    // From a camera of the file. What is in the middle of the picture is turned around.
+    goTo(view) {
+        this.first = view;
+        const { camera, controls } = this;
+        camera.fov = view.fov;
+        view.matrixWorld.decompose(camera.position, camera.quaternion, new Vector3());
+        camera.updateProjectionMatrix();
+        camera.updateMatrixWorld();
+        const ray = new Raycaster();
+        ray.setFromCamera(new Vector2(), camera);
+        const [hit] = ray.intersectObject(this.root, true);
+        controls.target.copy(camera.position).addScaledVector(ray.ray.direction, hit?.distance ?? 2);
+        controls.update();
+        this.changed();
+    }
+
+    // Moves by the keys that are pressed. Returns whether any is.
+    fly(seconds) {
+        if (this.pressed.size === 0) return false;
+        const { camera, controls } = this,
+            step = seconds * (this.fast ? 4 : 1);
+        const offset = new Vector3(),
+            turn = new Vector2();
+        for (const code of this.pressed) {
+            const [x, y, z, yaw, pitch] = keys[code];
+            offset.add(new Vector3(x, 0, z));
+            camera.position.y += y * this.metersPerSecond * step;
+            controls.target.y += y * this.metersPerSecond * step;
+            turn.add(new Vector2(yaw, pitch));
+        }
+        offset.multiplyScalar(this.metersPerSecond * step).applyQuaternion(camera.quaternion);
+        camera.position.add(offset);
+        controls.target.add(offset);
+        // The eye turns where it is.
+        const toward = controls.target.clone().sub(camera.position);
+        const right = new Vector3(1, 0, 0).applyQuaternion(camera.quaternion);
+        toward.applyAxisAngle(new Vector3(0, 1, 0), turn.x * kTurnPerSecond * seconds);
+        const pitched = toward.clone().applyAxisAngle(right, turn.y * kTurnPerSecond * seconds);
+        if (Math.abs(pitched.y) < 0.99 * pitched.length()) toward.copy(pitched);
+        controls.target.copy(camera.position).add(toward);
+        controls.update();
+        return true;
+    }
+}
+
+// right, up, back; left and upward turn
+const keys = {
+    KeyW: [0, 0, -1, 0, 0],
+    KeyS: [0, 0, 1, 0, 0],
+    KeyA: [-1, 0, 0, 0, 0],
+    KeyD: [1, 0, 0, 0, 0],
+    KeyQ: [0, -1, 0, 0, 0],
+    KeyE: [0, 1, 0, 0, 0],
+    Equal: [0, 0, -1, 0, 0],
+    NumpadAdd: [0, 0, -1, 0, 0],
+    Minus: [0, 0, 1, 0, 0],
+    NumpadSubtract: [0, 0, 1, 0, 0],
+    ArrowLeft: [0, 0, 0, 1, 0],
+    ArrowRight: [0, 0, 0, -1, 0],
+    ArrowUp: [0, 0, 0, 0, 1],
+    ArrowDown: [0, 0, 0, 0, -1],
+};

@@ -1,0 +1,227 @@
+// The page that `phat web` writes: a baked room to walk through.
+import { PCFShadowMap, PerspectiveCamera, Scene, WebGLRenderer, LinearSRGBColorSpace, Vector2 } from 'three';
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { PhatexturesExtension, isSupported, jitterOf } from '../src/index.js';
+import { Navigation, defaultCamera, sphereOf } from './navigation.js';
+import { createPanel } from './panel.js';
+import { Picture } from './picture.js';
+
+// Pictures that a view at rest is averaged from.
+const kSamples = 32;
+// A moving view is drawn as 'fast', and in as many pixels as the device draws in this time; at rest a picture
+// may take longer.
+const kMovingSeconds = 0.04,
+    kRestSeconds = 0.6;
+const kRelativeCost = { fast: 1, default: 3, high: 8 };
+const kLeastScale = 0.25,
+    kScaleSteps = 8;
+
+const element = (id) => document.getElementById(id);
+const canvas = element('view');
+
+function say(text) {
+    element('message').textContent = text;
+    element('message').hidden = text === '';
+}
+
+function createRenderer() {
+    const context = canvas.getContext('webgl2', { antialias: false, powerPreference: 'high-performance' });
+    if (!isSupported(context))
+        throw new Error(
+            'This room needs WebGL 2 with float render targets, which this browser or device does not offer.',
+        );
+    const renderer = new WebGLRenderer({ canvas, context });
+    renderer.outputColorSpace = LinearSRGBColorSpace; // present.frag encodes
+    renderer.shadowMap.enabled = true;
+    renderer.shadowMap.type = PCFShadowMap;
+    return renderer;
+}
+
+function load(url, onProgress) {
+    const loader = new GLTFLoader();
+    loader.register((parser) => new PhatexturesExtension(parser));
+    return loader.loadAsync(url, onProgress);
+}
+
+class Viewer {
+    constructor(renderer, gltf) {
+        Object.assign(this, {
+            renderer,
+            quality: 'default',
+            exposure: Number(canvas.dataset.exposure),
+            light: gltf.userData.bakedLight,
+        });
+        this.scene = new Scene();
+        this.scene.add(gltf.scene);
+        const sphere = sphereOf(gltf.scene);
+        this.camera = new PerspectiveCamera(40, 1, Math.min(1e-3 * sphere.radius, 0.01), 50 * sphere.radius);
+        this.picture = new Picture(renderer);
+        this.lastMove = -1e9;
+        this.scale = 0.5; // of the sides; until the device is known
+        this.secondsPerPixel = 0; // 'fast'; 0: not known yet
+        this.pending = null;
+        this.navigation = new Navigation(this.camera, canvas, gltf.scene, () => this.viewChanged());
+        const materials = new Set();
+        gltf.scene.traverse((object) => {
+            if (object.isMesh) {
+                object.castShadow = object.receiveShadow = true;
+                if (object.material.isMeshStandardMaterial) materials.add(object.material);
+                if (object.material.map)
+                    object.material.map.anisotropy = Math.min(8, renderer.capabilities.getMaxAnisotropy());
+            }
+            if (object.isLight) {
+                object.castShadow = !object.isAmbientLight;
+                if (object.shadow) object.shadow.normalBias = 0.02;
+            }
+        });
+        const cameras = gltf.cameras.filter((camera) => camera.isPerspectiveCamera);
+        createPanel(
+            this,
+            [...materials],
+            cameras,
+            (camera) => this.navigation.goTo(camera),
+            () => this.changed(),
+        );
+        this.navigation.goTo(cameras[0] ?? defaultCamera(sphere));
+        this.resize();
+        new ResizeObserver(() => this.resize()).observe(canvas);
+        canvas.addEventListener('webglcontextrestored', () => {
+            this.pending = null;
+            this.changed();
+        });
+        this.previous = performance.now();
+        renderer.setAnimationLoop((now) => {
+            try {
+                this.frame(now);
+            } catch (error) {
+                renderer.setAnimationLoop(null);
+                say(`The room cannot be drawn: ${error.message}`);
+                console.error(error);
+            }
+        });
+    }
+
+    resize() {
+        const { clientWidth: width, clientHeight: height } = canvas;
+        if (!width || !height) return;
+        this.renderer.setPixelRatio(this.scale * Math.min(devicePixelRatio, 1.5));
+        this.renderer.setSize(width, height, false);
+        this.camera.aspect = width / height;
+        this.camera.updateProjectionMatrix();
+        const size = this.renderer.getDrawingBufferSize(new Vector2());
+        this.picture.setSize(size.x, size.y);
+        this.changed();
+    }
+
+    // As many pixels as can be drawn in time.
+    fitScale(quality, seconds) {
+        if (!this.secondsPerPixel) return;
+        const { width, height } = this.picture.target,
+            pixels = (width * height) / this.scale ** 2;
+        const fitting = Math.sqrt(seconds / (this.secondsPerPixel * kRelativeCost[quality] * pixels));
+        this.setScale(Math.min(1, Math.max(kLeastScale, Math.floor(fitting * kScaleSteps) / kScaleSteps)));
+    }
+
+    setScale(scale) {
+        if (scale === this.scale) return;
+        this.scale = scale;
+        this.resize();
+    }
+
+    // Whether the GPU has caught up. No more than one picture waits, or the page would not answer.
+    isIdle(gl, now) {
+        if (!this.pending) return true;
+        const { fence, since, cost } = this.pending;
+        if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
+        gl.deleteSync(fence);
+        this.pending = null;
+        this.secondsPerPixel = (now - since) / 1000 / cost;
+        return true;
+    }
+
+    viewChanged() {
+        this.lastMove = performance.now();
+        this.changed();
+    }
+
+    changed() {
+        this.picture.samples = 0;
+    }
+
+    frame(now) {
+        if (this.navigation.fly(Math.min((now - this.previous) / 1000, 0.1))) this.viewChanged();
+        this.previous = now;
+        const gl = this.renderer.getContext();
+        if (gl.isContextLost() || !this.isIdle(gl, now)) return;
+        const moving = now - this.lastMove < 150 || !this.secondsPerPixel;
+        if (!moving && this.picture.samples >= kSamples) return;
+        const quality = moving ? 'fast' : this.quality;
+        if (moving) this.settle();
+        if (this.picture.samples === 0 || moving)
+            this.fitScale(quality, moving ? kMovingSeconds : kRestSeconds);
+        this.addSample(quality);
+        this.present();
+        const { width, height } = this.picture.target;
+        this.pending = {
+            fence: gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0),
+            since: now,
+            cost: width * height * kRelativeCost[quality],
+        };
+        gl.flush();
+        element('poster').hidden = true;
+    }
+
+    // The picture of a moving view is not part of the mean at rest.
+    settle() {
+        clearTimeout(this.settled);
+        this.settled = setTimeout(() => this.changed(), 160);
+    }
+
+    addSample(quality, count = kSamples) {
+        const { camera, light, picture } = this,
+            { width, height } = picture.target;
+        if (light) Object.assign(light, { quality, seed: picture.samples });
+        const [x, y] = jitterOf(picture.samples, count);
+        camera.setViewOffset(width, height, -x, y, width, height);
+        if (light) this.scene.background = light.environment;
+        picture.add(this.scene, camera);
+    }
+
+    present() {
+        if (this.picture.samples > 0) this.picture.present(this.exposure);
+    }
+
+    // For scripts: the mean of `count` pictures, linear radiance as RGBA floats, row 0 at the bottom.
+    render(count, quality = this.quality) {
+        this.setScale(1);
+        this.changed();
+        for (let i = 0; i < count; ++i) this.addSample(quality, count);
+        return this.picture.read();
+    }
+}
+
+async function start() {
+    try {
+        const renderer = createRenderer();
+        const progress = element('progress');
+        const gltf = await load('room.glb', ({ loaded, total }) => {
+            if (total) progress.value = loaded / total / 2;
+        });
+        const viewer = (globalThis.viewer = new Viewer(renderer, gltf));
+        element('status').textContent = 'Reflections are still to come.';
+        if (viewer.light) await viewer.light.ready;
+        viewer.changed();
+        progress.value = 1;
+        element('loading').hidden = true;
+    } catch (error) {
+        element('loading').hidden = true;
+        say(
+            error.message.startsWith('This room')
+                ? error.message
+                : `The room could not be loaded: ${error.message}`,
+        );
+        console.error(error);
+    }
+}
+
+start();
