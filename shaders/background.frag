@@ -5,6 +5,7 @@
 uniform sampler2D environment;   // column 0 at azimuth atan(z, x) = -pi, row 0 at +Y
 uniform mat4 worldFromClip;      // of the camera's rotation alone
 uniform vec2 viewport;
+uniform float turn;              // of the sky, in turns; see turned in src/core/environment_sampling.h
 
 layout(location = 0) out vec4 radiance;
 
@@ -13,6 +14,6 @@ void main() {
     vec4 far = worldFromClip * vec4(ndc, 1.0, 1.0);
     vec4 near = worldFromClip * vec4(ndc, -1.0, 1.0);
     vec3 d = normalize(far.xyz / far.w - near.xyz / near.w);
-    vec2 uv = vec2(atan(d.z, d.x) / (2.0 * kPi) + 0.5, acos(clamp(d.y, -1.0, 1.0)) / kPi);
+    vec2 uv = vec2(atan(d.z, d.x) / (2.0 * kPi) + 0.5 - turn, acos(clamp(d.y, -1.0, 1.0)) / kPi);
     radiance = vec4(textureLod(environment, uv, 0.0).rgb, 1.0);
 }

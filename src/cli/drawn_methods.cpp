@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <optional>
 
 #include "cli/data_folders.h"
 #include "cli/render_camera.h"
@@ -21,18 +22,18 @@ Method methodOf(const RenderOptions& options) {
     return name == "phat-paper" ? Method::phatPaper : Method::phat;
 }
 
-// Of pixels that show a surface; a channel a source, see RendererInput::countReads.
-json readsOf(const Image& picture, int channel) {
-    double sum = 0, most = 0;
-    size_t count = 0;
-    for (const glm::vec3& pixel : picture.pixels) {
-        if (pixel.x <= 0) continue;
-        sum += pixel[channel];
-        most = std::max(most, double(pixel[channel]));
-        ++count;
-    }
-    return {{"mean", sum / double(std::max<size_t>(count, 1))}, {"max", most}};
-}
+// What rays for smooth surfaces read.
+struct RayTracing {
+    RayTracing(const BakedScene& baked, Reflections reflections, Progress& progress)
+        : rays(baked.loaded.scene),
+          lights(baked.loaded.scene),
+          scene(rays, lights, baked.atlas, baked.points, baked.phatexture),
+          traced{scene, reflections, progress} {}
+    const RayScene rays;
+    const LightSampler lights;
+    const ReflectionScene scene;
+    const TracedReflections traced;
+};
 
 }  // namespace
 
@@ -42,23 +43,23 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     const std::vector<View> views = chooseViews(options, scene);
 
     const HeadlessContext context;
-    const RayScene rays(scene);
-    const LightSampler lights(scene);
-    const ReflectionScene reflectionScene(rays, lights, baked.atlas, baked.points, baked.phatexture);
-    const TracedReflections traced{reflectionScene, options.reflections, progress};
-    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, options.countReads},
-                      shaderFolder());
+    const Method method = methodOf(options);
+    std::optional<RayTracing> tracing;
+    if (method == Method::phat) tracing.emplace(baked, options.reflections, progress);
+    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture}, shaderFolder());
     std::vector<json> reports;
     for (const View& view : views) {
         progress.throwIfStopped();
-        const Image picture = renderer.render({.width = view.width,
-                                               .height = view.height,
-                                               .camera = view.camera,
-                                               .method = methodOf(options),
-                                               .quality = options.quality,
-                                               .component = options.component,
-                                               .samplesPerPixel = options.samplesPerPixel,
-                                               .traced = &traced});
+        const Image picture =
+            renderer.render({.width = view.width,
+                             .height = view.height,
+                             .camera = view.camera,
+                             .method = method,
+                             .quality = options.quality,
+                             .component = options.component,
+                             .inspection = {options.countReads ? Inspected::reads : Inspected::nothing},
+                             .samplesPerPixel = options.samplesPerPixel,
+                             .traced = tracing ? &tracing->traced : nullptr});
         progress.throwIfStopped();
         writePicture(options, view, picture);
         const FrameTimes times = renderer.lastFrameTimes();
@@ -72,12 +73,21 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
                             {{"relight", times.relight},
                              {"pyramid", times.pyramid},
                              {"shadows", times.shadows},
+                             {"depth", times.depth},
+                             {"lookup", times.lookup},
+                             {"pool", times.pool},
                              {"display", times.display},
                              {"reflections", times.reflections}}},
                            {"reflectionRays", times.reflectionRays}});
         json& report = reports.back();
         if (renderer.bytesPerPhatexel() > 0) report["bytesPerPhatexel"] = renderer.bytesPerPhatexel();
-        if (options.countReads) report["reads"] = {{"indirect", readsOf(picture, 0)}, {"area", readsOf(picture, 1)}};
+        if (options.countReads) {
+            const auto readsOf = [&](int source) {
+                const ReadCount reads = countReads(picture, source);
+                return json{{"mean", reads.mean}, {"max", reads.most}};
+            };
+            report["reads"] = {{"indirect", readsOf(0)}, {"area", readsOf(1)}};
+        }
     }
     return reports;
 }

@@ -5,7 +5,6 @@
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
-#include <map>
 
 #include "cli/bake_stages.h"
 #include "cli/commands.h"
@@ -14,24 +13,12 @@
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
 #include "cli/size_option.h"
+#include "gl/flag_names.h"
 
 namespace phat {
 namespace {
 
 using nlohmann::json;
-
-const std::map<std::string, Component> kComponents = {{"all", Component::all},
-                                                      {"direct", Component::direct},
-                                                      {"indirect", Component::indirect},
-                                                      {"glossy-indirect", Component::glossyIndirect},
-                                                      {"diffuse-indirect", Component::diffuseIndirect}};
-const std::map<std::string, Quality> kQualities = {
-    {"fast", Quality::fast}, {"default", Quality::standard}, {"high", Quality::high}};
-const std::map<std::string, ToneMap> kToneMaps = {
-    {"linear", ToneMap::linear}, {"agx", ToneMap::agx}, {"aces", ToneMap::aces}};
-
-const std::map<std::string, Reflections> kReflections = {
-    {"auto", Reflections::automatic}, {"rays", Reflections::rays}, {"lookup", Reflections::lookup}};
 
 constexpr int kMaxDrawnSamples = 4096, kMaxTracedSamples = 65536;
 
@@ -60,17 +47,22 @@ void printReport(const json& report, bool traced) {
     fmt::print("{}: {} x {}, ", report["output"].get<std::string>(), report["width"].get<int>(),
                report["height"].get<int>());
     const json& seconds = report["seconds"];
+    const auto milliseconds = [&](std::initializer_list<const char*> passes) {
+        double sum = 0;
+        for (const char* pass : passes) sum += 1e3 * seconds[pass].get<double>();
+        return sum;
+    };
     if (traced)
         fmt::print("{} samples a pixel, {:.2f} s, {:.2f} million rays/s\n",
                    report["samplesPerPixel"].get<int>(), seconds.get<double>(),
                    report["raysPerSecond"].get<double>() * 1e-6);
     else
         fmt::print(
-            "relight {:.1f} ms, pyramid {:.1f} ms, shadows {:.1f} ms, display {:.1f} ms, "
+            "relight {:.1f} ms, pyramid {:.1f} ms, shadows {:.1f} ms, lookup {:.1f} ms, display {:.1f} ms, "
             "reflections {:.1f} ms ({:.2f} million rays)\n",
-            seconds["relight"].get<double>() * 1e3, seconds["pyramid"].get<double>() * 1e3,
-            seconds["shadows"].get<double>() * 1e3, seconds["display"].get<double>() * 1e3,
-            seconds["reflections"].get<double>() * 1e3, report["reflectionRays"].get<double>() * 1e-6);
+            milliseconds({"relight"}), milliseconds({"pyramid"}), milliseconds({"shadows"}),
+            milliseconds({"lookup", "pool"}), milliseconds({"depth", "display"}),
+            milliseconds({"reflections"}), report["reflectionRays"].get<double>() * 1e-6);
     if (report.contains("bytesPerPhatexel"))
         fmt::print("lookup: {:.1f} bytes a PHATexel\n", report["bytesPerPhatexel"].get<double>());
     if (report.contains("reads"))
@@ -150,14 +142,14 @@ void addRenderCommand(CLI::App& app) {
     CLI::Option* reflections =
         option("--reflections", "HOW",
                "phat: auto traces rays for very smooth surfaces; rays for all; lookup for none")
-            ->check(CLI::IsMember(kReflections))
+            ->check(CLI::IsMember(namesOf(kReflectionNames)))
             ->default_val("auto");
     CLI::Option* component =
         option("--component", "NAME", "all, direct, indirect, glossy-indirect or diffuse-indirect")
-            ->check(CLI::IsMember(kComponents))
+            ->check(CLI::IsMember(namesOf(kComponentNames)))
             ->default_val("all");
     CLI::Option* quality = option("--quality", "NAME", "phat: fast, default or high")
-                               ->check(CLI::IsMember(kQualities))
+                               ->check(CLI::IsMember(namesOf(kQualityNames)))
                                ->default_val("default");
     CLI::Option* countReads =
         command->add_flag("--count-reads")
@@ -171,7 +163,7 @@ void addRenderCommand(CLI::App& app) {
                                 ->check(CLI::Range(-40.0, 40.0))
                                 ->default_val("0");
     CLI::Option* toneMapping = option("--tonemap", "NAME", "linear, agx or aces, for .png and .jpg")
-                                   ->check(CLI::IsMember(kToneMaps))
+                                   ->check(CLI::IsMember(namesOf(kToneMapNames)))
                                    ->default_val("agx");
     CLI::Option* quiet = command->add_flag("--quiet")->description("Print errors only");
     CLI::Option* asJson = command->add_flag("--json")->description("Print sizes and times as JSON");
@@ -210,7 +202,7 @@ void addRenderCommand(CLI::App& app) {
         onlyFor({gatherRays}, name == "photons-gather");
         onlyFor({radius, traceVisibility}, name == "phat-gather");
         onlyFor({quality, countReads, reflections}, name == "phat");
-        options.quality = kQualities.at(quality->as<std::string>());
+        options.quality = valueOf(kQualityNames, quality->as<std::string>());
         options.countReads = countReads->count() > 0;
         options.samplesPerPixel = *spp ? spp->as<int>() : options.method.samplesPerPixel;
         if (options.countReads) options.samplesPerPixel = 1;
@@ -221,14 +213,14 @@ void addRenderCommand(CLI::App& app) {
         options.photonRenderer.density.neighbors = neighbors->as<uint32_t>();
         options.photonRenderer.gatherRays = gatherRays->as<int>();
         if (*radius) options.gather.radiusMeters = radius->as<float>();
-        options.reflections = kReflections.at(reflections->as<std::string>());
+        options.reflections = valueOf(kReflectionNames, reflections->as<std::string>());
         options.gather.traceVisibility = traceVisibility->count() > 0;
         if (*variance) options.varianceOutput = variance->as<std::string>();
-        options.component = kComponents.at(component->as<std::string>());
+        options.component = valueOf(kComponentNames, component->as<std::string>());
         if (*environment) options.environment = environment->as<std::string>();
         if (*edits) options.edits = edits->results();
         options.exposureStops = exposure->as<float>();
-        options.toneMap = kToneMaps.at(toneMapping->as<std::string>());
+        options.toneMap = valueOf(kToneMapNames, toneMapping->as<std::string>());
         options.quiet = quiet->count() > 0;
         options.json = asJson->count() > 0;
         runRender(options);

@@ -7,9 +7,9 @@
 
 #include "core/bake.h"
 #include "io/atomic_file.h"
-#include "io/file_error.h"
 #include "io/image_file.h"
 #include "io/material_edit.h"
+#include "io/scene_file.h"
 
 namespace phat {
 namespace {
@@ -51,17 +51,11 @@ Scene loadScene(const RenderOptions& options) {
 }
 
 BakedScene loadBaked(const RenderOptions& options, Progress& progress) {
-    BakedScene baked;
-    if (isBakedFile(options.input)) {
-        if (!options.environment.empty())
-            throw CLI::ValidationError("--environment", "the bake has its own; bake again to change it");
-        baked = readBakedFile(options.input);
-    } else {
-        baked.loaded = loadGltf(options.input);
-        Scene& scene = baked.loaded.scene;
-        if (!options.environment.empty()) scene.environment = loadEnvironment(options.environment);
-        if (scene.triangles.empty()) throw FileError(options.input, "has no triangles to bake");
-        Bake result = bake(scene, BakeSettings(), progress);
+    if (!options.environment.empty() && isBakedFile(options.input))
+        throw CLI::ValidationError("--environment", "the bake has its own; bake again to change it");
+    BakedScene baked = readSceneFile(options.input, options.environment);
+    if (baked.phatexture.indirect.empty()) {
+        Bake result = bake(baked.loaded.scene, BakeSettings(), progress);
         baked.atlas = std::move(result.atlas);
         baked.points = std::move(result.points);
         baked.phatexture = std::move(result.phatexture);

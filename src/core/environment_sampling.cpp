@@ -1,5 +1,6 @@
 #include "core/environment_sampling.h"
 
+#include <algorithm>
 #include <cassert>
 
 namespace phat {
@@ -44,6 +45,18 @@ glm::vec3 environmentRadiance(const Environment& environment, glm::vec3 directio
     const glm::vec3 upper = glm::mix(image.at(x0, y0), image.at(x1, y0), p.x - left);
     const glm::vec3 lower = glm::mix(image.at(x0, y1), image.at(x1, y1), p.x - left);
     return glm::mix(upper, lower, p.y - top);
+}
+
+Environment turned(const Environment& environment, int columns) {
+    const Image& from = environment.radiance;
+    Environment out{Image(from.width, from.height)};
+    const int shift = ((columns % from.width) + from.width) % from.width;
+    for (int y = 0; y < from.height; ++y) {
+        const auto row = from.pixels.begin() + ptrdiff_t(y) * from.width;
+        std::rotate_copy(row, row + (from.width - shift) % from.width, row + from.width,
+                         &out.radiance.at(0, y));
+    }
+    return out;
 }
 
 EnvironmentDistribution::EnvironmentDistribution(const Environment& environment)

@@ -16,6 +16,9 @@ namespace phat {
 /// Bilinear lookup, azimuth repeated, poles clamped. pre: |direction| = 1, the picture is not empty.
 glm::vec3 environmentRadiance(const Environment& environment, glm::vec3 direction);
 
+/// The same sky about the vertical: what is in column x comes to column x + `columns`, round about.
+Environment turned(const Environment& environment, int columns);
+
 struct EnvironmentSample {
     glm::vec3 direction{0, 1, 0};
     float pdf = 0;  // 1/sr

@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "core/random.h"
+#include "gl/inspect_pass.h"
 #include "gl/textures.h"
 
 namespace phat {
@@ -94,6 +95,7 @@ void drawBackground(const DisplayPass& pass, const DisplayInput& input, const Ca
     program.bind("environment", 0, input.scene.environment.name(), input.scene.environmentSampler.name());
     program.set("worldFromClip", camera.worldFromClipRotation);
     program.set("viewport", glm::vec2(size));
+    program.set("turn", input.environmentTurn);
     glBindVertexArray(pass.noVertices.name());
     program.use();
     glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -212,7 +214,9 @@ void lookUp(const DisplayInput& input, const CameraMatrices& camera, const Frame
     program.bind("splitSumTable", 6, input.scene.splitSum.name());
     bindCamera(program, camera, settings);
     drawOpaque(program, input);
+    input.clock.ended(Pass::lookup);
     poolDraws(input.lookupPass, targets);
+    input.clock.ended(Pass::pool);
 }
 
 // Whether there are reflections that rays answer.
@@ -228,6 +232,7 @@ bool traceSmooth(const DisplayInput& input, const CameraMatrices& matrices, cons
     beginReflections(targets.reflections);
     bindCamera(program, matrices, settings);
     drawOpaque(program, input);
+    input.clock.ended(Pass::display);
 
     const std::vector<SmoothSurface> surfaces = readSmoothSurfaces(targets.reflections, reflections, jitter);
     if (surfaces.empty()) return false;
@@ -239,7 +244,13 @@ bool traceSmooth(const DisplayInput& input, const CameraMatrices& matrices, cons
     uploadReflections(input.reflectionPass, targets.reflections, surfaces, seen, targets.lookup.seen.name(),
                       lookedUpLayers(input.lookupPass));
     cost.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    input.clock.ended(Pass::none);
     return true;
+}
+
+// Views that inspect.frag draws.
+bool ofTexels(Inspected what) {
+    return what != Inspected::nothing && what != Inspected::reads;
 }
 
 void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
@@ -248,10 +259,21 @@ void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettin
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
     glViewport(0, 0, GLsizei(targets.size.x), GLsizei(targets.size.y));
     glDisable(GL_BLEND);
-    drawBackground(pass, input, camera, targets.size, shownParts(settings.component).x > 0);
+    const bool sky = settings.inspection.what == Inspected::nothing && shownParts(settings.component).x > 0;
+    drawBackground(pass, input, camera, targets.size, sky);
 
     glBindVertexArray(input.scene.vertexArray.name());
     drawDepth(pass, input, camera);
+    input.clock.ended(Pass::depth);
+    if (ofTexels(settings.inspection.what)) {
+        glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
+        bindInspection(pass.inspectProgram, input.atlas, input.relit, settings.inspection);
+        bindCamera(pass.inspectProgram, camera, settings);
+        drawOpaque(pass.inspectProgram, input);
+        glDepthMask(GL_TRUE);
+        input.clock.ended(Pass::display);
+        return;
+    }
     const LookupTargets* looked = settings.method == Method::phat ? &targets.lookup : nullptr;
     bool traced = false;
     if (looked) {
@@ -265,6 +287,7 @@ void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettin
     drawOpaque(program, input);
     drawBlended(pass, input, camera, settings);
     glDepthMask(GL_TRUE);
+    input.clock.ended(Pass::display);
 }
 
 void accumulate(const DisplayPass& pass, const FrameTargets& targets, const PictureSum& sum) {
@@ -305,6 +328,7 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, 
         return ShaderProgram(folder, "surface.vert", "display.frag", indirect);
     };
     pass.displayProgram = paper ? display({"PAPER"}) : display({});
+    pass.inspectProgram = ShaderProgram(folder, "surface.vert", "inspect.frag");
     pass.lookedUpProgram = countReads ? display({"LOOKUP", "COUNT_READS"}) : display({"LOOKUP"});
     pass.depthProgram = ShaderProgram(folder, "surface.vert", "depth.frag");
     pass.backgroundProgram = ShaderProgram(folder, "fullscreen.vert", "background.frag");

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gl/lookup_pass.h"
+#include "gl/pass_clock.h"
 #include "gl/picture_sum.h"
 #include "gl/reflection_pass.h"
 #include "gl/relight_pass.h"
@@ -25,7 +26,8 @@ struct FrameTargets {
 FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool traced);
 
 struct DisplayPass {
-    ShaderProgram displayProgram, lookedUpProgram, depthProgram, backgroundProgram, accumulateProgram;
+    ShaderProgram displayProgram, lookedUpProgram, inspectProgram, depthProgram, backgroundProgram,
+        accumulateProgram;
     GlVertexArray noVertices;
     std::vector<uint32_t> blendOrder;  // reused from frame to frame
 };
@@ -43,6 +45,8 @@ struct DisplayInput {
     const LookupPass& lookupPass;
     const ReflectionPass& reflectionPass;
     const std::vector<Material>& materials;
+    PassClock& clock;
+    float environmentTurn = 0;  // see background.frag
 };
 
 /// What rays cost a frame.

@@ -38,7 +38,8 @@ GlTexture uploadGuides(const std::vector<Guide>& guides) {
 
 void addSource(GpuAtlas& gpu, const std::vector<PhatexelLayer>& layers, const std::vector<Guide>& guides) {
     GpuPhatexels source;
-    if (!gpu.sources.empty()) source.firstLayer = gpu.sources.back().firstLayer + gpu.sources.back().layerCount;
+    if (!gpu.sources.empty())
+        source.firstLayer = gpu.sources.back().firstLayer + gpu.sources.back().layerCount;
     source.layerCount = int(layers.size());
     source.guideCount = int(guides.size());
     source.guidePdf = uploadGuides(guides);
@@ -196,6 +197,7 @@ GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& 
     requireSizes(atlas, points, phatexture);
     GpuAtlas gpu;
     gpu.sizeTexels = atlas.sizeTexels;
+    gpu.coarsestTexelMeters = atlas.texelSizeMeters;
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     gpu.tileTable = uploadTileTable(atlas);
     gpu.tileLight = uploadTileLight(scene, atlas, phatexture);

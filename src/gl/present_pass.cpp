@@ -34,8 +34,14 @@ void present(const PresentPass& pass, const Presented& left, const Presented& ri
     program.set("corner", glm::vec2(viewport.x, viewport.y));
     program.set("size", glm::vec2(viewport.z, viewport.w));
     program.set("wipe", settings.wipe * float(viewport.z));
-    program.set("toneMapping", int(settings.toneMap));
-    program.set("exposureStops", settings.exposureStops);
+    program.set("leftHeat", left.heatPerUnit);
+    program.set("rightHeat", right.heatPerUnit);
+    const auto setToneMap = [&](const char* toneMapping, const char* exposureStops, bool light) {
+        program.set(toneMapping, int(light ? settings.toneMap : ToneMap::linear));
+        program.set(exposureStops, light ? settings.exposureStops : 0.0f);
+    };
+    setToneMap("leftToneMapping", "leftExposureStops", left.light);
+    setToneMap("rightToneMapping", "rightExposureStops", right.light);
     program.set("difference", int(settings.difference));
     glBindVertexArray(pass.noVertices.name());
     program.use();

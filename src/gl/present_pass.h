@@ -21,6 +21,8 @@ PresentPass createPresentPass(const std::string& shaderFolder);
 struct Presented {
     GLuint texture = 0;
     int samples = 1;
+    bool light = true;      // else display-linear values, shown as they are
+    float heatPerUnit = 0;  // > 0: numbers, shown as heat between 0 and 1 over this
 };
 
 struct PresentSettings {

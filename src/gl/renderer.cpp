@@ -12,6 +12,7 @@
 #include "gl/picture_sum.h"
 #include "gl/reflection_pass.h"
 #include "gl/relight_pass.h"
+#include "gl/resident_bytes.h"
 #include "gl/scene_upload.h"
 #include "gl/shadow_maps.h"
 #include "gl/textures.h"
@@ -34,27 +35,6 @@ void requireOpenGl45() {
                                   reinterpret_cast<const char*>(glGetString(GL_VERSION))));
 }
 
-// Seconds on the GPU of whatever runs between construction and stop().
-class PassTimer {
-  public:
-    PassTimer() {
-        GLuint name = 0;
-        glCreateQueries(GL_TIME_ELAPSED, 1, &name);
-        query_ = GlQuery(name);
-    }
-    void start() { glBeginQuery(GL_TIME_ELAPSED, query_.name()); }
-    void stop() { glEndQuery(GL_TIME_ELAPSED); }
-    /// Waits for the GPU.
-    double seconds() const {
-        GLuint64 nanoseconds = 0;
-        glGetQueryObjectui64v(query_.name(), GL_QUERY_RESULT, &nanoseconds);
-        return double(nanoseconds) * 1e-9;
-    }
-
-  private:
-    GlQuery query_;
-};
-
 double bytesOfPhatexel(const Phatexture& phatexture) {
     const double tiles = double(phatexture.tilePlaces.size()), layers = double(phatexture.indirect.size());
     const double texels = tiles * kTileSize * kTileSize;
@@ -66,35 +46,56 @@ double bytesOfPhatexel(const Phatexture& phatexture) {
 }  // namespace
 
 struct Renderer::State {
+    /// The relit PHATexels and what they were relit for.
+    struct Relit {
+        RelightPass pass;
+        bool materialsChanged = true;
+        Eye eye;
+    };
+
     std::string shaderFolder;
     std::vector<Material> materials;
     std::vector<PunctualLight> lights;
+    float environmentTurn = 0;
+    int environmentWidth = 1;
     GpuScene scene;
     GpuAtlas atlas;
     GpuLookup lookup;
-    RelightPass relight;
-    LookupPass lookupPass;
-    ReflectionPass reflectionPass;
-    DisplayPass display;
     ShadowMaps shadows;
     FrameTargets targets;
-    PassTimer relightTimer, pyramidTimer, shadowTimer, displayTimer;
+    PassClock clock;
     double bytesPerPhatexel = 0;
-    bool countReads = false;
-    bool shadowsDrawn = false;  // by the last frame
     ReflectionCost reflections;
-    bool materialsChanged = true;
-    std::optional<Eye> relitFor;  // what the pyramid holds
 
-    void createPasses(bool paper) {
-        const bool clearcoat = anyClearcoat(materials);
-        relight = createRelightPass(shaderFolder, atlas, clearcoat, paper);
-        if (lookup.guideCount > 0)
-            lookupPass = createLookupPass(shaderFolder, lookup, clearcoat, countReads);
-        reflectionPass = createReflectionPass(shaderFolder, clearcoat);
+    // Made when they are first needed: compiling takes a while.
+    std::optional<Relit> relit, relitPaper;
+    std::optional<LookupPass> lookupPass, countingLookupPass;
+    std::optional<ReflectionPass> reflectionPass;
+    std::optional<DisplayPass> display, displayPaper, countingDisplay;
+
+    Relit& relitFor(bool paper) {
+        std::optional<Relit>& made = paper ? relitPaper : relit;
+        if (!made)
+            made.emplace().pass = createRelightPass(shaderFolder, atlas, anyClearcoat(materials), paper);
+        return *made;
+    }
+    LookupPass& lookupFor(bool counting) {
+        std::optional<LookupPass>& made = counting ? countingLookupPass : lookupPass;
+        if (!made) made = createLookupPass(shaderFolder, lookup, anyClearcoat(materials), counting);
+        return *made;
+    }
+    DisplayPass& displayFor(bool paper, bool counting) {
+        std::optional<DisplayPass>& made = paper ? displayPaper : counting ? countingDisplay : display;
+        if (!made) made = createDisplayPass(shaderFolder, atlas, anyClearcoat(materials), paper, counting);
+        return *made;
+    }
+    /// A clear coat changes what the shaders are made of.
+    void dropPasses() {
+        relit.reset(), relitPaper.reset();
+        lookupPass.reset(), countingLookupPass.reset();
+        reflectionPass.reset();
+        display.reset(), displayPaper.reset(), countingDisplay.reset();
         targets = {};
-        display = createDisplayPass(shaderFolder, atlas, clearcoat, paper, countReads);
-        materialsChanged = true;
     }
 };
 
@@ -105,11 +106,13 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->materials = input.scene.materials;
     state_->lights = input.scene.lights;
     state_->scene = uploadScene(input.scene, input.atlas);
-    state_->countReads = input.countReads;
     state_->atlas = uploadAtlas(input.scene, input.atlas, input.points, input.phatexture);
     state_->lookup = uploadLookup(input.phatexture, input.atlas);
     if (state_->lookup.guideCount > 0) state_->bytesPerPhatexel = bytesOfPhatexel(input.phatexture);
-    state_->createPasses(false);
+    if (input.scene.environment) state_->environmentWidth = input.scene.environment->radiance.width;
+    // What cannot be compiled is told now.
+    state_->displayFor(false, false);
+    if (state_->lookup.guideCount > 0) state_->lookupFor(false);
 }
 
 Renderer::~Renderer() = default;
@@ -118,55 +121,61 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     State& s = *state_;
     FrameSettings settings = wanted;
     const bool canLookUp = s.lookup.guideCount > 0;
+    const Inspected what = settings.inspection.what;
+    if (what == Inspected::reads) settings.method = Method::phat;
+    // The views of the pyramid are of ours, not of the paper's.
+    if (what != Inspected::reads && what != Inspected::nothing) settings.method = Method::phatPyramid;
     if (!canLookUp && settings.method == Method::phat) settings.method = Method::phatPyramid;
-    const bool pyramid = settings.method != Method::phat || anyBlended(s.materials);
-    if (const bool paper = settings.method == Method::phatPaper; paper != s.relight.paper)
-        s.createPasses(paper);
+    const bool lookedUp = settings.method == Method::phat;
+    const bool pyramid = !lookedUp || anyBlended(s.materials);
+    const bool paper = settings.method == Method::phatPaper, counting = what == Inspected::reads && lookedUp;
+    const RelightPass notRelit;
+    State::Relit* relit = pyramid ? &s.relitFor(paper) : nullptr;
+    DisplayPass& displayPass = s.displayFor(paper, counting);
+    const LookupPass none;
+    const LookupPass& lookupPass = canLookUp ? s.lookupFor(counting) : none;
+    if (!s.reflectionPass) s.reflectionPass = createReflectionPass(s.shaderFolder, anyClearcoat(s.materials));
+
     const glm::uvec2 size(std::max(settings.width, 1), std::max(settings.height, 1));
-    const bool traced = settings.traced && settings.method == Method::phat;
+    const bool traced = settings.traced && lookedUp;
     if (s.targets.size != size || (traced && !s.targets.reflections.target))
-        s.targets = createFrameTargets(size, canLookUp ? &s.lookupPass : nullptr, traced);
+        s.targets = createFrameTargets(size, canLookUp ? &lookupPass : nullptr, traced);
     if (sum.size != size) sum = createPictureSum(size);
 
     // A query needs a complete framebuffer; a context without a window has none of its own.
     glBindFramebuffer(GL_FRAMEBUFFER, sum.target.name());
+    s.clock.restart();
 
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
     const Eye eye = eyeOf(settings.camera);
-    const bool relit =
-        !s.materialsChanged && s.relitFor && eye.place == s.relitFor->place && eye.atInfinity == s.relitFor->atInfinity;
-    const bool relighting = pyramid && !relit;
 
-    s.shadowsDrawn = !s.shadows.depth;
-    if (s.shadowsDrawn) {
-        s.shadowTimer.start();
-        s.shadows = renderShadowMaps(s.lights, s.scene, s.materials, s.display.depthProgram);
-        s.shadowTimer.stop();
+    if (!s.shadows.depth) {
+        s.shadows = renderShadowMaps(s.lights, s.scene, s.materials, displayPass.depthProgram);
+        s.clock.ended(Pass::shadows);
     }
 
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
-    s.relightTimer.start();
-    if (relighting) {
-        if (s.materialsChanged) applyMaterials(s.relight, s.atlas, s.materials);
-        relight(s.relight, s.atlas, s.scene.splitSum.name(), eye);
-        s.materialsChanged = false;
-        s.relitFor = eye;
+    if (relit) {
+        if (relit->materialsChanged) applyMaterials(relit->pass, s.atlas, s.materials);
+        if (relit->materialsChanged || eye.place != relit->eye.place ||
+            eye.atInfinity != relit->eye.atInfinity) {
+            relight(relit->pass, s.atlas, s.scene.splitSum.name(), eye);
+            s.clock.ended(Pass::relight);
+            buildPyramid(relit->pass, s.atlas);
+            s.clock.ended(Pass::pyramid);
+        }
+        relit->materialsChanged = false;
+        relit->eye = eye;
     }
-    s.relightTimer.stop();
-    s.pyramidTimer.start();
-    if (relighting) buildPyramid(s.relight, s.atlas);
-    s.pyramidTimer.stop();
 
-    s.displayTimer.start();
-    s.reflections = phat::display(
-        s.display,
-        {s.scene, s.atlas, s.relight, s.shadows, s.lookup, s.lookupPass, s.reflectionPass, s.materials},
-        settings, s.targets, sum);
-    s.displayTimer.stop();
+    s.reflections = phat::display(displayPass,
+                                  {s.scene, s.atlas, relit ? relit->pass : notRelit, s.shadows, s.lookup,
+                                   lookupPass, *s.reflectionPass, s.materials, s.clock, s.environmentTurn},
+                                  settings, s.targets, sum);
     checkGl("drawing a frame");
 }
 
@@ -177,33 +186,63 @@ Image Renderer::render(const FrameSettings& settings) {
 }
 
 FrameTimes Renderer::lastFrameTimes() const {
-    const State& s = *state_;
-    // The GPU's clock goes on while the CPU traces.
-    return {s.relightTimer.seconds(),
-            s.pyramidTimer.seconds(),
-            s.shadowsDrawn ? s.shadowTimer.seconds() : 0.0,
-            std::max(s.displayTimer.seconds() - s.reflections.seconds, 0.0),
-            s.reflections.seconds,
-            s.reflections.rays};
+    const PassClock& clock = state_->clock;
+    FrameTimes times;
+    times.relight = clock.seconds(Pass::relight);
+    times.pyramid = clock.seconds(Pass::pyramid);
+    times.shadows = clock.seconds(Pass::shadows);
+    times.depth = clock.seconds(Pass::depth);
+    times.lookup = clock.seconds(Pass::lookup);
+    times.pool = clock.seconds(Pass::pool);
+    times.display = clock.seconds(Pass::display);
+    times.reflections = state_->reflections.seconds;
+    times.reflectionRays = state_->reflections.rays;
+    return times;
 }
 
 double Renderer::bytesPerPhatexel() const {
     return state_->bytesPerPhatexel;
 }
 
+ResidentBytes Renderer::residentBytes() const {
+    const State& s = *state_;
+    ResidentBytes bytes = residentBytesOf(s.scene, s.atlas, s.lookup, s.shadows, s.targets);
+    for (const auto* relit : {&s.relit, &s.relitPaper})
+        if (*relit) bytes.pyramid += pyramidBytes((*relit)->pass);
+    return bytes;
+}
+
 void Renderer::setMaterials(const std::vector<Material>& materials) {
     State& s = *state_;
     if (materials.size() != s.materials.size())
         throw GlError("materials may be changed, not added or removed");
-    const bool coatAppears = anyClearcoat(materials) && !s.relight.clearcoat;
+    const bool coatAppears = anyClearcoat(materials) && !anyClearcoat(s.materials);
     s.materials = materials;
-    s.materialsChanged = true;
-    if (coatAppears) s.createPasses(s.relight.paper);
+    for (auto* relit : {&s.relit, &s.relitPaper})
+        if (*relit) (*relit)->materialsChanged = true;
+    if (coatAppears) s.dropPasses();
 }
 
 void Renderer::setLights(const std::vector<PunctualLight>& lights) {
     state_->lights = lights;
     state_->shadows = {};
+}
+
+void Renderer::turnEnvironment(int columns) {
+    state_->environmentTurn = float(columns) / float(state_->environmentWidth);
+}
+
+ReadCount countReads(const Image& picture, int source) {
+    ReadCount count;
+    size_t pixels = 0;
+    for (const glm::vec3& pixel : picture.pixels) {
+        if (pixel.x <= 0) continue;
+        count.mean += double(pixel[source]);
+        count.most = std::max(count.most, double(pixel[source]));
+        ++pixels;
+    }
+    count.mean /= double(std::max<size_t>(pixels, 1));
+    return count;
 }
 
 }  // namespace phat

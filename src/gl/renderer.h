@@ -30,6 +30,26 @@ enum class Method : uint8_t {
 enum class Quality : uint8_t { fast, standard, high };
 enum class ToneMap : uint8_t { linear, agx, aces };
 
+/// Stored data that can be shown in place of the light. twin: shaders/inspect.frag.
+enum class Inspected : uint8_t {
+    nothing,    // the light
+    radiance,   // of the PHATexels: light, as figure 4 of the paper shows it
+    direction,  // of the PHATexels, world: x, y, z as red, green, blue, each from -1 to 1
+    distance,   // of the PHATexels: black 1 cm, red 22 cm, yellow 4.6 m, white 100 m
+    validity,   // green: holds a value; red: none
+    charts,     // a colour each, with their tiles
+    density,    // a checker of texels; blue as coarse as anywhere, red an eighth
+    pyramid,    // a level of the relit PHATexels, seen from the eye: light
+    samples,    // effective number in the pyramid's cone: black 1, red 6, yellow 40, white 256
+    reads,      // of texels by the lookup: red for indirect light, green for area lights; the numbers themselves
+};
+struct Inspection {
+    Inspected what = Inspected::nothing;
+    int source = 0;  // 0: indirect light, 1: area lights, if there are any
+    int layer = 0;   // of several PHATexels a texel
+    int level = 0;   // of the pyramid
+};
+
 /// Rays that take the place of the lookup on smooth surfaces. What they read is the caller's, as are its
 /// materials.
 struct TracedReflections {
@@ -45,6 +65,7 @@ struct FrameSettings {
     Method method = Method::phat;  // phatPyramid takes its place where directions follow no invertible layout
     Quality quality = Quality::standard;  // of Method::phat
     Component component = Component::all;
+    Inspection inspection;
     /// Anti-aliasing: this many whole pictures, shifted inside the pixel, are averaged (a box filter of one
     /// pixel, over edges, textures and highlights alike). 1 turns it off.
     int samplesPerPixel = 4;
@@ -54,14 +75,43 @@ struct FrameSettings {
     const TracedReflections* traced = nullptr;
 };
 
-/// Seconds by pass, on the GPU unless said otherwise.
+/// Whether a view is of radiance, for a tone map; else of display-linear colours, or Inspected::reads.
+inline bool showsLight(Inspected what) {
+    return what == Inspected::nothing || what == Inspected::radiance || what == Inspected::pyramid;
+}
+
+/// Of a picture of Inspected::reads, over the pixels that show a surface. `source` as in Inspection.
+struct ReadCount {
+    double mean = 0, most = 0;
+};
+ReadCount countReads(const Image& picture, int source);
+
+/// Seconds by pass, on the GPU unless said otherwise; of all samples that a draw added.
 struct FrameTimes {
     double relight = 0;
     double pyramid = 0;
-    double shadows = 0;      // first frame only
-    double display = 0;      // with the lookup
+    double shadows = 0;  // first frame only
+    double depth = 0;    // with the background
+    double lookup = 0;
+    double pool = 0;
+    double display = 0;
     double reflections = 0;  // rays on the CPU
     uint64_t reflectionRays = 0;
+
+    double gpu() const { return relight + pyramid + shadows + depth + lookup + pool + display; }
+};
+
+/// Bytes in the GPU's memory.
+struct ResidentBytes {
+    uint64_t scene = 0;  // triangles, pictures, sky
+    uint64_t phatexels = 0;
+    uint64_t lookup = 0;      // warps, distances, places of texels
+    uint64_t irradiance = 0;  // diffuse light
+    uint64_t pyramid = 0;     // with what relighting reads
+    uint64_t shadows = 0;
+    uint64_t frame = 0;  // targets of the picture's size
+
+    uint64_t sum() const { return scene + phatexels + lookup + irradiance + pyramid + shadows + frame; }
 };
 
 /// What the renderer needs of a bake. Everything is uploaded in the constructor; the CPU's copies may go.
@@ -70,9 +120,6 @@ struct RendererInput {
     const Atlas& atlas;
     const TexelPoints& points;
     const Phatexture& phatexture;
-    /// Pictures of Method::phat hold how many texels were read for a pixel's glossy light: red for indirect light,
-    /// green for area lights.
-    bool countReads = false;
 };
 
 class Renderer {
@@ -92,11 +139,14 @@ class Renderer {
     /// On the GPU, for one PHATexel of the indirect light: itself, and all that the lookup reads beside it. 0
     /// where nothing can be looked up.
     double bytesPerPhatexel() const;
+    ResidentBytes residentBytes() const;
 
     /// Materials may change between frames (roughness, colour ...); textures stay.
     void setMaterials(const std::vector<Material>& materials);
     /// Punctual lights may change too; their direct light follows, the bake's indirect light does not.
     void setLights(const std::vector<PunctualLight>& lights);
+    /// The sky behind the scene as turned() of the one that was given; what it lit stays as it was baked.
+    void turnEnvironment(int columns);
 
   private:
     struct State;

@@ -48,6 +48,26 @@ GlTexture createTextureArray(GLenum format, glm::uvec2 size, int layers, int lev
     return texture;
 }
 
+uint64_t textureBytes(const GlTexture& texture) {
+    if (!texture) return 0;
+    GLint levels = 0;
+    glGetTextureParameteriv(texture.name(), GL_TEXTURE_IMMUTABLE_LEVELS, &levels);
+    uint64_t bytes = 0;
+    for (GLint level = 0; level < levels; ++level) {
+        const auto ask = [&](GLenum what) {
+            GLint value = 0;
+            glGetTextureLevelParameteriv(texture.name(), level, what, &value);
+            return uint64_t(value);
+        };
+        uint64_t bits = ask(GL_TEXTURE_SHARED_SIZE);
+        for (const GLenum channel : {GL_TEXTURE_RED_SIZE, GL_TEXTURE_GREEN_SIZE, GL_TEXTURE_BLUE_SIZE,
+                                     GL_TEXTURE_ALPHA_SIZE, GL_TEXTURE_DEPTH_SIZE})
+            bits += ask(channel);
+        bytes += ask(GL_TEXTURE_WIDTH) * ask(GL_TEXTURE_HEIGHT) * ask(GL_TEXTURE_DEPTH) * bits / 8;
+    }
+    return bytes;
+}
+
 GlFramebuffer createFramebuffer(const std::vector<Attachment>& colors, GLuint depth) {
     GLuint name = 0;
     glCreateFramebuffers(1, &name);

@@ -1,6 +1,7 @@
 #pragma once
 // Creation of textures and framebuffers with the machine's limits checked first.
 
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <initializer_list>
 #include <span>
@@ -13,6 +14,9 @@ namespace phat {
 /// Immutable storage, nearest filtering, clamped. Throws GlError when a side exceeds GL_MAX_TEXTURE_SIZE.
 GlTexture createTexture2D(GLenum format, glm::uvec2 size, int levels = 1);
 GlTexture createTextureArray(GLenum format, glm::uvec2 size, int layers, int levels = 1);
+
+/// Of all levels and layers; 0 for an empty name.
+uint64_t textureBytes(const GlTexture& texture);
 
 /// Layer or level of a texture as a colour attachment.
 struct Attachment {

@@ -5,7 +5,9 @@
 #include "io/atomic_file.h"
 #include "io/file_error.h"
 #include "io/glb_builder.h"
+#include "io/gltf_rewrite.h"
 #include "io/gltf_source.h"
+#include "io/phat_payload.h"
 
 namespace phat {
 namespace {
@@ -87,27 +89,48 @@ void dropUnusedLights(json& gltf) {
     definitions = std::move(kept);
 }
 
+// The file's own values, moved: nothing is rounded.
+void turnEnvironment(GlbBuilder& glb, int columns) {
+    const json& sky = glb.json.at("extensions").at(kPhatExtension).at("environment");
+    const size_t width = sky.at("size").at(0).get<size_t>(), height = sky.at("size").at(1).get<size_t>();
+    const json& payload = sky.at("radiance");
+    const size_t view = payload.at("bufferView").get<size_t>();
+    const json& place = glb.json.at("bufferViews").at(view);
+    const std::span<const uint8_t> stream = std::span(glb.bin).subspan(place.value("byteOffset", size_t(0)),
+                                                                       place.at("byteLength").get<size_t>());
+    std::vector<uint8_t> bytes = decodePayload(stream, payload.at("byteLength").get<size_t>());
+    const size_t row = width * sizeof(uint32_t);
+    const size_t shift = size_t(((columns % int(width)) + int(width)) % int(width)) * sizeof(uint32_t);
+    for (size_t y = 0; y < height; ++y) {
+        const auto begin = bytes.begin() + ptrdiff_t(y * row);
+        std::rotate(begin, begin + ptrdiff_t((row - shift) % row), begin + ptrdiff_t(row));
+    }
+    replaceBufferView(glb, view, encodePayload(bytes));
+}
+
 }  // namespace
 
-void writeEdits(const std::string& path, const std::string& outPath, const Scene& scene,
-                const std::vector<Material>& materials, const std::vector<PunctualLight>& lights) {
+void writeEdits(const std::string& path, const std::string& outPath, const SceneEdits& from,
+                const SceneEdits& to) {
     std::vector<uint8_t> bytes;
     try {
         GltfSource source = readGltfSource(path);
         if (source.buffers.size() != 1) throw std::runtime_error("is not a file of one binary buffer");
         GlbBuilder glb{std::move(source.json), std::move(source.buffers[0])};
         glb.json.erase("buffers");
-        for (size_t i = 0; i < materials.size(); ++i)
+        for (size_t i = 0; i < to.materials.size(); ++i)
             // The loader's own material for primitives without one has no place in the file.
             if (glb.json.contains("materials") && i < glb.json["materials"].size())
-                writeMaterial(glb.json, glb.json["materials"][i], scene.materials.at(i), materials[i]);
+                writeMaterial(glb.json, glb.json["materials"][i], from.materials.at(i), to.materials[i]);
         bool anyLight = false;
-        for (size_t i = 0; i < lights.size(); ++i) {
-            if (lights[i].intensity == scene.lights.at(i).intensity) continue;
-            writeLight(glb.json, lights[i]);
+        for (size_t i = 0; i < to.lights.size(); ++i) {
+            if (to.lights[i].intensity == from.lights.at(i).intensity) continue;
+            writeLight(glb.json, to.lights[i]);
             anyLight = true;
         }
         if (anyLight) dropUnusedLights(glb.json);
+        if (from.environmentColumns != to.environmentColumns)
+            turnEnvironment(glb, to.environmentColumns - from.environmentColumns);
         bytes = glbBytes(glb);
     } catch (const FileError&) {
         throw;

@@ -1,17 +1,16 @@
 #pragma once
-// Materials and lights that were changed after the bake, back into its file.
+// What was changed after the bake, back into its file.
 
 #include <string>
-#include <vector>
 
-#include "core/scene.h"
+#include "core/scene_edits.h"
 
 namespace phat {
 
-/// Writes the baked file `path` to `outPath` (they may be the same) with the factors of `materials` and the
-/// intensities of `lights` where they differ from `scene`, which was read from `path`. PHATexels, textures
-/// and everything else stay as they are. Throws FileError; an old file at `outPath` then stays as it was.
-void writeEdits(const std::string& path, const std::string& outPath, const Scene& scene,
-                const std::vector<Material>& materials, const std::vector<PunctualLight>& lights);
+/// Writes the baked file `path`, which holds `from`, to `outPath` (they may be the same) with the materials'
+/// factors, the lights' intensities and the sky of `to` where they differ. PHATexels, textures and everything
+/// else stay as they are. Throws FileError; an old file at `outPath` then stays as it was.
+void writeEdits(const std::string& path, const std::string& outPath, const SceneEdits& from,
+                const SceneEdits& to);
 
 }  // namespace phat

@@ -1,5 +1,6 @@
 #include "io/glb_builder.h"
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
@@ -39,6 +40,28 @@ size_t appendBufferView(GlbBuilder& glb, std::span<const uint8_t> bytes, ViewTar
     json& views = glb.json["bufferViews"];
     views.push_back(std::move(view));
     return views.size() - 1;
+}
+
+void replaceBufferView(GlbBuilder& glb, size_t view, std::span<const uint8_t> bytes) {
+    const auto beginOf = [](const json& v) { return v.value("byteOffset", size_t(0)); };
+    const auto endOf = [&](const json& v) { return beginOf(v) + v.at("byteLength").get<size_t>(); };
+    json& views = glb.json.at("bufferViews");
+    json& replaced = views.at(view);
+    const size_t begin = beginOf(replaced), end = std::min(aligned(endOf(replaced)), glb.bin.size());
+    const bool shared = std::any_of(views.begin(), views.end(), [&](const json& other) {
+        return &other != &replaced && beginOf(other) < end && endOf(other) > begin;
+    });
+    // Later views move by whole words, which keeps their alignment.
+    if (!shared && begin % kAlignment == 0 && end % kAlignment == 0 && begin < end) {
+        glb.bin.erase(glb.bin.begin() + ptrdiff_t(begin), glb.bin.begin() + ptrdiff_t(end));
+        for (json& other : views)
+            if (&other != &replaced && beginOf(other) >= end)
+                other["byteOffset"] = beginOf(other) - (end - begin);
+    }
+    glb.bin.resize(aligned(glb.bin.size()));
+    replaced["byteOffset"] = glb.bin.size();
+    replaced["byteLength"] = bytes.size();
+    glb.bin.insert(glb.bin.end(), bytes.begin(), bytes.end());
 }
 
 size_t appendAccessor(GlbBuilder& glb, json accessor, std::span<const uint8_t> bytes, ViewTarget target) {

@@ -21,6 +21,9 @@ enum class ViewTarget : uint32_t { none = 0, vertices = 34962, indices = 34963 }
 size_t appendBufferView(GlbBuilder& glb, std::span<const uint8_t> bytes, ViewTarget target = ViewTarget::none,
                         uint32_t byteStride = 0);
 
+/// Puts other bytes in the place of a bufferView's. Those of the old ones that nothing else uses are gone.
+void replaceBufferView(GlbBuilder& glb, size_t view, std::span<const uint8_t> bytes);
+
 /// Appends an accessor over a bufferView of its own. `accessor` says componentType, type, count and what else
 /// it likes. Elements of vertex attributes are padded to multiples of 4 bytes.
 size_t appendAccessor(GlbBuilder& glb, nlohmann::json accessor, std::span<const uint8_t> bytes,

@@ -1,37 +1,61 @@
 #include "viewer/document.h"
 
-#include <fmt/format.h>
-
-#include <filesystem>
-
-#include "io/file_error.h"
-#include "io/gltf_loader.h"
-#include "io/material_edit.h"
+#include "io/bake_record.h"
+#include "io/baked_edits.h"
+#include "io/scene_file.h"
 
 namespace phat {
 namespace {
 
-BakedScene load(const std::string& path, const std::string& environment) {
-    if (isBakedFile(path)) {
-        if (!environment.empty())
-            throw FileError(path, "has the environment that it was baked in; bake it again to change that");
-        return readBakedFile(path);
+void writeBake(const std::string& out, const std::string& source, const std::string& environment,
+               BakedScene& baked) {
+    Bake whole{std::move(baked.atlas), std::move(baked.points), std::move(baked.phatexture), {}};
+    const auto giveBack = [&] {
+        baked.atlas = std::move(whole.atlas);
+        baked.points = std::move(whole.points);
+        baked.phatexture = std::move(whole.phatexture);
+    };
+    try {
+        BakeSettings settings;
+        settings.atlas.texelBudget = whole.atlas.texelCount();
+        writeBakedFile(out, source, baked.loaded.scene, whole, recordOf(settings, source, environment));
+    } catch (...) {
+        giveBack();
+        throw;
     }
-    BakedScene plain;
-    plain.loaded = loadGltf(path);
-    if (!environment.empty()) plain.loaded.scene.environment = loadEnvironment(environment);
-    if (plain.loaded.scene.triangles.empty()) throw FileError(path, "has no triangles to bake");
-    return plain;
+    giveBack();
 }
 
 }  // namespace
 
-Document::Document(const std::string& file, const std::string& environmentPath)
+Document::Document(const std::string& file, const std::string& environment)
     : path(file),
-      baked(load(file, environmentPath)),
+      environmentPath(environment),
+      baked(readSceneFile(file, environment)),
       hasBake(!baked.phatexture.indirect.empty()),
-      rays(scene()),
-      edits({scene().materials, scene().lights}),
-      writeTime(std::filesystem::last_write_time(file)) {}
+      shown(scene()),
+      rays(shown),
+      edits(noEdits(scene())),
+      writeTime(std::filesystem::last_write_time(file)),
+      applied_(edits.now()),
+      inFile_(edits.now()) {}
+
+void Document::showEdits() {
+    applyEdits(applied_, edits.now(), shown);
+    applied_ = edits.now();
+}
+
+std::string Document::save() {
+    if (isBakedFile(path)) {
+        writeEdits(path, path, inFile_, edits.now());
+        inFile_ = edits.now();
+        writeTime = std::filesystem::last_write_time(path);
+        return path;
+    }
+    const std::string out = std::filesystem::path(path).replace_extension(".phat.glb").string();
+    writeBake(out, path, environmentPath, baked);
+    writeEdits(out, out, noEdits(scene()), edits.now());
+    return out;
+}
 
 }  // namespace phat

@@ -10,9 +10,9 @@ constexpr size_t kMostStates = 1000;
 
 }  // namespace
 
-EditHistory::EditHistory(Editable start) : original_(start), states_{std::move(start)} {}
+EditHistory::EditHistory(SceneEdits start) : original_(start), states_{std::move(start)} {}
 
-void EditHistory::change(Editable next, bool goesOn) {
+void EditHistory::change(SceneEdits next, bool goesOn) {
     ++revision_;
     states_.resize(at_ + 1);
     if (goesOn && at_ > 0) {

@@ -4,26 +4,20 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/scene.h"
+#include "core/scene_edits.h"
 
 namespace phat {
 
-/// Everything that can be edited without a new bake.
-struct Editable {
-    std::vector<Material> materials;
-    std::vector<PunctualLight> lights;
-};
-
 class EditHistory {
   public:
-    explicit EditHistory(Editable start = {});
+    explicit EditHistory(SceneEdits start = {});
 
-    const Editable& now() const { return states_[at_]; }
-    const Editable& original() const { return original_; }
+    const SceneEdits& now() const { return states_[at_]; }
+    const SceneEdits& original() const { return original_; }
 
     /// A new state; what was undone before is gone. `goesOn`: the same slider is still held, so that one undo
     /// takes all of its motion back.
-    void change(Editable next, bool goesOn);
+    void change(SceneEdits next, bool goesOn);
 
     bool canUndo() const { return at_ > 0; }
     bool canRedo() const { return at_ + 1 < states_.size(); }
@@ -33,8 +27,8 @@ class EditHistory {
     uint64_t revision() const { return revision_; }
 
   private:
-    Editable original_;
-    std::vector<Editable> states_;
+    SceneEdits original_;
+    std::vector<SceneEdits> states_;
     size_t at_ = 0;
     uint64_t revision_ = 0;
 };

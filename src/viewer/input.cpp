@@ -39,6 +39,7 @@ struct Place {
 
 void handleMouse(ViewerState& state, const Place& place) {
     const ImGuiIO& io = ImGui::GetIO();
+    if (ImGui::IsAnyMouseDown()) state.message.clear();
     const glm::vec2 moved = glm::vec2(io.MouseDelta.x, io.MouseDelta.y) * place.scale;
     const glm::vec2 mouse = place(io.MousePos);
     Navigation& navigation = state.navigation;
@@ -130,9 +131,15 @@ Wishes handleInput(ViewerState& state, const std::vector<Window::KeyPress>& pres
                       glm::vec2(area.z, area.w),
                       {io.DisplayFramebufferScale.x, io.DisplayFramebufferScale.y}};
     if (!io.WantTextInput) {
+        if (!pressed.empty()) state.message.clear();
         for (const Window::KeyPress& press : pressed) handleKey(state, press, place.size, wishes);
         if (state.document) handleFlight(state);
     }
+    if (!pressed.empty() || io.MouseDelta.x != 0 || io.MouseDelta.y != 0 || io.MouseWheel != 0 ||
+        ImGui::IsAnyMouseDown())
+        state.lastInput = std::chrono::steady_clock::now();
+    state.pictureSize = {area.z, area.w};
+    state.mouse = io.WantCaptureMouse ? glm::vec2(-1) : place(io.MousePos);
     if (!io.WantCaptureMouse && state.document) handleMouse(state, place);
     return wishes;
 }

@@ -20,7 +20,7 @@ class PathPreview::Stop : public SilentProgress {
 };
 
 PathPreview::PathPreview(const Scene& scene, Wake wake)
-    : scene_(scene), rays_(scene_), wake_(std::move(wake)) {
+    : scene_(scene), applied_(noEdits(scene)), rays_(scene_), wake_(std::move(wake)) {
     thread_ = std::thread([this] { run(); });
 }
 
@@ -73,8 +73,8 @@ void PathPreview::run() {
 }
 
 void PathPreview::refine(const View& view, uint64_t version) {
-    scene_.materials = view.edits.materials;
-    scene_.lights = view.edits.lights;
+    applyEdits(applied_, view.edits, scene_);
+    applied_ = view.edits;
     Stop stop(version_, version);
     try {
         const LightSampler lights(scene_);

@@ -19,7 +19,7 @@ class PathPreview {
         Camera camera;
         int width = 1, height = 1;
         Component component = Component::all;
-        Editable edits;
+        SceneEdits edits;
     };
     struct Refined {
         Image mean;  // linear radiance, row 0 on top
@@ -47,7 +47,8 @@ class PathPreview {
     void run();
     void refine(const View& view, uint64_t version);
 
-    Scene scene_;
+    Scene scene_;  // with the view's edits
+    SceneEdits applied_;
     RayScene rays_;  // of scene_, whose geometry and opacity no edit changes
     Wake wake_;
     std::mutex mutex_;

@@ -11,11 +11,25 @@ namespace {
 
 // A still picture is this many samples a pixel.
 constexpr int kStillSamples = 16;
+// Of views whose cost is high or whose numbers must not be blended.
+constexpr int kCountSamples = 1;
+// Reads a pixel that are shown white; --quality high reads 137 in the mean.
+constexpr float kMostReads = 256;
+// Rays of a still picture's first sample may take so long; the window does not answer meanwhile.
+constexpr double kRaySeconds = 0.4;
 // While something moves, pixels are left out so that a frame takes no longer than this.
 constexpr double kMovingFrameSeconds = 0.04;
 constexpr int kMostCoarseness = 8;
+// A picture that is there is not refined while hands move: one more sample may take longer than a click.
+constexpr auto kHandsRest = std::chrono::milliseconds(150);
 // After the last motion the picture waits so long before it is drawn with all pixels, where that is slow.
 constexpr auto kSettleTime = std::chrono::milliseconds(150);
+
+int stillSamples(const ViewerState& state, Source source) {
+    const Inspected what = state.view.inspection.what;
+    const bool counts = what == Inspected::reads || what == Inspected::samples;
+    return source == Source::phatexels && counts ? kCountSamples : kStillSamples;
+}
 
 GlTexture uploadPicture(const Image& image) {
     const glm::uvec2 size(uint32_t(image.width), uint32_t(image.height));
@@ -35,8 +49,14 @@ Pictures::Pictures(const std::string& shaderFolder, Wake wake)
 
 void Pictures::reset() {
     path_.reset();
+    reflections_.reset();
     sides_ = {};
     metrics_.reset();
+    reads_.reset();
+}
+
+Pictures::Reads Pictures::readsOf(const Image& picture) {
+    return {countReads(picture, 0), countReads(picture, 1)};
 }
 
 Pictures::SideReport Pictures::reportOf(const Side& side) {
@@ -53,23 +73,51 @@ int Pictures::coarsenessFor(glm::uvec2 size) const {
     return coarseness;
 }
 
-void Pictures::draw(ViewerState& state, Side& side, glm::uvec2 size, int samplesPerPixel) {
-    FrameSettings settings;
+const TracedReflections& Pictures::reflections(const ViewerState& state, double seconds) {
+    Document& document = *state.document;
+    if (!reflections_ || reflectionsRevision_ != document.edits.revision()) {
+        document.showEdits();
+        reflections_.emplace(document);
+        reflectionsRevision_ = document.edits.revision();
+    }
+    return reflections_->within(seconds);
+}
+
+bool Pictures::mayTrace(const ViewerState& state, const Side& side) const {
+    if (!state.view.raysAtRest || side.tooManyRays) return false;
+    if (side.source != Source::phat && side.source != Source::direct) return false;
+    const auto& materials = state.document->edits.now().materials;
+    return std::any_of(materials.begin(), materials.end(),
+                       [](const Material& m) { return mayReflectSmoothly(m, Reflections::automatic); });
+}
+
+void Pictures::draw(ViewerState& state, Side& side, glm::uvec2 size, int samplesPerPixel, bool rays) {
+    FrameSettings settings = frameSettings(state, side.source);
     settings.width = int(size.x);
     settings.height = int(size.y);
-    settings.camera = state.navigation.camera;
-    settings.method = side.source == Source::phatPyramid ? Method::phatPyramid : Method::phat;
-    settings.component = side.source == Source::direct ? Component::direct : state.view.component;
     settings.samplesPerPixel = samplesPerPixel;
     settings.samplesPerDraw = 1;
-    if (side.version != state.version) side.drawn.samples = 0;
-    state.renderer->draw(settings, side.drawn);
+    if (side.version != state.version || side.byRays != rays) side.drawn.samples = 0;
+    if (rays) settings.traced = &reflections(state, side.drawn.samples == 0 ? kRaySeconds : 0);
     side.version = state.version;
     side.wanted = samplesPerPixel;
+    side.byRays = rays;
+    side.counts = settings.inspection.what == Inspected::reads;
+    side.light = settings.inspection.what == Inspected::nothing ||
+                 settings.inspection.what == Inspected::radiance ||
+                 settings.inspection.what == Inspected::pyramid;
+    try {
+        state.renderer->draw(settings, side.drawn);
+    } catch (const Interrupted&) {
+        side.tooManyRays = true;
+        side.drawn.samples = 0;
+        return;
+    }
     frameTimes_ = state.renderer->lastFrameTimes();
-    const double seconds = frameTimes_.relight + frameTimes_.pyramid + frameTimes_.display;
-    secondsPerPixel_ = seconds / (double(size.x) * double(size.y));
+    secondsPerPixel_ = frameTimes_.gpu() / (double(size.x) * double(size.y));
     coarseness_ = int(std::max(1u, size_.x / size.x));
+    if (side.counts && coarseness_ == 1 && side.drawn.samples == side.wanted)
+        reads_ = readsOf(readMean(side.drawn));
 }
 
 void Pictures::askPathTracer(const ViewerState& state, Side& side, glm::uvec2 size) {
@@ -104,6 +152,7 @@ bool Pictures::refine(ViewerState& state, glm::uvec2 size) {
         size_ = size;
         metrics_.reset();
     }
+    const bool handsMove = now - state.lastInput < kHandsRest;
     const bool settled = now - lastChange_ >= kSettleTime;
     sides_[0].source = state.view.left;
     sides_[1].source = state.view.right;
@@ -120,13 +169,16 @@ bool Pictures::refine(ViewerState& state, glm::uvec2 size) {
             continue;
         }
         if (!state.renderer) continue;
+        if (!current) side.tooManyRays = false;
         const int coarseness = settled ? 1 : coarsenessFor(size);
         const glm::uvec2 pixels = glm::max(size / uint32_t(coarseness), glm::uvec2(1));
-        const bool sharp = side.drawn.size == size;
-        if (current && sharp && side.drawn.samples >= side.wanted && side.wanted == kStillSamples) continue;
+        const bool sharp = side.drawn.size == size, rays = settled && mayTrace(state, side);
+        const int still = stillSamples(state, side.source);
+        if (current && sharp && side.byRays == rays && side.drawn.samples >= still && side.wanted == still)
+            continue;
         // Coarse pictures are drawn once a change and wait to be replaced by a sharp one.
-        if (!current || settled || coarseness == 1)
-            draw(state, side, pixels, coarseness > 1 ? 1 : kStillSamples);
+        if (!current || (!handsMove && (settled || coarseness == 1)))
+            draw(state, side, pixels, coarseness > 1 ? 1 : still, rays);
         more = true;
     }
     if (!tracing && path_) path_->pause();
@@ -141,6 +193,7 @@ void Pictures::measure(const ViewerState& state) {
     }
     if (!state.view.compare) return;
     const auto ready = [&](const Side& side) {
+        if (side.source == Source::phatexels) return false;  // not what the other side shows
         return side.source == Source::pathTracer
                    ? side.tracedSamples > 0
                    : side.drawn.size == size_ && side.drawn.samples == side.wanted;
@@ -162,8 +215,9 @@ void Pictures::measure(const ViewerState& state) {
 void Pictures::show(const ViewerState& state, glm::ivec4 area, int windowHeight) {
     const auto presented = [&](const Side& side) {
         if (side.source == Source::pathTracer && side.version == state.version && side.tracedSamples > 0)
-            return Presented{side.tracedTexture.name(), 1};
-        return Presented{side.drawn.texture.name(), side.drawn.samples};
+            return Presented{side.tracedTexture.name()};
+        return Presented{side.drawn.texture.name(), side.drawn.samples, side.light,
+                         side.counts ? 1 / kMostReads : 0.0f};
     };
     Presented left = presented(sides_[0]), right = state.view.compare ? presented(sides_[1]) : left;
     // Until the path tracer's first pass is there, the drawn picture stands in.

@@ -20,6 +20,8 @@ class Pictures {
 
     /// Another document: nothing of the last one is shown.
     void reset();
+    /// The document's bake is another one.
+    void takeNewBake() { reflections_.reset(); }
     /// Brings the pictures of `size` pixels nearer to what the state asks for. Returns whether more can be
     /// done at once; what the path tracer still has to do wakes the window by itself.
     bool refine(ViewerState& state, glm::uvec2 size);
@@ -36,6 +38,13 @@ class Pictures {
     /// Seconds of the last drawn frame by pass, and how many times fewer pixels a side it had.
     FrameTimes frameTimes() const { return frameTimes_; }
     int coarseness() const { return coarseness_; }
+    /// Of the last picture of Inspected::reads.
+    struct Reads {
+        ReadCount indirect, area;
+    };
+    std::optional<Reads> reads() const { return reads_; }
+    /// Smooth surfaces of the left picture are looked up, because rays would take too long.
+    bool tooManyRays() const { return sides_[0].tooManyRays; }
 
   private:
     struct Side {
@@ -46,10 +55,16 @@ class Pictures {
         GlTexture tracedTexture;
         int tracedSamples = 0;
         int wanted = 0;
-        bool complete = false;
+        bool byRays = false;       // the drawn samples' smooth reflections
+        bool tooManyRays = false;  // for this version
+        bool light = true;         // what is drawn, see Presented
+        bool counts = false;
     };
     static SideReport reportOf(const Side& side);
-    void draw(ViewerState& state, Side& side, glm::uvec2 size, int samplesPerPixel);
+    static Reads readsOf(const Image& picture);
+    void draw(ViewerState& state, Side& side, glm::uvec2 size, int samplesPerPixel, bool rays);
+    bool mayTrace(const ViewerState& state, const Side& side) const;
+    const TracedReflections& reflections(const ViewerState& state, double seconds);
     void askPathTracer(const ViewerState& state, Side& side, glm::uvec2 size);
     void takePathTracer(Side& side);
     void measure(const ViewerState& state);
@@ -66,6 +81,9 @@ class Pictures {
     double secondsPerPixel_ = 0;
     FrameTimes frameTimes_;
     int coarseness_ = 1;
+    std::optional<LiveReflections> reflections_;
+    uint64_t reflectionsRevision_ = 0;
+    std::optional<Reads> reads_;
     std::optional<Metrics> metrics_;
     std::future<Metrics> measuring_;
     int measuredSamples_ = 0;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "gl/flag_names.h"
 #include "io/material_edit.h"
 
 namespace phat {
@@ -28,20 +29,14 @@ const char* methodOf(Source source) {
             return "phat";
         case Source::phatPyramid:
             return "phat-pyramid";
+        case Source::phatPaper:
+            return "phat-paper";
         case Source::pathTracer:
             return "path";
+        case Source::phatexels:  // pre: not asked for
+            break;
     }
     return "phat";
-}
-
-const char* componentOf(Component component) {
-    constexpr const char* kNames[] = {"all", "direct", "indirect", "glossy-indirect", "diffuse-indirect"};
-    return kNames[size_t(component)];
-}
-
-const char* toneMapOf(ToneMap toneMap) {
-    constexpr const char* kNames[] = {"linear", "agx", "aces"};
-    return kNames[size_t(toneMap)];
 }
 
 }  // namespace
@@ -51,6 +46,7 @@ std::string renderCommandLine(const ViewerState& state, glm::ivec2 size) {
     const ViewSettings& view = state.view;
     std::string line = fmt::format("phat render {} -o picture.png --method {} --size {}x{}",
                                    quoted(document.path), methodOf(view.left), size.x, size.y);
+    if (view.left != Source::pathTracer) line += fmt::format(" --spp {}", kKeptSamples);
     if (state.camera > 0) {
         line += fmt::format(" --camera {}", state.camera);
     } else if (state.camera < 0) {
@@ -60,9 +56,11 @@ std::string renderCommandLine(const ViewerState& state, glm::ivec2 size) {
             line += fmt::format(" --fov {}", glm::degrees(navigation.camera.yfovRadians));
     }
     const Component component = view.left == Source::direct ? Component::direct : view.component;
-    if (component != Component::all) line += fmt::format(" --component {}", componentOf(component));
+    if (component != Component::all)
+        line += fmt::format(" --component {}", nameOf(kComponentNames, component));
     if (view.exposureStops != 0) line += fmt::format(" --exposure {}", view.exposureStops);
-    if (view.toneMap != ToneMap::agx) line += fmt::format(" --tonemap {}", toneMapOf(view.toneMap));
+    if (view.toneMap != ToneMap::agx)
+        line += fmt::format(" --tonemap {}", nameOf(kToneMapNames, view.toneMap));
     const auto edits = materialEdits(document.edits.original().materials, document.edits.now().materials);
     if (!edits.empty()) line += " --set";
     for (const std::string& edit : edits) line += " " + quoted(edit);

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 
-#include "io/bake_record.h"
-#include "io/baked_edits.h"
 #include "io/image_file.h"
 #include "viewer/background_bake.h"
 #include "viewer/input.h"
@@ -21,8 +19,8 @@ namespace {
 // Dear ImGui needs a second and third frame to settle after an event.
 constexpr int kFramesAfterEvent = 3;
 
-// Samples a pixel of pictures that are written.
-constexpr int kKeptSamples = 16;
+// How often a window at rest looks whether its file has changed.
+constexpr double kLookAtFileSeconds = 1;
 
 // `prefix` with the first number of which no file has any of the endings, so that nothing is overwritten.
 template <class... Endings>
@@ -31,6 +29,11 @@ std::string freeName(const char* prefix, const Endings&... endings) {
         const std::string name = fmt::format("{}{:04}", prefix, i);
         if (!(std::filesystem::exists(name + endings) || ...)) return name;
     }
+}
+
+std::string sentenceOf(const std::exception& error) {
+    if (dynamic_cast<const std::bad_alloc*>(&error)) return "There is not enough memory.";
+    return error.what();
 }
 
 class Viewer {
@@ -45,7 +48,9 @@ class Viewer {
     void run() {
         bool idle = false;
         while (!window_.closeRequested()) {
-            window_.handleEvents(idle && framesLeft_ == 0);
+            const bool sleeps = idle && framesLeft_ == 0;
+            const bool woken = window_.handleEvents(sleeps ? kLookAtFileSeconds : 0);
+            if (!noticeFileChange() && !woken) continue;
             framesLeft_ = idle ? kFramesAfterEvent : std::max(framesLeft_ - 1, 0);
             const bool more = frame();
             idle = !more && framesLeft_ == 0;
@@ -63,9 +68,11 @@ class Viewer {
     void save();
     void beginTurntable(int frames);
     bool turn();
-    void noticeFileChange();
+    /// Whether it has changed since the last look.
+    bool noticeFileChange();
     void useBake();
     Image drawWhole(const Camera& camera);
+    Image displayed(const Image& picture) const;
     PanelInput panelInput() const;
     /// Where the picture is in the window: beside the panels. x, y (from the top left), width, height in
     /// pixels.
@@ -90,13 +97,17 @@ class Viewer {
 
 void Viewer::open(const std::string& path) {
     auto document = std::make_unique<Document>(path, options_.environment);
+    const bool again = state_.document && state_.document->path == path;
     bake_.reset();
     state_.renderer.reset();
     pictures_.reset();
     state_.document = std::move(document);
     state_.selectedSurface.reset();
     appliedRevision_ = 0;
-    showCamera(state_, 0);
+    state_.fileChanged = false;
+    // A file that is read again is seen from where it was.
+    if (!again) showCamera(state_, 0);
+    state_.touch();
     rememberFile(path);
     state_.recentFiles = recentFiles();
     window_.setTitle(fmt::format("{} - PHATextures", std::filesystem::path(path).filename().string()));
@@ -111,12 +122,13 @@ void Viewer::tryOpen(const std::string& path) {
         open(path);
         state_.message.clear();
     } catch (const std::exception& error) {
-        state_.message = error.what();
+        state_.message = sentenceOf(error);
     }
 }
 
 void Viewer::useBake() {
     const BakedScene& baked = state_.document->baked;
+    pictures_.takeNewBake();
     state_.renderer.reset();
     state_.renderer = std::make_unique<Renderer>(
         RendererInput{baked.loaded.scene, baked.atlas, baked.points, baked.phatexture},
@@ -139,7 +151,7 @@ void Viewer::takeBake() {
         }
         if (bake_->done()) bake_.reset();
     } catch (const std::exception& error) {
-        state_.message = fmt::format("{}: {}", state_.document->path, error.what());
+        state_.message = fmt::format("{}: {}", state_.document->path, sentenceOf(error));
         bake_.reset();
     }
 }
@@ -148,9 +160,12 @@ void Viewer::applyEdits() {
     if (!state_.document || state_.document->edits.revision() == appliedRevision_) return;
     appliedRevision_ = state_.document->edits.revision();
     if (state_.renderer) {
-        state_.renderer->setMaterials(state_.document->edits.now().materials);
-        state_.renderer->setLights(state_.document->edits.now().lights);
+        const SceneEdits& edits = state_.document->edits.now();
+        state_.renderer->setMaterials(edits.materials);
+        state_.renderer->setLights(edits.lights);
+        state_.renderer->turnEnvironment(edits.environmentColumns);
     }
+    state_.document->showEdits();
     state_.touch();
 }
 
@@ -165,57 +180,37 @@ PanelInput Viewer::panelInput() const {
     return input;
 }
 
+// What `phat render` makes of the same command, rays for smooth surfaces included.
 Image Viewer::drawWhole(const Camera& camera) {
-    FrameSettings settings;
+    FrameSettings settings = frameSettings(state_, state_.view.left);
     const glm::uvec2 size = pictureSize();
     settings.width = int(size.x);
     settings.height = int(size.y);
     settings.camera = camera;
-    settings.method = state_.view.left == Source::phatPyramid ? Method::phatPyramid : Method::phat;
-    settings.component = state_.view.left == Source::direct ? Component::direct : state_.view.component;
     settings.samplesPerPixel = kKeptSamples;
+    std::optional<LiveReflections> reflections;
+    if (settings.method == Method::phat) settings.traced = &reflections.emplace(*state_.document).within(0);
     return state_.renderer->render(settings);
+}
+
+// Views of data are colours already.
+Image Viewer::displayed(const Image& picture) const {
+    const bool light = state_.view.left != Source::phatexels || showsLight(state_.view.inspection.what);
+    return light ? toneMap(picture, state_.view.toneMap, state_.view.exposureStops)
+                 : toneMap(picture, ToneMap::linear, 0);
 }
 
 void Viewer::keepPicture() {
     const std::string name = freeName("phat-", ".png", ".exr");
     const Image picture = drawWhole(state_.navigation.camera);
-    writePng(name + ".png", toneMap(picture, state_.view.toneMap, state_.view.exposureStops));
+    writePng(name + ".png", displayed(picture));
     writeExr(name + ".exr", picture);
     state_.message = fmt::format("Kept as {0}.png and {0}.exr.", name);
 }
 
-// A bake that was made here goes beside its scene; edits go into the baked file.
 void Viewer::save() {
-    Document& document = *state_.document;
-    std::string out = document.path;
-    if (!isBakedFile(document.path)) {
-        out = std::filesystem::path(document.path).replace_extension(".phat.glb").string();
-        Scene& scene = document.baked.loaded.scene;
-        Bake whole{std::move(document.baked.atlas),
-                   std::move(document.baked.points),
-                   std::move(document.baked.phatexture),
-                   {}};
-        const auto giveBack = [&] {
-            document.baked.atlas = std::move(whole.atlas);
-            document.baked.points = std::move(whole.points);
-            document.baked.phatexture = std::move(whole.phatexture);
-        };
-        try {
-            BakeSettings settings;
-            settings.atlas.texelBudget = whole.atlas.texelCount();
-            writeBakedFile(out, document.path, scene, whole,
-                           recordOf(settings, document.path, options_.environment));
-        } catch (...) {
-            giveBack();
-            throw;
-        }
-        giveBack();
-    }
-    const Editable& edited = document.edits.now();
-    writeEdits(out, out, document.scene(), edited.materials, edited.lights);
+    const std::string out = state_.document->save();
     state_.message = fmt::format("Saved as {}.", out);
-    if (out == document.path) document.writeTime = std::filesystem::last_write_time(out);
     rememberFile(out);
 }
 
@@ -234,18 +229,18 @@ bool Viewer::turn() {
     orbit(navigation, {2.0f * float(t.done) / float(t.frames), 0}, 1);
     const Image picture = drawWhole(navigation.camera);
     ++t.done;
-    writePng(fmt::format("{}/{:04}.png", t.folder, t.done),
-             toneMap(picture, state_.view.toneMap, state_.view.exposureStops));
+    writePng(fmt::format("{}/{:04}.png", t.folder, t.done), displayed(picture));
     state_.message = fmt::format("Turntable: {} of {} pictures in {}.", t.done, t.frames, t.folder);
     if (t.done == t.frames) turntable_.reset();
     return turntable_.has_value();
 }
 
-void Viewer::noticeFileChange() {
-    if (!state_.document) return;
+bool Viewer::noticeFileChange() {
+    if (!state_.document) return false;
     std::error_code missing;
     const auto time = std::filesystem::last_write_time(state_.document->path, missing);
-    state_.fileChanged = !missing && time != state_.document->writeTime;
+    const bool changed = !missing && time != state_.document->writeTime;
+    return std::exchange(state_.fileChanged, changed) != changed;
 }
 
 void Viewer::fulfill(const PanelWishes& panels, const Wishes& keys) {
@@ -262,7 +257,7 @@ void Viewer::fulfill(const PanelWishes& panels, const Wishes& keys) {
         if (panels.stopTurntable) turntable_.reset();
         if (panels.turntableFrames > 0) beginTurntable(panels.turntableFrames);
     } catch (const std::exception& error) {
-        state_.message = error.what();
+        state_.message = sentenceOf(error);
     }
 }
 
@@ -275,7 +270,6 @@ glm::ivec4 Viewer::pictureArea() const {
 bool Viewer::frame() {
     for (const std::string& path : window_.takeDroppedFiles()) tryOpen(path);
     takeBake();
-    noticeFileChange();
     window_.beginFrame();
     const glm::ivec4 area = pictureArea();
     const Wishes keys = handleInput(state_, window_.takeKeyPresses(), area);
@@ -287,7 +281,7 @@ bool Viewer::frame() {
         more = turn();
         if (state_.document) more |= pictures_.refine(state_, pictureSize());
     } catch (const std::exception& error) {  // such as out of video memory
-        state_.message = error.what();
+        state_.message = sentenceOf(error);
         state_.renderer.reset();
         turntable_.reset();
     }
@@ -298,17 +292,6 @@ bool Viewer::frame() {
 }
 
 }  // namespace
-
-void showCamera(ViewerState& state, int index) {
-    const Scene& scene = state.document->scene();
-    const Camera camera = scene.cameras.empty() ? defaultCamera(scene) : scene.cameras[size_t(index)];
-    // What is in the middle of the view is orbited.
-    uint64_t rays = 0;
-    const Hit hit = visibleHit(state.document->rays, cameraRay(camera, 2, 2, {1, 1}), rays);
-    state.navigation = navigationOf(camera, hit ? hit.distance : 0.5f * boundsOf(scene).diagonal());
-    state.camera = index;
-    state.touch();
-}
 
 void runViewer(const ViewerOptions& options) {
     Viewer(options).run();

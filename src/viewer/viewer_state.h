@@ -2,6 +2,7 @@
 // What the window shows and how: read by the drawing, changed by the panels and the mouse.
 
 #include <array>
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,14 +10,18 @@
 
 #include "gl/renderer.h"
 #include "viewer/document.h"
+#include "viewer/live_reflections.h"
 #include "viewer/navigation.h"
 
 namespace phat {
 
+/// Samples a pixel of pictures that are written.
+inline constexpr int kKeptSamples = 16;
+
 /// What one side of the wipe shows.
-enum class Source : uint8_t { phat, phatPyramid, direct, pathTracer };
-inline constexpr std::array<const char*, 4> kSourceNames = {"phat", "phat-pyramid", "direct light only",
-                                                            "path tracer"};
+enum class Source : uint8_t { phat, phatPyramid, phatPaper, direct, pathTracer, phatexels };
+inline constexpr std::array<const char*, 6> kSourceNames = {
+    "phat", "phat-pyramid", "phat-paper", "direct light only", "path tracer", "PHATexels"};
 
 struct ViewSettings {
     Source left = Source::phat, right = Source::pathTracer;
@@ -24,6 +29,8 @@ struct ViewSettings {
     float wipe = 0.5f;  // share of the width
     bool difference = false;
     Component component = Component::all;
+    Inspection inspection{Inspected::radiance};  // of Source::phatexels
+    bool raysAtRest = true;                      // of Source::phat: smooth surfaces
     float exposureStops = 0;
     ToneMap toneMap = ToneMap::agx;
     bool panels = true;
@@ -35,10 +42,14 @@ struct ViewerState {
     Navigation navigation;
     int camera = 0;  // of the file, or -1: moved by hand
     std::optional<uint32_t> selectedSurface;
+    glm::ivec2 pictureSize{1};
+    glm::vec2 mouse{-1};  // in the picture, pixels; negative: not over it
+    /// When a hand last moved the mouse or pressed something.
+    std::chrono::steady_clock::time_point lastInput{};
     ViewSettings view;
     bool editing = false;  // a slider is held
     bool draggingWipe = false;
-    std::string message;  // the last error or notice, one sentence
+    std::string message;  // the last error or notice, one sentence, until the next key or click
     std::vector<std::string> recentFiles;
     bool fileChanged = false;  // on disk, since it was read
     /// Grows with every change that asks for a new picture.
@@ -49,5 +60,9 @@ struct ViewerState {
 
 /// Shows one of the file's cameras.
 void showCamera(ViewerState& state, int index);
+
+/// How the renderer draws what a side shows; the picture's size and its rays are the caller's. pre: not the
+/// path tracer.
+FrameSettings frameSettings(const ViewerState& state, Source source);
 
 }  // namespace phat

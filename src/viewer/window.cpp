@@ -88,11 +88,14 @@ bool Window::closeRequested() const {
     return glfwWindowShouldClose(window_);
 }
 
-void Window::handleEvents(bool wait) {
-    if (wait)
-        glfwWaitEvents();
-    else
+bool Window::handleEvents(double waitSeconds) {
+    if (waitSeconds <= 0) {
         glfwPollEvents();
+        return true;
+    }
+    const double start = glfwGetTime();
+    glfwWaitEventsTimeout(waitSeconds);
+    return glfwGetTime() - start < waitSeconds;
 }
 
 void Window::beginFrame() {

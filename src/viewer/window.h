@@ -19,8 +19,9 @@ class Window {
     Window& operator=(const Window&) = delete;
 
     bool closeRequested() const;
-    /// Handles what happened; with `wait`, sleeps until something does.
-    void handleEvents(bool wait);
+    /// Handles what happened; first sleeps until something does, but no longer than `waitSeconds`. Returns
+    /// whether it woke before that.
+    bool handleEvents(double waitSeconds);
     void beginFrame();
     /// Black, where no picture is drawn.
     void clear();

@@ -5,8 +5,8 @@
 namespace phat {
 namespace {
 
-Editable rough(float roughness) {
-    Editable e;
+SceneEdits rough(float roughness) {
+    SceneEdits e;
     e.materials.resize(1);
     e.materials[0].roughness = roughness;
     return e;

@@ -1,0 +1,23 @@
+#pragma once
+// What may change after a bake.
+
+#include <vector>
+
+#include "core/scene.h"
+
+namespace phat {
+
+/// Everything that can be edited without a new bake.
+struct SceneEdits {
+    std::vector<Material> materials;
+    std::vector<PunctualLight> lights;
+    int environmentColumns = 0;  // by which the sky is turned, see turned() in environment_sampling.h
+};
+
+/// A scene as it was read.
+SceneEdits noEdits(const Scene& scene);
+
+/// Brings a scene that holds `from` to `to`.
+void applyEdits(const SceneEdits& from, const SceneEdits& to, Scene& scene);
+
+}  // namespace phat

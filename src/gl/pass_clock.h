@@ -1,0 +1,38 @@
+#pragma once
+// The GPU's time by pass, from timestamps at the passes' ends.
+
+#include <vector>
+
+#include "gl/gl_objects.h"
+
+namespace phat {
+
+enum class Pass : uint8_t {
+    none,  // what lies between passes, such as rays on the CPU
+    relight,
+    pyramid,
+    shadows,
+    depth,
+    lookup,
+    pool,
+    display,
+};
+
+class PassClock {
+  public:
+    /// A new frame begins here. pre: a complete framebuffer is bound, also for ended().
+    void restart();
+    /// What ran since the last call belongs to `pass`.
+    void ended(Pass pass);
+    /// Of all of the frame's runs of a pass. Waits for the GPU.
+    double seconds(Pass pass) const;
+
+  private:
+    void stamp();
+
+    std::vector<GlQuery> stamps_;  // kept from frame to frame
+    std::vector<Pass> passes_;     // what ended at the stamp after the same one
+    size_t used_ = 0;
+};
+
+}  // namespace phat

@@ -1,0 +1,48 @@
+#include "gl/resident_bytes.h"
+
+#include "gl/textures.h"
+
+namespace phat {
+namespace {
+
+template <class... Textures>
+uint64_t bytesOf(const Textures&... textures) {
+    return (uint64_t(0) + ... + textureBytes(textures));
+}
+
+uint64_t sceneBytes(const GpuScene& scene) {
+    GLint64 vertices = 0;
+    glGetNamedBufferParameteri64v(scene.vertices.name(), GL_BUFFER_SIZE, &vertices);
+    uint64_t sum = uint64_t(vertices) + bytesOf(scene.white, scene.splitSum, scene.environment);
+    for (const auto* images : {&scene.imagesLinear, &scene.imagesSrgb})
+        for (const GlTexture& image : *images) sum += textureBytes(image);
+    return sum;
+}
+
+}  // namespace
+
+ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, const GpuLookup& lookup,
+                              const ShadowMaps& shadows, const FrameTargets& targets) {
+    ResidentBytes bytes;
+    bytes.scene = sceneBytes(scene);
+    bytes.phatexels = textureBytes(atlas.phatexels);
+    for (const GpuPhatexels& source : atlas.sources) {
+        bytes.phatexels += textureBytes(source.texelPdf);
+        bytes.pyramid += textureBytes(source.guidePdf);
+    }
+    bytes.lookup = bytesOf(lookup.warps, lookup.probes, lookup.scrambles, atlas.tilePatches, atlas.charts,
+                           atlas.tileTable, atlas.tileLight);
+    bytes.irradiance = textureBytes(atlas.irradiance);
+    bytes.pyramid += bytesOf(atlas.normals, atlas.materialIndex, atlas.texturesA, atlas.texturesB);
+    bytes.shadows = bytesOf(shadows.depth, shadows.lightTable);
+    const ReflectionTargets& traced = targets.reflections;
+    bytes.frame = bytesOf(targets.picture, targets.depth, targets.lookup.seen, targets.lookup.pooled,
+                          traced.base, traced.coat, traced.surface);
+    return bytes;
+}
+
+uint64_t pyramidBytes(const RelightPass& pass) {
+    return bytesOf(pass.texelBrdf, pass.lobes, pass.statistics, pass.radii);
+}
+
+}  // namespace phat

@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "viewer/panel_parts.h"
+
+namespace phat {
+namespace {
+
+void drawMaterial(Edit& edit, Material& m) {
+    const auto slider = [&](const char* label, float& value, float most) {
+        edit.note(ImGui::SliderFloat(label, &value, 0, most, "%.3f", ImGuiSliderFlags_AlwaysClamp));
+    };
+    slider("Roughness", m.roughness, 1);
+    slider("Metallic", m.metallic, 1);
+    edit.note(ImGui::ColorEdit3("Base colour", &m.baseColor.x, ImGuiColorEditFlags_Float));
+    slider("Specular", m.specular, 1);
+    if (m.normalTexture.image >= 0) slider("Normal strength", m.normalScale, 3);
+    if (m.clearcoat > 0) {
+        slider("Clear coat", m.clearcoat, 1);
+        slider("Coat roughness", m.clearcoatRoughness, 1);
+    }
+}
+
+// The sky turns by whole columns of its picture, so that a file keeps every one of its values.
+void drawSky(Edit& edit, int width) {
+    float degrees = 360 * float(edit.next.environmentColumns) / float(width);
+    if (ImGui::SliderFloat("Sky's turn", &degrees, -180, 180, "%.1f degrees", ImGuiSliderFlags_AlwaysClamp)) {
+        edit.next.environmentColumns = int(std::lround(degrees / 360 * float(width)));
+        edit.changed = true;
+    }
+    if (edit.next.environmentColumns != 0)
+        wrappedText("What is seen of the sky follows at once; its light on things is that of the bake.");
+}
+
+}  // namespace
+
+void drawSelectionPanel(ViewerState& state, Edit& edit) {
+    if (!ImGui::CollapsingHeader("Selection", ImGuiTreeNodeFlags_DefaultOpen)) return;
+    const Scene& scene = state.document->scene();
+    if (!state.selectedSurface) {
+        wrappedText("Click an object in the picture.");
+        return;
+    }
+    const Surface& surface = scene.surfaces[*state.selectedSurface];
+    Material& material = edit.next.materials[surface.material];
+    panelText(
+        fmt::format("{}, material {}", surface.name, material.name.empty() ? "(unnamed)" : material.name));
+    drawMaterial(edit, material);
+    if (ImGui::Button("Reset material")) {
+        material = state.document->edits.original().materials[surface.material];
+        edit.changed = true;
+    }
+}
+
+void drawLightsPanel(ViewerState& state, Edit& edit) {
+    const auto& sky = state.document->scene().environment;
+    if ((edit.next.lights.empty() && !sky) || !ImGui::CollapsingHeader("Lights")) return;
+    bool stale = false;
+    for (size_t i = 0; i < edit.next.lights.size(); ++i) {
+        ImGui::PushID(int(i));
+        PunctualLight& light = edit.next.lights[i];
+        panelText(light.name);
+        float power = std::max({light.intensity.x, light.intensity.y, light.intensity.z});
+        glm::vec3 color = power > 0 ? light.intensity / power : glm::vec3(1);
+        bool changed = ImGui::ColorEdit3("Colour", &color.x, ImGuiColorEditFlags_Float);
+        changed |= ImGui::DragFloat("Intensity", &power, 0.01f * std::max(power, 0.1f), 0, 1e6f, "%.3g");
+        if (changed) light.intensity = power * color;
+        edit.note(changed);
+        stale |= light.intensity != state.document->edits.original().lights[i].intensity;
+        ImGui::PopID();
+    }
+    if (sky) drawSky(edit, sky->radiance.width);
+    if (stale) wrappedText("Direct light follows at once; indirect light is that of the bake.");
+}
+
+}  // namespace phat

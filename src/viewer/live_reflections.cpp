@@ -1,0 +1,19 @@
+#include "viewer/live_reflections.h"
+
+namespace phat {
+
+LiveReflections::LiveReflections(const Document& document)
+    : lights_(document.shown),
+      scene_(document.rays, lights_, document.baked.atlas, document.baked.points, document.baked.phatexture),
+      traced_{scene_, Reflections::automatic, limit_} {}
+
+const TracedReflections& LiveReflections::within(double seconds) {
+    limit_.seconds = seconds;
+    return traced_;
+}
+
+bool LiveReflections::Limit::stopRequested() const {
+    return seconds > 0 && std::chrono::steady_clock::now() - start_ > std::chrono::duration<double>(seconds);
+}
+
+}  // namespace phat

@@ -1,0 +1,38 @@
+#pragma once
+// Reflections by rays in the window: while the picture is at rest, as long as they are quick enough.
+
+#include <chrono>
+
+#include "core/lights.h"
+#include "gl/renderer.h"
+#include "viewer/document.h"
+
+namespace phat {
+
+class LiveReflections {
+  public:
+    /// Of the document as it is shown now; made anew when that changes. pre: the document has a bake and
+    /// outlives it.
+    explicit LiveReflections(const Document& document);
+
+    /// For a draw of one sample, which throws Interrupted when its rays take longer than so many seconds; 0:
+    /// however long.
+    const TracedReflections& within(double seconds);
+
+  private:
+    class Limit : public SilentProgress {
+      public:
+        void begin(const char*, uint64_t) override { start_ = std::chrono::steady_clock::now(); }
+        bool stopRequested() const override;
+        double seconds = 0;
+
+      private:
+        std::chrono::steady_clock::time_point start_{};
+    };
+    LightSampler lights_;
+    ReflectionScene scene_;
+    Limit limit_;
+    TracedReflections traced_;
+};
+
+}  // namespace phat

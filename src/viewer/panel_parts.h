@@ -1,0 +1,40 @@
+#pragma once
+// The sections of the panels, in the order in which they stand.
+
+#include <imgui.h>
+
+#include <array>
+
+#include "viewer/panels.h"
+
+namespace phat {
+
+void panelText(const std::string& line);
+void wrappedText(const std::string& line);
+
+/// A list to choose from; whether it was.
+template <class Enum, size_t n>
+bool choose(const char* label, Enum& value, const std::array<const char*, n>& names) {
+    int index = int(value);
+    if (!ImGui::Combo(label, &index, names.data(), int(n))) return false;
+    value = Enum(index);
+    return true;
+}
+
+// Of what is shown: view_panels.cpp.
+void drawPicturePanel(ViewerState& state);
+void drawComparePanel(ViewerState& state, const Pictures& pictures);
+void drawPhatexelPanel(ViewerState& state, const Pictures& pictures);
+void drawPerformancePanel(ViewerState& state, const Pictures& pictures);
+
+// Of what can be changed: edit_panels.cpp.
+/// The edit goes on while a slider is held.
+struct Edit {
+    SceneEdits next;
+    bool changed = false;
+    void note(bool now) { changed |= now; }
+};
+void drawSelectionPanel(ViewerState& state, Edit& edit);
+void drawLightsPanel(ViewerState& state, Edit& edit);
+
+}  // namespace phat

@@ -1,0 +1,329 @@
+// phat view driven by mouse and keys on a virtual screen.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <numeric>
+#include <random>
+#include <sstream>
+#include <thread>
+
+#include "io/image_file.h"
+#include "run_program.h"
+#include "window_driver.h"
+
+namespace phat {
+namespace {
+
+// Small, because software draws every pixel sixteen times before the window comes to rest.
+constexpr glm::ivec2 kWindow(400, 320);
+// Where things are in it: panels left, then the picture.
+constexpr int kPanelWidth = 330;
+constexpr glm::ivec2 kPicture(kWindow.x - kPanelWidth, kWindow.y);
+constexpr glm::ivec2 kTable(365, 242);
+constexpr glm::ivec2 kPictureHeader(100, 41), kMethodList(100, 87), kPyramidInList(60, 128);
+// With the table selected.
+constexpr glm::ivec2 kRoughness(100, 242), kRoughnessEnd(180, 242);
+// The same with the picture's section closed.
+constexpr glm::ivec2 kKeepHeader(100, 288), kCopyCommand(180, 311);
+// A label lies over the picture's last lines.
+constexpr int kLabelLines = 40;
+
+double meanDifference(const Image& a, const Image& b) {
+    double sum = 0;
+    for (size_t i = 0; i < a.pixels.size(); ++i)
+        sum += double(maxComponent(glm::abs(a.pixels[i] - b.pixels[i])));
+    return sum / double(a.pixels.size());
+}
+
+float largestDifference(const Image& a, const Image& b) {
+    EXPECT_EQ(a.pixels.size(), b.pixels.size());
+    float largest = 0;
+    for (size_t i = 0; i < std::min(a.pixels.size(), b.pixels.size()); ++i)
+        largest = std::max(largest, maxComponent(glm::abs(a.pixels[i] - b.pixels[i])));
+    return largest;
+}
+
+Image cut(const Image& image, glm::ivec2 corner, glm::ivec2 size) {
+    Image out(size.x, size.y);
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) out.at(x, y) = image.at(corner.x + x, corner.y + y);
+    return out;
+}
+
+// What the picture shows, its label left out.
+Image pictureOf(const Image& screen) {
+    return cut(screen, {kPanelWidth, 0}, {kPicture.x, kPicture.y - kLabelLines});
+}
+
+Image panelsOf(const Image& screen) {
+    return cut(screen, {0, 0}, {kPanelWidth - 1, kWindow.y});
+}
+
+struct ViewerWindow : testing::Test {
+    static void SetUpTestSuite() {
+        folder = new TemporaryFolder;
+        const auto result = runPhat({"bake", PHAT_SOURCE_DIR "/scenes/tabletop.glb", "-o", baked(),
+                                     "--resolution", "64k", "--photons", "50k", "--quiet"});
+        ASSERT_EQ(result.exitCode, 0) << result.err;
+    }
+    static void TearDownTestSuite() { delete folder; }
+    static std::string baked() { return folder->file("tabletop.phat.glb"); }
+
+    // What `phat render` makes of the first camera in the window's shape.
+    static Image rendered(const std::string& name, std::vector<std::string> flags = {}) {
+        const std::string out = folder->file(name);
+        std::vector<std::string> words = {
+            "render",  baked(),  "-o",
+            out,       "--spp",  "16",
+            "--quiet", "--size", std::to_string(kPicture.x) + "x" + std::to_string(kPicture.y)};
+        words.insert(words.end(), flags.begin(), flags.end());
+        const auto result = runPhat(words);
+        EXPECT_EQ(result.exitCode, 0) << result.err;
+        return readPicture(out);
+    }
+
+    static inline TemporaryFolder* folder = nullptr;
+};
+
+// Display values as the window shows them.
+Image srgb(Image linear) {
+    for (glm::vec3& pixel : linear.pixels)
+        for (int c = 0; c < 3; ++c)
+            pixel[c] =
+                pixel[c] <= 0.0031308f ? 12.92f * pixel[c] : 1.055f * std::pow(pixel[c], 1 / 2.4f) - 0.055f;
+    return linear;
+}
+
+TEST_F(ViewerWindow, ShowsWhatRenderWrites) {
+    WindowDriver window(kWindow, {baked()});
+    window.settle();
+    const Image seen = pictureOf(window.screenshot());
+    const Image expected = cut(srgb(rendered("start.png")), {0, 0}, {kPicture.x, kPicture.y - kLabelLines});
+    // Both round to 8 bits, and the two tone maps compute in another order.
+    EXPECT_LE(largestDifference(seen, expected), 2.5f / 255);
+    EXPECT_EQ(window.close(), 0);
+    EXPECT_EQ(window.errors(), "");
+}
+
+TEST_F(ViewerWindow, OrbitsAndComesBack) {
+    WindowDriver window(kWindow, {baked()});
+    window.settle();
+    const Image start = window.screenshot();
+    window.drag({360, 180}, {390, 190});
+    window.settle();
+    const Image turned = window.screenshot();
+    EXPECT_GT(meanDifference(pictureOf(turned), pictureOf(start)), 0.02);
+    window.key("Home");
+    window.settle();
+    EXPECT_EQ(largestDifference(pictureOf(window.screenshot()), pictureOf(start)), 0);
+    window.wheel(2);
+    window.settle();
+    EXPECT_GT(meanDifference(pictureOf(window.screenshot()), pictureOf(start)), 0.02);
+    EXPECT_EQ(window.close(), 0);
+}
+
+TEST_F(ViewerWindow, EditsWithoutANewBakeAsSetDoes) {
+    WindowDriver window(kWindow, {baked()});
+    window.settle();
+    const Image start = window.screenshot();
+    window.click(kTable);
+    window.settle();
+    EXPECT_EQ(largestDifference(pictureOf(window.screenshot()), pictureOf(start)), 0);
+    window.drag(kRoughness, kRoughnessEnd);
+    window.settle();
+    EXPECT_GT(meanDifference(pictureOf(window.screenshot()), pictureOf(start)), 0.005);
+    window.click(kRoughness, true);
+    window.type("0.5");
+    window.key("Return");
+    window.settle();
+    const Image edited = window.screenshot();
+    window.key("p");
+    window.settle();
+    const Image kept = readPicture(window.folder().file("phat-0001.exr"));
+    const Image set = rendered("set.exr", {"--set", "table_top.roughness=0.5"});
+    EXPECT_LE(largestDifference(kept, set), 1e-5f);
+    EXPECT_GT(meanDifference(kept, rendered("unset.exr")), 1e-3);  // or the edit did nothing
+
+    // The command that the window offers makes the same picture.
+    window.click(kPictureHeader);
+    window.settle();
+    window.click(kKeepHeader);
+    window.settle();
+    window.click(kCopyCommand);
+    window.settle();
+    std::istringstream command(window.clipboard());
+    std::vector<std::string> words;
+    for (std::string word; command >> word;) words.push_back(word);
+    ASSERT_GE(words.size(), 5u);
+    EXPECT_EQ(words[0] + " " + words[1], "phat render");
+    words.erase(words.begin());
+    *(std::find(words.begin(), words.end(), "-o") + 1) = folder->file("copied.png");
+    const auto result = runPhat(words);
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    EXPECT_LE(largestDifference(cut(srgb(readPicture(folder->file("copied.png"))), {0, 0},
+                                    {kPicture.x, kPicture.y - kLabelLines}),
+                                pictureOf(edited)),
+              2.5f / 255);
+
+    window.key("ctrl+z");
+    window.key("ctrl+z");
+    window.settle();
+    EXPECT_EQ(largestDifference(pictureOf(window.screenshot()), pictureOf(start)), 0);
+    EXPECT_EQ(window.close(), 0);
+}
+
+TEST_F(ViewerWindow, WipesBetweenTwoPictures) {
+    WindowDriver window(kWindow, {baked()});
+    window.settle();
+    const Image start = pictureOf(window.screenshot());
+    // The path tracer stands right of the line as soon as its first pass is there.
+    window.key("c");
+    const int middle = kPicture.x / 2, height = start.height;
+    const auto halves = [&](int line) {
+        const Image seen = pictureOf(window.screenshot());
+        const glm::ivec2 left(line - 4, height), right(kPicture.x - line - 4, height);
+        return std::pair(meanDifference(cut(seen, {0, 0}, left), cut(start, {0, 0}, left)),
+                         meanDifference(cut(seen, {line + 4, 0}, right), cut(start, {line + 4, 0}, right)));
+    };
+    auto [left, right] = halves(middle);
+    for (int i = 0; i < 300 && (right < 0.01 || left > 0.002); ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        std::tie(left, right) = halves(middle);
+    }
+    EXPECT_LE(left, 0.002);  // the difference of single samples while it refines is above
+    EXPECT_GT(right, 0.01);  // the noise of few paths
+    window.drag({kPanelWidth + middle, 100}, {kPanelWidth + middle + 20, 100});
+    std::tie(left, right) = halves(middle + 20);
+    EXPECT_LE(left, 0.002);
+    window.key("c");
+    window.settle();
+    EXPECT_EQ(largestDifference(pictureOf(window.screenshot()), start), 0);
+    EXPECT_EQ(window.close(), 0);
+}
+
+TEST_F(ViewerWindow, SleepsAndNoticesThatItsFileChanged) {
+    const std::string path = folder->file("changing.phat.glb");
+    std::filesystem::copy_file(baked(), path);
+    WindowDriver window(kWindow, {path});
+    window.moveTo({365, 100});
+    window.settle();
+    const Image start = window.screenshot();
+    const double before = window.processorSeconds();
+    std::this_thread::sleep_for(std::chrono::seconds(3));
+    EXPECT_LE(window.processorSeconds() - before, 0.03);
+    std::filesystem::last_write_time(path, std::filesystem::last_write_time(path) + std::chrono::seconds(5));
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+    window.settle();
+    const Image offered = window.screenshot();
+    EXPECT_GT(meanDifference(panelsOf(offered), panelsOf(start)), 0.005);
+    EXPECT_EQ(largestDifference(pictureOf(offered), pictureOf(start)), 0);
+    window.click({270, 17});
+    window.moveTo({365, 100});  // over nothing that lights up
+    window.settle();
+    EXPECT_EQ(largestDifference(pictureOf(window.screenshot()), pictureOf(start)), 0);
+    EXPECT_LE(meanDifference(panelsOf(window.screenshot()), panelsOf(start)), 0.002);
+    EXPECT_EQ(window.close(), 0);
+}
+
+TEST_F(ViewerWindow, ShowsPhatexelsAndThePyramid) {
+    WindowDriver window(kWindow, {baked()});
+    window.settle();
+    const Image start = pictureOf(window.screenshot());
+    window.click(kMethodList);
+    window.settle();
+    window.click(kPyramidInList);
+    window.settle();
+    const Image pyramid = pictureOf(window.screenshot());
+    const Image expected = cut(srgb(rendered("pyramid.png", {"--method", "phat-pyramid"})), {0, 0},
+                               {kPicture.x, kPicture.y - kLabelLines});
+    EXPECT_GT(meanDifference(pyramid, start), 0.002);
+    EXPECT_LE(largestDifference(pyramid, expected), 2.5f / 255);
+    EXPECT_EQ(window.close(), 0);
+}
+
+TEST_F(ViewerWindow, TellsInOneSentenceWhatIsWrong) {
+    const std::string broken = PHAT_SOURCE_DIR "/tests/data/broken/03-truncated-3.glb";
+    {
+        WindowDriver window(kWindow, {}, {});
+        window.settle();
+        EXPECT_EQ(window.close(), 0);
+    }
+    const auto firstWords = [](std::vector<std::string> arguments, std::vector<std::string> variables) {
+        try {
+            WindowDriver window(kWindow, std::move(arguments), variables);
+        } catch (const std::exception& error) {
+            return std::string(error.what());
+        }
+        return std::string("a window opened");
+    };
+    const std::string unread = firstWords({broken}, {});
+    EXPECT_NE(unread.find("phat: " + broken), std::string::npos) << unread;
+    EXPECT_EQ(std::count(unread.begin(), unread.end(), '\n'), 1) << unread;
+    const std::string old = firstWords({baked()}, {"MESA_GL_VERSION_OVERRIDE=3.3"});
+    EXPECT_NE(old.find("OpenGL 4.5"), std::string::npos) << old;
+    EXPECT_EQ(std::count(old.begin(), old.end(), '\n'), 1) << old;
+}
+
+// Everything that hands can do, in an order of chance. PHAT_SOAK_SECONDS makes it longer than the suite's
+// moment.
+TEST_F(ViewerWindow, SurvivesLongUseInFlatMemory) {
+    const char* wanted = std::getenv("PHAT_SOAK_SECONDS");
+    const double seconds = wanted ? std::atof(wanted) : 10;
+    const std::string path = folder->file("used.phat.glb");
+    std::filesystem::copy_file(baked(), path, std::filesystem::copy_options::overwrite_existing);
+    WindowDriver window(kWindow, {path});
+    std::mt19937 random(1);
+    const auto below = [&](int n) { return int(random() % unsigned(n)); };
+    const auto inPicture = [&] {
+        return glm::ivec2(kPanelWidth + 5 + below(kPicture.x - 10), 5 + below(kPicture.y - 10));
+    };
+    const auto inPanels = [&] {
+        return glm::ivec2(10 + below(kPanelWidth - 30), 30 + below(kWindow.y - 40));
+    };
+    const char* const keys[] = {"f", "Home", "c", "Tab", "Tab", "Escape", "ctrl+z", "ctrl+y", "w", "a", "e"};
+    using Clock = std::chrono::steady_clock;
+    const auto start = Clock::now();
+    const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+    std::vector<double> megabytes;  // once a minute, the first after all has been used
+    int actions = 0;
+    for (; elapsed() < seconds; ++actions) {
+        if (elapsed() > 60 * double(megabytes.size() + 1))
+            megabytes.push_back(double(window.residentBytes()) * 1e-6);
+        switch (below(8)) {
+            case 0:
+                window.drag(inPicture(), inPicture(), 1 + below(3));
+                break;
+            case 1:
+                window.wheel(below(2) ? 1 : -1);
+                break;
+            case 2:
+                window.click(inPicture());
+                break;
+            case 3:
+                window.click(inPanels());
+                break;
+            case 4:
+                window.drag(inPanels(), inPanels());
+                break;
+            case 5:
+                if (below(20) == 0) window.key("ctrl+s");
+                break;
+            default:
+                window.key(keys[below(int(std::size(keys)))]);
+        }
+        ASSERT_TRUE(window.running()) << actions << " actions: " << window.errors();
+    }
+    RecordProperty("actions", actions);
+    if (wanted) {
+        std::printf("%d actions; MB each minute:", actions);
+        for (const double mb : megabytes) std::printf(" %.0f", mb);
+        std::printf("\n");
+    }
+    EXPECT_EQ(window.close(), 0) << window.errors();
+    EXPECT_EQ(window.errors(), "");
+}
+
+}  // namespace
+}  // namespace phat
