@@ -79,6 +79,17 @@ struct Renderer::State {
             made.emplace().pass = createRelightPass(shaderFolder, atlas, anyClearcoat(materials), paper);
         return *made;
     }
+    /// The pyramid as it is seen from `from`, if it is not that already.
+    void renew(Relit& of, const Eye& from) {
+        if (!of.materialsChanged && from.place == of.eye.place && from.atInfinity == of.eye.atInfinity) return;
+        if (of.materialsChanged) applyMaterials(of.pass, atlas, materials);
+        relight(of.pass, atlas, scene.splitSum.name(), from);
+        clock.ended(Pass::relight);
+        buildPyramid(of.pass, atlas);
+        clock.ended(Pass::pyramid);
+        of.materialsChanged = false;
+        of.eye = from;
+    }
     LookupPass& lookupFor(bool counting) {
         std::optional<LookupPass>& made = counting ? countingLookupPass : lookupPass;
         if (!made) made = createLookupPass(shaderFolder, lookup, anyClearcoat(materials), counting);
@@ -130,7 +141,6 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     const bool pyramid = !lookedUp || anyBlended(s.materials);
     const bool paper = settings.method == Method::phatPaper, counting = what == Inspected::reads && lookedUp;
     const RelightPass notRelit;
-    State::Relit* relit = pyramid ? &s.relitFor(paper) : nullptr;
     DisplayPass& displayPass = s.displayFor(paper, counting);
     const LookupPass none;
     const LookupPass& lookupPass = canLookUp ? s.lookupFor(counting) : none;
@@ -159,21 +169,10 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
-    if (relit) {
-        if (relit->materialsChanged) applyMaterials(relit->pass, s.atlas, s.materials);
-        if (relit->materialsChanged || eye.place != relit->eye.place ||
-            eye.atInfinity != relit->eye.atInfinity) {
-            relight(relit->pass, s.atlas, s.scene.splitSum.name(), eye);
-            s.clock.ended(Pass::relight);
-            buildPyramid(relit->pass, s.atlas);
-            s.clock.ended(Pass::pyramid);
-        }
-        relit->materialsChanged = false;
-        relit->eye = eye;
-    }
+    if (pyramid) s.renew(s.relitFor(paper), eye);
 
     s.reflections = phat::display(displayPass,
-                                  {s.scene, s.atlas, relit ? relit->pass : notRelit, s.shadows, s.lookup,
+                                  {s.scene, s.atlas, pyramid ? s.relitFor(paper).pass : notRelit, s.shadows, s.lookup,
                                    lookupPass, *s.reflectionPass, s.materials, s.clock, s.environmentTurn},
                                   settings, s.targets, sum);
     checkGl("drawing a frame");
