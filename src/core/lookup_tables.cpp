@@ -15,25 +15,6 @@ uint32_t cellOfSquare(glm::vec2 square) {
     return morton(cell.x, cell.y);
 }
 
-struct BlockPlace {
-    glm::uvec2 origin;  // texel
-    glm::uvec2 size;    // texels of the chart
-};
-
-std::vector<BlockPlace> blockPlaces(const Atlas& atlas) {
-    std::vector<BlockPlace> places(atlas.blockCount);
-    for (const Chart& chart : atlas.charts) {
-        for (uint32_t y = 0; y < chart.blocksHigh(); ++y)
-            for (uint32_t x = 0; x < chart.blocksWide(); ++x) {
-                const glm::uvec2 offset = glm::uvec2(x, y) * kBlockSize;
-                places[chart.firstBlock + y * chart.blocksWide() + x] = {
-                    chart.originTexel() + offset,
-                    glm::min(glm::uvec2(kBlockSize), chart.sizeTexels() - offset)};
-            }
-    }
-    return places;
-}
-
 // The permutation is not in the file: each texel's direction tells it, but for those that rounding moved to
 // the next cell, so the block votes.
 std::optional<uint16_t> voteScramble(const PhatexelLayer& layer, const Guide& guide, const Atlas& atlas,
