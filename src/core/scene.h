@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/animation.h"
 #include "core/image.h"
 #include "core/math.h"
 
@@ -128,6 +129,8 @@ struct Scene {
     std::vector<PunctualLight> lights;
     std::vector<Camera> cameras;
     std::optional<Environment> environment;
+    std::vector<SceneNode> nodes;  // [glTF index]; the arrays above are in world space and need them not
+    std::vector<Animation> animations;
 
     const Material& materialOf(uint32_t triangle) const {
         return materials[surfaces[triangleSurface[triangle]].material];
