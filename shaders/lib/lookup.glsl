@@ -45,13 +45,18 @@ const float kLeastTexels = 2.0;
 const float kFewestTexels = 6.0;    // search radius: .7 of the distance, between these
 const float kMostTexels = 128.0;
 const float kFarther = 5.0;         // a sample that lies so many times farther than expected is behind something
+// Radians between a sample's own direction and the one it gets when it is reconnected: what it saw of a glossy thing
+// holds near its own direction alone.
+const float kMostTurn = 0.5;
 const float kSlackMeters = 0.05;
 // What is farther than this stands still while eye and block differ by metres.
 const float kHorizonMeters = 1e4;
 const float kNearMeters = 0.01;
 // Samples that the neighbourhood must hold under a lobe. With fewer a sharp lobe shows single samples; more widen lobes
-// at contacts, where the neighbourhood is small, until they see bright things far off (docs/pipeline.md).
+// at contacts, where places are drawn from a small one, until they see bright things far off; what does not aim has more
+// around it there (docs/pipeline.md).
 const float kWantedSamples = 2.0;
+const float kLeastReachTexels = 16.0;
 const float kMostWidening = 20.0;
 
 struct ChartPlace {
@@ -225,11 +230,13 @@ Found ask(Receiver r, ChartPlace chart, LookupTile tile, ivec2 q, vec3 wi, float
         }
         vec3 hit =
             placeOf(tile.tilePatch, vec2(texel) + 0.5 - tile.middle) + found.direction * found.distance;
+        vec3 asStored = found.direction;
         found.distance = max(length(hit - r.position), 1e-6);
         found.direction = (hit - r.position) / found.distance;
         float parallax = 0.408 * float(side) * chart.texelMeters / d;
         found.spread2 += parallax * parallax;
-        found.valid = 2.0 * (1.0 - dot(found.direction, wi)) <= 4.0 * found.spread2;
+        found.valid = 2.0 * (1.0 - dot(found.direction, wi)) <= 4.0 * found.spread2 &&
+                      2.0 * (1.0 - dot(found.direction, asStored)) <= kMostTurn * kMostTurn;
     }
     found.valid = found.valid && found.distance <= kFarther * d + kSlackMeters;
     return found;
@@ -239,7 +246,7 @@ Found ask(Receiver r, ChartPlace chart, LookupTile tile, ivec2 q, vec3 wi, float
 // reflection disturbs less than the dots of single samples.
 void widenLobe(inout Lobe lobe, ChartPlace chart, LookupTile here, inout Probe probe, vec3 mirror, float cosine) {
     mat3 worldFromBlock = here.tilePatch.worldFromBlock;
-    float reach = searchRadius(distanceAlong(probe, worldFromBlock, mirror), chart.texelMeters);
+    float reach = max(searchRadius(distanceAlong(probe, worldFromBlock, mirror), chart.texelMeters), kLeastReachTexels);
     // The volume of the cone that places are drawn from, but no more texels than there are.
     float texels = min(kPi / 3.0 * reach * reach, float(chart.size.x * chart.size.y));
     float density = warpDensity(warpAt(here.block, hemisphereCell(mirror * worldFromBlock, kGuideSize)));

@@ -46,8 +46,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     const LightSampler lights(scene);
     const ReflectionScene reflectionScene(rays, lights, baked.atlas, baked.points, baked.phatexture);
     const TracedReflections traced{reflectionScene, options.reflections, progress};
-    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, methodOf(options) == Method::phat,
-                       options.countReads},
+    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, options.countReads},
                       shaderFolder());
     std::vector<json> reports;
     for (const View& view : views) {
@@ -77,10 +76,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
                              {"reflections", times.reflections}}},
                            {"reflectionRays", times.reflectionRays}});
         json& report = reports.back();
-        if (const LookupCost cost = renderer.lookupCost(); cost.bytesPerPhatexel > 0) {
-            report["seconds"]["prepareLookup"] = cost.seconds;
-            report["bytesPerPhatexel"] = cost.bytesPerPhatexel;
-        }
+        if (renderer.bytesPerPhatexel() > 0) report["bytesPerPhatexel"] = renderer.bytesPerPhatexel();
         if (options.countReads) report["reads"] = readsOf(picture);
     }
     return reports;

@@ -72,8 +72,7 @@ void printReport(const json& report, bool traced) {
             seconds["shadows"].get<double>() * 1e3, seconds["display"].get<double>() * 1e3,
             seconds["reflections"].get<double>() * 1e3, report["reflectionRays"].get<double>() * 1e-6);
     if (report.contains("bytesPerPhatexel"))
-        fmt::print("lookup: {:.1f} bytes a PHATexel, prepared in {:.2f} s\n",
-                   report["bytesPerPhatexel"].get<double>(), seconds["prepareLookup"].get<double>());
+        fmt::print("lookup: {:.1f} bytes a PHATexel\n", report["bytesPerPhatexel"].get<double>());
     if (report.contains("reads"))
         fmt::print("reads a pixel: {:.1f} in the mean, {} at most\n", report["reads"]["mean"].get<double>(),
                    report["reads"]["max"].get<double>());

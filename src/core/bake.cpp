@@ -9,6 +9,7 @@
 #include "core/irradiance_finish.h"
 #include "core/irradiance_ray.h"
 #include "core/lights.h"
+#include "core/lookup_tables.h"
 
 namespace phat {
 namespace {
@@ -67,6 +68,7 @@ void bakeIndirect(const GatherInput& input, const BakeSettings& settings, Progre
                                               layer, settings, progress, journal, rays));
         const bool densityFromPhotons = !chosen.splatRadiance.empty();
         if (densityFromPhotons) out.indirect.back().pdf = std::move(chosen.pdf);
+        out.indirect.back().scrambles = std::move(chosen.scrambles);
     }
 }
 
@@ -76,12 +78,13 @@ void bakeAreaLight(const GatherInput& input, const std::vector<SeamPoint>& seams
     if (!input.lights.hasArea()) return;
     out.areaGuides = guidesFor(input, Directions::guided, isAreaPhoton, progress);
     // Layer -1: a stream of its own, whatever the number of indirect layers.
-    const ChosenDirections chosen =
+    ChosenDirections chosen =
         directionsFor(input, out.areaGuides, isAreaPhoton,
                       {Directions::guided, settings.density, settings.seed, -1}, progress);
     {
         ProgressStage stage(progress, "area light", input.atlas.texelCount());
         out.area.push_back(gatherArea(input, chosen, progress, journal, rays));
+        out.area.back().scrambles = std::move(chosen.scrambles);
     }
     ProgressStage stage(progress, "soft shadows",
                         2 * input.atlas.texelCount());  // all texels, then the hard ones
@@ -100,6 +103,7 @@ Phatexture gatherLight(const GatherInput& input, const BakeSettings& settings, P
         gatherIndirectIrradiance(input, result.areaIrradiance, settings, progress, journal, rayCount), input,
         seams, progress);
     bakeIndirect(input, settings, progress, journal, rayCount, result);
+    prepareLookup(result, input.atlas, input.points, input.frames, input.rays, progress);
     return result;
 }
 
@@ -147,9 +151,10 @@ uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings) {
         // Packing and gutters take up to half as much again.
         texels = 1.5 * area / (double(settings.atlas.texelSizeMeters) * settings.atlas.texelSizeMeters);
     }
-    // Texel points, directions and their density, area layer and irradiance, guides, and the written file; of
-    // the nodes' rays (33) and maps (24) of indirect irradiance, what the directions' room does not hold.
-    const double bytesPerTexel = 53 + 28 + 12 + 3 + 29 + 24.0 * settings.layers;
+    // Texel points, directions and their density, area layer and irradiance, guides, tiles, and the written
+    // file; of the nodes' rays (33) and maps (24) of indirect irradiance, what the directions' room does not
+    // hold.
+    const double bytesPerTexel = 53 + 28 + 12 + 3 + 3 + 29 + 24.0 * settings.layers;
     // A photon meets about five surfaces before it is absorbed at albedo .8; the kd-tree adds an index.
     const double photonBytes = 5.0 * double(settings.photons.count) * (sizeof(Photon) + 16);
     // Embree's tree and copies of the geometry, the unwrapper's topology.

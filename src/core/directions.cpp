@@ -119,11 +119,14 @@ Choice choosePhoton(const PhotonMap& map, const PhotonIndex& index, glm::vec3 po
     return choice;
 }
 
+// Of 32 x 32 cells.
+constexpr uint32_t kScrambleMask = kBlockSize * kBlockSize - 1;
+
 }  // namespace
 
 glm::vec2 stratifiedSquare(glm::uvec2 texelInBlock, uint32_t scramble, glm::vec2 jitter) {
     constexpr int kBits = 10;  // 32 x 32 cells
-    const uint32_t cell = reverseBits(morton(texelInBlock.x, texelInBlock.y), kBits) ^ (scramble & 1023u);
+    const uint32_t cell = reverseBits(morton(texelInBlock.x, texelInBlock.y), kBits) ^ (scramble & kScrambleMask);
     return (glm::vec2(mortonDecode(cell)) + jitter) / float(kBlockSize);
 }
 
@@ -184,12 +187,15 @@ std::vector<Guide> buildGuides(const Atlas& atlas, const TexelPoints& points, co
     return guides;
 }
 
+uint16_t scrambleOf(const DirectionSettings& settings, uint32_t block) {
+    return uint16_t(hashOf(settings.seed, uint64_t(settings.layer) + 1, block) & kScrambleMask);
+}
+
 TexelDirection chooseDirection(const Atlas& atlas, const Guide& guide, glm::uvec2 texel,
                                const DirectionSettings& settings) {
     const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
     const glm::vec2 jitter = Rng(hashOf(settings.seed, uint64_t(settings.layer), index)).uniform2();
-    const uint32_t scramble =
-        uint32_t(hashOf(settings.seed, uint64_t(settings.layer) + 1, atlas.blockAt(texel)));
+    const uint32_t scramble = scrambleOf(settings, atlas.blockAt(texel));
     const glm::uvec2 inBlock = (texel - atlas.charts[atlas.chartAt(texel)].originTexel()) % kBlockSize;
     const glm::vec3 direction =
         storableDirection(squareToGuide(guide, stratifiedSquare(inBlock, scramble, jitter)));
@@ -205,6 +211,8 @@ ChosenDirections chooseDirections(const Atlas& atlas, const TexelPoints& points,
     chosen.directionBlock.assign(atlas.texelCount(), glm::vec3(0));
     chosen.pdf.assign(atlas.texelCount(), 0.0f);
     if (fromPhotons) chosen.splatRadiance.assign(atlas.texelCount(), glm::vec3(0));
+    for (uint32_t block = 0; !fromPhotons && block < atlas.blockCount; ++block)
+        chosen.scrambles.push_back(scrambleOf(settings, block));
 
     parallelRanges(atlas.texelCount(), 4096, progress, [&](size_t begin, size_t end) {
         Candidates candidates;

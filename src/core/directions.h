@@ -1,21 +1,22 @@
 #pragma once
-// Where each PHATexel looks. source: Hensley et al. 2003, sections 4.1 and 5.1.1; guided and the layout: ours.
+// Where each PHATexel looks. source: Hensley et al. 2003, sections 4.1 and 5.1.1; guided and the layout:
+// ours.
 
 #include <span>
 #include <vector>
 
 #include "core/atlas.h"
 #include "core/bake.h"
-#include "core/photon_map.h"
 #include "core/phatexture.h"
+#include "core/photon_map.h"
 
 namespace phat {
 
-/// Place in the unit square of the PHATexel at `texelInBlock` (0..31 each): a permutation of the block's 32x32
-/// cells in which every aligned 2^k x 2^k group of texels has exactly one sample in each of the 2^k x 2^k
-/// coarse cells. `jitter` in [0,1)^2 moves it within its cell; `scramble` chooses among 1024 permutations.
-/// source: the bit-reversed Morton order of Ahmed and Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte
-/// Carlo Sampling Error via Hierarchical Ordering of Pixels".
+/// Place in the unit square of the PHATexel at `texelInBlock` (0..31 each): a permutation of the block's
+/// 32x32 cells in which every aligned 2^k x 2^k group of texels has exactly one sample in each of the 2^k x
+/// 2^k coarse cells. `jitter` in [0,1)^2 moves it within its cell; `scramble` chooses among 1024
+/// permutations. source: the bit-reversed Morton order of Ahmed and Wonka 2020, "Screen-Space Blue-Noise
+/// Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels".
 glm::vec2 stratifiedSquare(glm::uvec2 texelInBlock, uint32_t scramble, glm::vec2 jitter);
 
 /// Which photons a guide or a choice of direction looks at.
@@ -33,9 +34,9 @@ struct PhotonSet {
 
 /// One guide a block: the density of incident radiance (flux / cos) of the photons around the block, 3x3
 /// blurred, mixed with the uniform density. Proportional to L, not L cos: a GGX integrand has no cosine left.
-std::vector<Guide> buildGuides(const Atlas& atlas, const TexelPoints& points, const std::vector<Frame>& frames,
-                               const PhotonMap& photons, const PhotonIndex& index, PhotonFilter keep,
-                               Progress& progress);
+std::vector<Guide> buildGuides(const Atlas& atlas, const TexelPoints& points,
+                               const std::vector<Frame>& frames, const PhotonMap& photons,
+                               const PhotonIndex& index, PhotonFilter keep, Progress& progress);
 
 /// The guide of one block. `bounds`: of its valid texels; empty: uniform. `near` is scratch.
 Guide buildGuide(const Bounds& bounds, const Frame& frame, std::span<const PhotonSet> photons,
@@ -57,6 +58,7 @@ struct ChosenDirections {
     std::vector<glm::vec3> directionBlock;  // [y][x]; zero where nothing was chosen
     std::vector<float> pdf;                 // [y][x], 1/sr
     std::vector<glm::vec3> splatRadiance;   // [y][x], only for the photon strategies
+    std::vector<uint16_t> scrambles;        // [block], for all others: see PhatexelLayer
 
     TexelDirection at(size_t texel) const {
         return {directionBlock[texel], pdf[texel],
@@ -70,6 +72,9 @@ struct DirectionSettings {
     uint64_t seed = 1;
     int layer = 0;
 };
+
+/// Which permutation a block's texels follow: see PhatexelLayer.
+uint16_t scrambleOf(const DirectionSettings& settings, uint32_t block);
 
 /// Of one texel, by the guide of its block.
 TexelDirection chooseDirection(const Atlas& atlas, const Guide& guide, glm::uvec2 texel,

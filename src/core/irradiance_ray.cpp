@@ -1,11 +1,17 @@
 #include "core/irradiance_ray.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/atlas_place.h"
 #include "core/path.h"
 #include "core/path_vertex.h"
 
 namespace phat {
 namespace {
+
+// Walks that a lossless mirror gets for each path that is asked for: measured, see docs/pipeline.md.
+constexpr float kWalksPerPath = 3.0f;
 
 // The share of diffuse irradiance over pi that is reflected toward the eye.
 glm::vec3 diffuseAlbedo(const Brdf& brdf, glm::vec3 towardEyeLocal) {
@@ -149,10 +155,13 @@ glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& ir
     const glm::vec3 diffuse = diffuseAlbedo(point.brdf, eyeLocal) / kPi *
                               (arriving(irradiance.indirect) + arriving(irradiance.area));
     const glm::vec3 punctual = punctualLight(world.rays, world.lights, point, towardEye, rng, rayCount);
-    if (maxComponent(reflectance(withoutDiffuse(point).brdf, eyeLocal)) <= 0.0f) return punctual + diffuse;
+    const float glossyAlbedo = maxComponent(reflectance(withoutDiffuse(point).brdf, eyeLocal));
+    if (glossyAlbedo <= 0.0f) return punctual + diffuse;
 
+    // The walks' noise counts by the albedo.
+    const int walks = std::max(1, int(std::ceil(kWalksPerPath * glossyAlbedo * float(paths))));
     glm::vec3 glossy(0);
-    for (int i = 0; i < paths; ++i) {
+    for (int i = 0; i < walks; ++i) {
         Walk walk{world, irradiance.area, rng, rayCount, hit, point, towardEye, glm::vec3(1), {}};
         for (int bounce = 0; bounce < settings.maxBounces; ++bounce)
             if (!walk.reflectsGlossily(bounce) || walk.ends(settings.maxBounces - bounce - 1)) break;
@@ -160,7 +169,7 @@ glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& ir
         if (walk.found.texel != kNoTexel)
             glossy += walk.found.weight * unpackRgb9e5(irradiance.indirect[walk.found.texel]);
     }
-    return punctual + diffuse + glossy / float(paths);
+    return punctual + diffuse + glossy / float(walks);
 }
 
 IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradiance& irradiance,

@@ -47,7 +47,7 @@ bool LiveEngine::setPose(const LivePose& pose) {
     const uint64_t version = state_.scene.version();
     for (size_t tile = 0; tile < state_.tileDirty.size(); ++tile) {
         const uint32_t chart = state_.scene.atlas().tileChart[tile];
-        if (chart != kNoChart && state_.scene.movedAt(chart) == version) state_.tileDirty[tile] |= kDirtyPlace;
+        if (chart != kNoChart && state_.scene.movedAt(chart) == version) packPlace(state_, tile);
     }
     ++plan_;
     return true;
@@ -286,7 +286,6 @@ void LiveEngine::finishIndirect(Progress& progress) {
 LiveUpdate LiveEngine::takeUpdate() {
     LiveUpdate update;
     const Phatexture& now = state_.phatexture;
-    const Atlas& atlas = state_.scene.atlas();
     for (uint32_t block = 0; block < state_.blockDirty.size(); ++block)
         if (state_.blockDirty[block]) {
             update.guides.push_back({block, state_.guideOf(now.indirectGuides, block),
@@ -314,9 +313,7 @@ LiveUpdate LiveEngine::takeUpdate() {
             }
         }
         if (dirty & kDirtyPlace)
-            update.places.push_back({tile, state_.scene.patches()[tile],
-                                     state_.scene.frames()[atlas.blockAt(state_.cornerOfTile(tile))],
-                                     state_.probes[tile]});
+            update.places.push_back({tile, now.tilePlaces[tile], now.probes[tile]});
         state_.tileDirty[tile] = 0;
     }
     return update;

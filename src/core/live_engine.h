@@ -51,7 +51,6 @@ class LiveEngine {
     const RayScene& rays() const { return *state_.rays; }
     const LightSampler& lights() const { return *state_.lights; }
     const Phatexture& phatexture() const { return state_.phatexture; }
-    const std::vector<DistanceProbe>& probes() const { return state_.probes; }
     const LiveStats& stats() const { return stats_; }
 
   private:

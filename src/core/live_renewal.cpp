@@ -1,6 +1,7 @@
 #include "core/live_renewal.h"
 
 #include "core/irradiance_ray.h"
+#include "core/lookup_tables.h"
 
 namespace phat {
 namespace {
@@ -87,7 +88,21 @@ struct Renewer {
     }
 };
 
+void placeTile(LiveState& state, size_t tile, const DistanceProbe& probe) {
+    state.phatexture.probes[tile] = probe;
+    packPlace(state, tile);
+}
+
 }  // namespace
+
+void packPlace(LiveState& state, size_t tile) {
+    const Atlas& atlas = state.scene.atlas();
+    if (atlas.tileChart[tile] == kNoChart) return;
+    const Frame& frame = state.scene.frames()[atlas.blockAt(state.cornerOfTile(tile))];
+    state.phatexture.tilePlaces[tile] = packedTileOf(state.phatexture, atlas, state.scene.patches()[tile], frame,
+                                                     state.phatexture.probes[tile], tile);
+    state.tileDirty[tile] |= kDirtyPlace;
+}
 
 bool mayCover(const LiveState& state, size_t tile) {
     const TilePatch& patch = state.scene.patches()[tile];
@@ -156,8 +171,8 @@ void commit(LiveState& state, size_t tile, const TileRenewal& renewal) {
     };
     for (PhatexelLayer& layer : state.phatexture.indirect) take(layer);
     if (state.hasArea) take(state.phatexture.area[0]);
-    state.probes[tile] = renewal.probe;
-    state.tileDirty[tile] |= kDirtyPhatexels | kDirtyPlace;
+    placeTile(state, tile, renewal.probe);
+    state.tileDirty[tile] |= kDirtyPhatexels;
 }
 
 BlockRenewal renewBlock(const LiveState& state, uint32_t block) {
@@ -215,8 +230,8 @@ void commit(LiveState& state, uint32_t block, const BlockRenewal& renewal) {
     for (uint32_t y = place.origin.y / kTileSize; y < (place.origin.y + place.size.y) / kTileSize; ++y)
         for (uint32_t x = place.origin.x / kTileSize; x < (place.origin.x + place.size.x) / kTileSize; ++x) {
             const size_t tile = size_t(y) * atlas.sizeTiles().x + x;
-            state.probes[tile] = renewal.probes[next++];
-            state.tileDirty[tile] |= kDirtyPhatexels | kDirtyPlace;
+            placeTile(state, tile, renewal.probes[next++]);
+            state.tileDirty[tile] |= kDirtyPhatexels;
         }
     state.blockDirty[block] = 1;
     state.blockAge[block].scene = state.scene.version();

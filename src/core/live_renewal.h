@@ -31,6 +31,9 @@ struct BlockRenewal {
 BlockRenewal renewBlock(const LiveState& state, uint32_t block);
 void commit(LiveState& state, uint32_t block, const BlockRenewal& renewal);
 
+/// Renews what the drawing side knows of a tile's place, after its block or its probe has changed.
+void packPlace(LiveState& state, size_t tile);
+
 /// Adapts the nodes of indirect irradiance to the texels that are covered now. Returns their number.
 size_t adaptNodes(LiveState& state);
 bool allNodesKnown(const LiveState& state);

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "core/lookup_tables.h"
 #include "core/parallel.h"
 
 namespace phat {
@@ -14,6 +15,13 @@ void requireRenewable(const BakeSettings& settings) {
     if (choosesPhotons(settings.directions) || settings.radiance == RadianceSource::photons ||
         settings.radiance == RadianceSource::splat)
         throw std::invalid_argument("PHATexels that are made from single photons cannot be renewed");
+}
+
+std::vector<uint16_t> scramblesOf(const Atlas& atlas, const BakeSettings& settings, int layer) {
+    std::vector<uint16_t> scrambles;
+    for (uint32_t block = 0; block < atlas.blockCount; ++block)
+        scrambles.push_back(scrambleOf({settings.directions, settings.density, settings.seed, layer}, block));
+    return scrambles;
 }
 
 }  // namespace
@@ -47,8 +55,13 @@ LiveState::LiveState(const Scene& rest, const Atlas& atlas, const TexelPoints& p
     settings.layers = int(phatexture.indirect.size());
     hasArea = hasArea && !phatexture.area.empty();
 
-    SilentProgress silent;
-    probes = traceDistanceProbes(atlas, scene.points(), scene.frames(), scene.patches(), *rays, silent);
+    for (int layer = 0; layer < settings.layers && fresh; ++layer)
+        phatexture.indirect[size_t(layer)].scrambles = scramblesOf(atlas, settings, layer);
+    if (fresh && hasArea) phatexture.area[0].scrambles = scramblesOf(atlas, settings, -1);
+    if (fresh) {
+        SilentProgress silent;
+        prepareLookup(phatexture, atlas, scene.points(), scene.frames(), *rays, silent);
+    }
     photons.resize(kPhotonParts);
     photonsScene.assign(kPhotonParts, 0);
     const glm::uvec2 regions = (atlas.sizeTexels + kBlockSize - 1u) / kBlockSize;

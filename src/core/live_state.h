@@ -68,7 +68,6 @@ struct LiveState {
     std::vector<BlockPlace> blocks;
 
     Phatexture phatexture;
-    std::vector<DistanceProbe> probes;            // [tile]
     std::vector<std::optional<LivePhotons>> photons;  // parts in order
     std::vector<IrradianceEstimate> areaEstimates;    // [y][x]
     IrradianceLevel level;                            // of nodes

@@ -3,9 +3,7 @@
 
 #include <vector>
 
-#include "core/distance_probes.h"
 #include "core/phatexture.h"
-#include "core/tile_patch.h"
 
 namespace phat {
 
@@ -25,8 +23,7 @@ struct LiveUpdate {
     /// Where a tile is and what is around it.
     struct Place {
         uint32_t tile = 0;
-        TilePatch patch;
-        Frame frame;  // of its block
+        PackedTile packed;
         DistanceProbe probe;
     };
     /// The directions of a block's PHATexels follow its guide: all of its tiles come in the same update.

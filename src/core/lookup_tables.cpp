@@ -1,40 +1,9 @@
 #include "core/lookup_tables.h"
 
-#include <optional>
-
-#include "core/parallel.h"
-#include "core/random.h"
+#include <algorithm>
+#include <cmath>
 
 namespace phat {
-namespace {
-
-constexpr int kCellBits = 10;  // 32 x 32 cells a block
-
-uint32_t cellOfSquare(glm::vec2 square) {
-    const glm::uvec2 cell = glm::min(glm::uvec2(square * float(kBlockSize)), glm::uvec2(kBlockSize - 1));
-    return morton(cell.x, cell.y);
-}
-
-// The permutation is not in the file: each texel's direction tells it, but for those that rounding moved to
-// the next cell, so the block votes.
-std::optional<uint16_t> voteScramble(const PhatexelLayer& layer, const Guide& guide, const Atlas& atlas,
-                                     const BlockPlace& place) {
-    std::array<uint16_t, 1u << kCellBits> votes{};
-    uint32_t cast = 0;
-    for (uint32_t y = 0; y < place.size.y; ++y) {
-        for (uint32_t x = 0; x < place.size.x; ++x) {
-            const size_t texel = size_t(place.origin.y + y) * atlas.sizeTexels.x + place.origin.x + x;
-            const Phatexel phatexel = unpackPhatexel(layer.texels[texel]);
-            if (!phatexel.valid) continue;
-            const uint32_t cell = cellOfSquare(guideToSquare(guide, phatexel.directionBlock));
-            ++votes[cell ^ reverseBits(morton(x, y), kCellBits)];
-            ++cast;
-        }
-    }
-    const auto winner = std::max_element(votes.begin(), votes.end());
-    if (2 * *winner < cast) return std::nullopt;
-    return uint16_t(winner - votes.begin());
-}
 
 Warp warpOf(const Guide& guide) {
     const auto code = [](double x) { return uint8_t(std::lround(255.0 * x)); };
@@ -59,31 +28,37 @@ Warp warpOf(const Guide& guide) {
     return warp;
 }
 
-}  // namespace
+bool canLookUp(const std::vector<PhatexelLayer>& layers, const std::vector<Guide>& guides) {
+    return !layers.empty() && !guides.empty() &&
+           std::none_of(layers.begin(), layers.end(),
+                        [](const PhatexelLayer& layer) { return layer.scrambles.empty(); });
+}
 
-LookupTables buildLookupTables(const std::vector<PhatexelLayer>& layers, const std::vector<Guide>& guides,
-                               const Atlas& atlas, const TexelPoints& points,
-                               const std::vector<Frame>& frames, const std::vector<TilePatch>& patches,
-                               const RayScene& rays, Progress& progress) {
-    LookupTables tables;
-    if (layers.empty() || guides.empty()) return tables;
-    const std::vector<BlockPlace> places = blockPlaces(atlas);
-    for (const PhatexelLayer& layer : layers) {
-        std::vector<uint16_t>& scrambles = tables.scrambles.emplace_back(atlas.blockCount);
-        std::atomic<bool> invertible = layer.pdf.empty();
-        parallelRanges(atlas.blockCount, 16, progress, [&](size_t begin, size_t end) {
-            for (size_t b = begin; b < end; ++b) {
-                const auto scramble =
-                    voteScramble(layer, guides[guides.size() == 1 ? 0 : b], atlas, places[b]);
-                if (!scramble) invertible = false;
-                scrambles[b] = scramble.value_or(0);
-            }
-        });
-        if (!invertible) return {};
+PackedTile packedTileOf(const Phatexture& phatexture, const Atlas& atlas, const TilePatch& patch,
+                        const Frame& frame, const DistanceProbe& probe, size_t tile) {
+    const glm::uvec2 place(tile % atlas.sizeTiles().x, tile / atlas.sizeTiles().x);
+    const bool indirect = canLookUp(phatexture.indirect, phatexture.indirectGuides);
+    return packTile(patch, frame, atlas.charts[atlas.tileChart[tile]].texelSizeMeters,
+                    indirect ? phatexture.indirect[0].scrambles[atlas.blockAt(place * kTileSize)] : 0,
+                    {probe.low, probe.high});
+}
+
+void prepareLookup(Phatexture& phatexture, const Atlas& atlas, const TexelPoints& points,
+                   const std::vector<Frame>& frames, const RayScene& rays, Progress& progress) {
+    const std::vector<TilePatch> patches = fitTilePatches(atlas, points, frames);
+    if (canLookUp(phatexture.indirect, phatexture.indirectGuides) ||
+        canLookUp(phatexture.area, phatexture.areaGuides)) {
+        ProgressStage stage(progress, "distances", patches.size());
+        phatexture.probes = traceDistanceProbes(atlas, points, frames, patches, rays, progress);
     }
-    for (const Guide& guide : guides) tables.warps.push_back(warpOf(guide));
-    tables.probes = traceDistanceProbes(atlas, points, frames, patches, rays, progress);
-    return tables;
+    const glm::uvec2 tiles = atlas.sizeTiles();
+    phatexture.tilePlaces.assign(patches.size(), {glm::uvec4(0), glm::uvec4(0)});
+    for (uint32_t i = 0; i < patches.size(); ++i) {
+        if (atlas.tileChart[i] == kNoChart) continue;
+        const uint32_t block = atlas.blockAt(glm::uvec2(i % tiles.x, i / tiles.x) * kTileSize);
+        const DistanceProbe probe = phatexture.probes.empty() ? DistanceProbe{} : phatexture.probes[i];
+        phatexture.tilePlaces[i] = packedTileOf(phatexture, atlas, patches[i], frames[block], probe, i);
+    }
 }
 
 }  // namespace phat

@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "core/atlas.h"
+#include "core/distance_probes.h"
 #include "core/hemisphere_map.h"
 #include "core/math.h"
+#include "core/tile_patch.h"
 
 namespace phat {
 
@@ -80,6 +82,9 @@ glm::vec2 guideToSquare(const Guide& guide, glm::vec3 direction);
 struct PhatexelLayer {
     std::vector<PackedPhatexel> texels;  // [y][x]
     std::vector<float> pdf;              // [y][x], only where the guides do not tell it; else empty
+    /// [block], below 1024: the permutation of stratifiedSquare. Empty where directions follow no layout (the
+    /// photon strategies): such PHATexels cannot be looked up.
+    std::vector<uint16_t> scrambles;
 };
 
 /// All that a bake adds to a scene and its atlas.
@@ -90,6 +95,8 @@ struct Phatexture {
     std::vector<Guide> areaGuides;        // [block]
     std::vector<uint32_t> areaIrradiance;  // RGB9E5 [y][x], W/m2: the diffuse part of the same; may be empty
     std::vector<uint32_t> indirectIrradiance;  // RGB9E5 [y][x], W/m2: of all light that was reflected
+    std::vector<PackedTile> tilePlaces;        // [tileY][tileX]: where the texels are
+    std::vector<DistanceProbe> probes;         // [tileY][tileX]; empty where nothing can be looked up
 };
 
 /// PHATexel `texel` of a layer with its pdf filled in. `guides` as in Phatexture.

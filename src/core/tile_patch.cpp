@@ -201,8 +201,8 @@ std::vector<TilePatch> fitTilePatches(const Atlas& atlas, const TexelPoints& poi
     return patches;
 }
 
-std::array<glm::uvec4, 2> packTile(const TilePatch& patch, const Frame& blockFrame, float texelMeters,
-                                   uint32_t scramble, glm::uvec2 probeRange) {
+PackedTile packTile(const TilePatch& patch, const Frame& blockFrame, float texelMeters, uint32_t scramble,
+                    glm::uvec2 probeRange) {
     const glm::uvec2 frame = packFrame(blockFrame);
     const auto axisBits = [&](glm::vec3 axis, glm::vec3 plain) {
         const glm::vec3 local = blockFrame.toLocal(axis) / texelMeters - plain;

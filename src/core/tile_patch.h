@@ -37,9 +37,10 @@ TilePatch fitTilePatch(const Atlas& atlas, const TexelPoints& points, const std:
 std::vector<TilePatch> fitTilePatches(const Atlas& atlas, const TexelPoints& points,
                                       const std::vector<Frame>& frames);
 
-/// 32 bytes for the GPU: patch, frame of the block, and what LookupTables say of the tile: the scramble of
-/// layer 0, low and high of its DistanceProbe. twin: unpackTile in shaders/lib/tile_patch.glsl.
-std::array<glm::uvec4, 2> packTile(const TilePatch& patch, const Frame& blockFrame, float texelMeters,
-                                   uint32_t scramble, glm::uvec2 probeRange);
+/// 32 bytes for the GPU and the file: patch, frame of the block, the scramble of the first layer of indirect
+/// light, low and high of the tile's DistanceProbe. twin: unpackTile in shaders/lib/tile_patch.glsl.
+using PackedTile = std::array<glm::uvec4, 2>;
+PackedTile packTile(const TilePatch& patch, const Frame& blockFrame, float texelMeters, uint32_t scramble,
+                    glm::uvec2 probeRange);
 
 }  // namespace phat

@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 
+#include "core/lookup_tables.h"
 #include "core/random.h"
 #include "core/sobol.h"
 #include "gl/textures.h"
@@ -74,14 +75,14 @@ void setDraws(const ShaderProgram& program, uint32_t drawCount, uint32_t seed) {
     program.set("drawCount", int(drawCount));
 }
 
-GlTexture uploadScrambles(const std::vector<std::vector<uint16_t>>& scrambles) {
-    const uint32_t layers = uint32_t(scrambles.size()), blocks = uint32_t(scrambles[0].size());
+GlTexture uploadScrambles(const std::vector<PhatexelLayer>& phatexels) {
+    const uint32_t layers = uint32_t(phatexels.size()), blocks = uint32_t(phatexels[0].scrambles.size());
     const uint32_t rows = std::max(1u, (blocks + kTablesWide - 1) / kTablesWide);
     std::vector<uint16_t> table(size_t(rows) * layers * kTablesWide, 0);
     for (uint32_t layer = 0; layer < layers; ++layer)
         for (uint32_t block = 0; block < blocks; ++block)
             table[(size_t(block / kTablesWide) * layers + layer) * kTablesWide + block % kTablesWide] =
-                scrambles[layer][block];
+                phatexels[layer].scrambles[block];
     GlTexture texture = createTexture2D(GL_R16UI, {kTablesWide, rows * layers});
     glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(kTablesWide), GLsizei(rows * layers), GL_RED_INTEGER,
                         GL_UNSIGNED_SHORT, table.data());
@@ -90,14 +91,16 @@ GlTexture uploadScrambles(const std::vector<std::vector<uint16_t>>& scrambles) {
 
 }  // namespace
 
-GpuLookup uploadLookup(const LookupTables& tables, const Atlas& atlas) {
+GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas) {
     GpuLookup gpu;
-    if (tables.warps.empty()) return gpu;
-    gpu.layerCount = int(tables.scrambles.size());
-    gpu.guideCount = int(tables.warps.size());
-    gpu.warps = uploadTables(GL_RGBA8, GL_RGBA, tables.warps);
-    if (gpu.layerCount > 1) gpu.scrambles = uploadScrambles(tables.scrambles);
-    gpu.probes = uploadProbes(tables.probes, atlas.sizeTiles());
+    if (!canLookUp(phatexture.indirect, phatexture.indirectGuides)) return gpu;
+    gpu.layerCount = int(phatexture.indirect.size());
+    gpu.guideCount = int(phatexture.indirectGuides.size());
+    std::vector<Warp> warps;
+    for (const Guide& guide : phatexture.indirectGuides) warps.push_back(warpOf(guide));
+    gpu.warps = uploadTables(GL_RGBA8, GL_RGBA, warps);
+    if (gpu.layerCount > 1) gpu.scrambles = uploadScrambles(phatexture.indirect);
+    gpu.probes = uploadProbes(phatexture.probes, atlas.sizeTiles());
     checkGl("uploading the lookup tables");
     return gpu;
 }

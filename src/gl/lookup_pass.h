@@ -1,7 +1,6 @@
 #pragma once
 // Indirect light on glossy surfaces, looked up by the pixel: lookup.frag and pool.frag.
 
-#include "core/lookup_tables.h"
 #include "gl/gl_objects.h"
 #include "gl/phatexture_upload.h"
 #include "gl/relight_pass.h"
@@ -18,7 +17,7 @@ struct GpuLookup {
     int layerCount = 0;
 };
 /// Throws GlError.
-GpuLookup uploadLookup(const LookupTables& tables, const Atlas& atlas);
+GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas);
 
 /// Pictures between the passes, of the frame's size.
 struct LookupTargets {

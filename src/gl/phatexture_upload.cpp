@@ -6,9 +6,9 @@
 
 #include "core/octahedral.h"
 #include "core/shading.h"
+#include "core/tile_light.h"
 #include "gl/gl_error.h"
 #include "gl/textures.h"
-#include "gl/tile_light.h"
 
 namespace phat {
 namespace {
@@ -72,21 +72,11 @@ GlTexture uploadTileTable(const Atlas& atlas) {
     return texture;
 }
 
-GlTexture uploadTilePatches(const Atlas& atlas, const std::vector<Frame>& frames,
-                            const std::vector<TilePatch>& patches, const LookupTables& tables) {
-    const glm::uvec2 tiles = atlas.sizeTiles();
-    std::vector<std::array<glm::uvec4, 2>> packed(patches.size(), {glm::uvec4(0), glm::uvec4(0)});
-    for (uint32_t i = 0; i < patches.size(); ++i) {
-        if (atlas.tileChart[i] == kNoChart) continue;
-        const uint32_t block = atlas.blockAt(glm::uvec2(i % tiles.x, i / tiles.x) * kTileSize);
-        packed[i] = packTile(
-            patches[i], frames[block], atlas.charts[atlas.tileChart[i]].texelSizeMeters,
-            tables.scrambles.empty() ? 0 : tables.scrambles[0][block],
-            tables.probes.empty() ? glm::uvec2(0) : glm::uvec2(tables.probes[i].low, tables.probes[i].high));
-    }
-    GlTexture texture = createTexture2D(GL_RGBA32UI, {2 * tiles.x, tiles.y});
-    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(2 * tiles.x), GLsizei(tiles.y), GL_RGBA_INTEGER,
-                        GL_UNSIGNED_INT, packed.data());
+GlTexture uploadTilePatches(const Atlas& atlas, const std::vector<PackedTile>& places) {
+    const glm::uvec2 size(2 * atlas.sizeTiles().x, atlas.sizeTiles().y);
+    GlTexture texture = createTexture2D(GL_RGBA32UI, size);
+    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(size.x), GLsizei(size.y), GL_RGBA_INTEGER,
+                        GL_UNSIGNED_INT, places.data());
     return texture;
 }
 
@@ -191,7 +181,8 @@ void requireSizes(const Atlas& atlas, const TexelPoints& points, const Phatextur
     const size_t count = atlas.texelCount();
     const auto fits = [&](size_t size) { return size == count || size == 0; };
     bool good = count > 0 && points.triangle.size() == count && fits(phatexture.indirectIrradiance.size()) &&
-                fits(phatexture.areaIrradiance.size());
+                fits(phatexture.areaIrradiance.size()) &&
+                phatexture.tilePlaces.size() == atlas.tileChart.size();
     for (const auto* layers : {&phatexture.indirect, &phatexture.area})
         for (const PhatexelLayer& layer : *layers)
             good = good && layer.texels.size() == count && fits(layer.pdf.size());
@@ -201,15 +192,14 @@ void requireSizes(const Atlas& atlas, const TexelPoints& points, const Phatextur
 }  // namespace
 
 GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
-                     const std::vector<Frame>& frames, const std::vector<TilePatch>& patches,
-                     const Phatexture& phatexture, const LookupTables& tables) {
+                     const Phatexture& phatexture) {
     requireSizes(atlas, points, phatexture);
     GpuAtlas gpu;
     gpu.sizeTexels = atlas.sizeTexels;
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     gpu.tileTable = uploadTileTable(atlas);
     gpu.tileLight = uploadTileLight(scene, atlas, phatexture);
-    gpu.tilePatches = uploadTilePatches(atlas, frames, patches, tables);
+    gpu.tilePatches = uploadTilePatches(atlas, phatexture.tilePlaces);
     gpu.charts = uploadCharts(atlas);
 
     const auto texture = [&](GLenum internal, GLenum format, GLenum type, const void* data) {

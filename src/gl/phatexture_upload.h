@@ -2,10 +2,8 @@
 // The atlas, its texels' surfaces and the PHATexels on the GPU.
 
 #include "core/atlas.h"
-#include "core/lookup_tables.h"
 #include "core/phatexture.h"
 #include "core/scene.h"
-#include "core/tile_patch.h"
 #include "gl/gl_objects.h"
 
 namespace phat {
@@ -33,10 +31,8 @@ struct GpuAtlas {
     std::vector<GpuPhatexels> sources;  // indirect, then area if there is any
 };
 
-/// Texels' surfaces by core/shading, so that relighting sees what the bake saw. `frames`: blockFrames of the
-/// atlas; `patches`: fitTilePatches; `tables`: of the lookup, or empty. Throws GlError.
+/// Texels' surfaces by core/shading, so that relighting sees what the bake saw. Throws GlError.
 GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
-                     const std::vector<Frame>& frames, const std::vector<TilePatch>& patches,
-                     const Phatexture& phatexture, const LookupTables& tables);
+                     const Phatexture& phatexture);
 
 }  // namespace phat

@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 
-#include "core/rays.h"
+#include "core/lookup_tables.h"
 #include "gl/display_pass.h"
 #include "gl/gl_error.h"
 #include "gl/phatexture_upload.h"
@@ -55,11 +54,11 @@ class PassTimer {
     GlQuery query_;
 };
 
-double bytesPerPhatexel(const LookupTables& tables, size_t tiles, const Phatexture& phatexture) {
-    if (tables.warps.empty()) return 0;
-    const double texels = double(tiles) * kTileSize * kTileSize, layers = double(phatexture.indirect.size());
-    const double beside = double(tables.warps.size() * sizeof(Warp)) +
-                          double(tiles) * (2 * sizeof(glm::uvec4) + kProbeSize * kProbeSize / 2);
+double bytesOfPhatexel(const Phatexture& phatexture) {
+    const double tiles = double(phatexture.tilePlaces.size()), layers = double(phatexture.indirect.size());
+    const double texels = tiles * kTileSize * kTileSize;
+    const double beside = double(phatexture.indirectGuides.size() * sizeof(Warp)) +
+                          tiles * (sizeof(PackedTile) + kProbeSize * kProbeSize / 2);
     return sizeof(PackedPhatexel) + beside / (texels * layers);
 }
 
@@ -79,7 +78,7 @@ struct Renderer::State {
     ShadowMaps shadows;
     FrameTargets targets;
     PassTimer relightTimer, pyramidTimer, shadowTimer, displayTimer;
-    LookupCost lookupCost;
+    double bytesPerPhatexel = 0;
     bool countReads = false;
     bool shadowsDrawn = false;  // by the last frame
     ReflectionCost reflections;
@@ -106,21 +105,10 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->materials = input.scene.materials;
     state_->lights = input.scene.lights;
     state_->scene = uploadScene(input.scene, input.atlas);
-    const std::vector<Frame> frames = blockFrames(input.atlas, input.points);
     state_->countReads = input.countReads;
-    const auto start = std::chrono::steady_clock::now();
-    const std::vector<TilePatch> patches = fitTilePatches(input.atlas, input.points, frames);
-    SilentProgress silent;
-    const LookupTables tables =
-        input.lookup
-            ? buildLookupTables(input.phatexture.indirect, input.phatexture.indirectGuides, input.atlas,
-                                input.points, frames, patches, RayScene(input.scene), silent)
-            : LookupTables();
-    const double prepared = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    state_->atlas =
-        uploadAtlas(input.scene, input.atlas, input.points, frames, patches, input.phatexture, tables);
-    state_->lookup = uploadLookup(tables, input.atlas);
-    state_->lookupCost = {prepared, bytesPerPhatexel(tables, patches.size(), input.phatexture)};
+    state_->atlas = uploadAtlas(input.scene, input.atlas, input.points, input.phatexture);
+    state_->lookup = uploadLookup(input.phatexture, input.atlas);
+    if (state_->lookup.guideCount > 0) state_->bytesPerPhatexel = bytesOfPhatexel(input.phatexture);
     state_->createPasses(false);
 }
 
@@ -197,8 +185,8 @@ FrameTimes Renderer::lastFrameTimes() const {
             s.reflections.rays};
 }
 
-LookupCost Renderer::lookupCost() const {
-    return state_->lookupCost;
+double Renderer::bytesPerPhatexel() const {
+    return state_->bytesPerPhatexel;
 }
 
 void Renderer::setMaterials(const std::vector<Material>& materials) {

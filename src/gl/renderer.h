@@ -70,18 +70,9 @@ struct RendererInput {
     const Atlas& atlas;
     const TexelPoints& points;
     const Phatexture& phatexture;
-    /// Prepares Method::phat, which takes rays and time. False: every frame is phatPyramid's.
-    bool lookup = true;
     /// Pictures of Method::phat hold how many texels were read for a pixel's indirect glossy light, in all
     /// channels.
     bool countReads = false;
-};
-
-/// What preparing the lookup took.
-struct LookupCost {
-    double seconds = 0;
-    /// On the GPU, for one PHATexel of the indirect light: itself, and all that the lookup reads beside it.
-    double bytesPerPhatexel = 0;
 };
 
 class Renderer {
@@ -98,7 +89,9 @@ class Renderer {
     Image render(const FrameSettings& settings);
     /// Of the last draw. Waits for the GPU.
     FrameTimes lastFrameTimes() const;
-    LookupCost lookupCost() const;
+    /// On the GPU, for one PHATexel of the indirect light: itself, and all that the lookup reads beside it. 0
+    /// where nothing can be looked up.
+    double bytesPerPhatexel() const;
 
     /// Materials may change between frames (roughness, colour ...); textures stay.
     void setMaterials(const std::vector<Material>& materials);

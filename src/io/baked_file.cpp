@@ -7,6 +7,7 @@
 #include <cassert>
 #include <nlohmann/json.hpp>
 
+#include "core/tile_light.h"
 #include "io/atomic_file.h"
 #include "io/baked_layout.h"
 #include "io/file_error.h"
@@ -86,7 +87,19 @@ void addLayers(Payloads& payloads, const std::string& where, const std::vector<P
         add(payloads, layer + "/radiance", radiance);
         add(payloads, layer + "/direction", direction);
         if (!layers[i].pdf.empty()) add(payloads, layer + "/pdf", layers[i].pdf);
+        if (!layers[i].scrambles.empty()) add(payloads, layer + "/scrambles", layers[i].scrambles);
     }
+}
+
+// What a renderer reads by the tile. tileLight follows from the rest; the browser is spared the way there.
+void addTiles(Payloads& payloads, const Scene& scene, const Bake& bake) {
+    add(payloads, "/tiles/places", bake.phatexture.tilePlaces);
+    std::vector<LevelsRecord> levels;
+    for (const DistanceProbe& probe : bake.phatexture.probes) levels.push_back(packLevels(probe));
+    if (!levels.empty()) add(payloads, "/tiles/distances", levels);
+    std::vector<glm::vec3> brightest;
+    for (const glm::vec4& light : tileLight(scene, bake.atlas, bake.phatexture)) brightest.push_back(light);
+    add(payloads, "/tiles/brightest", brightest);
 }
 
 void addEnvironment(Payloads& payloads, const Environment& environment, json& extension) {
@@ -136,6 +149,7 @@ std::vector<uint8_t> bakedBytes(const std::string& sourcePath, const Scene& scen
         add(payloads, "/indirect/irradiance", phatexture.indirectIrradiance);
     addLayers(payloads, "/area", phatexture.area, phatexture.areaGuides, extension);
     if (!phatexture.areaIrradiance.empty()) add(payloads, "/area/irradiance", phatexture.areaIrradiance);
+    addTiles(payloads, scene, bake);
     if (scene.environment) addEnvironment(payloads, *scene.environment, extension);
 
     uint64_t byteCount = 0;

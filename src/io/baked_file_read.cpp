@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "core/lookup_tables.h"
 #include "io/baked_file.h"
 #include "io/baked_layout.h"
 #include "io/file_error.h"
@@ -211,7 +212,23 @@ void readLayers(Reader& reader, const json& object, const Atlas& atlas, std::vec
             fail("a layer has neither guides nor densities");
         for (const float pdf : layer.pdf)
             if (!(pdf >= 0 && std::isfinite(pdf))) fail("a density is not a number");
+        if (item.contains("scrambles"))
+            layer.scrambles = readPayload<uint16_t>(reader, item, "scrambles", atlas.blockCount);
     }
+}
+
+void readTiles(Reader& reader, const json& object, const Atlas& atlas, Phatexture& phatexture) {
+    const uint64_t tiles = atlas.tileChart.size();
+    phatexture.tilePlaces = readPayload<PackedTile>(reader, object, "places", tiles);
+    if (object.contains("distances")) {
+        const auto levels = readPayload<LevelsRecord>(reader, object, "distances", tiles);
+        for (size_t i = 0; i < tiles; ++i)
+            phatexture.probes.push_back(unpackProbe(levels[i], phatexture.tilePlaces[i]));
+    } else if (canLookUp(phatexture.indirect, phatexture.indirectGuides)) {
+        fail("the distances around the tiles are missing");
+    }
+    readPayload<glm::vec3>(reader, object, "brightest",
+                           tiles);  // the renderer makes its own, with more in it
 }
 
 Phatexture readPhatexture(Reader& reader, const json& extension, const Atlas& atlas) {
@@ -224,6 +241,7 @@ Phatexture readPhatexture(Reader& reader, const json& extension, const Atlas& at
     if (phatexture.area.size() > 1) fail("there is more than one layer of area light");
     if (area.contains("irradiance"))
         phatexture.areaIrradiance = readPayload<uint32_t>(reader, area, "irradiance", atlas.texelCount());
+    readTiles(reader, extension.at("tiles"), atlas, phatexture);
     return phatexture;
 }
 

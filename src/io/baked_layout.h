@@ -4,11 +4,11 @@
 #include <bit>
 #include <cstdint>
 
-#include "core/atlas.h"
+#include "core/distance_probes.h"
 
 namespace phat {
 
-inline constexpr uint64_t kBakedFormatVersion = 2;
+inline constexpr uint64_t kBakedFormatVersion = 3;
 // A chart owns tiles, and 16 bits count those of a side with room to spare.
 inline constexpr uint64_t kMaxAtlasSide = 1 << 16;
 inline constexpr uint64_t kMaxEnvironmentSide = 1 << 15;
@@ -21,6 +21,25 @@ struct ChartRecord {
     uint32_t otherSide;
     float texelSizeMeters;
 };
+
+/// Distances around a tile: levels of two neighbouring directions a byte, the lower bits first. The range of
+/// the levels is in the tile's PackedTile.
+using LevelsRecord = std::array<uint8_t, kProbeSize * kProbeSize / 2>;
+
+inline LevelsRecord packLevels(const DistanceProbe& probe) {
+    LevelsRecord record;
+    for (size_t i = 0; i < record.size(); ++i)
+        record[i] = uint8_t(probe.level[2 * i] | probe.level[2 * i + 1] << 4);
+    return record;
+}
+inline DistanceProbe unpackProbe(const LevelsRecord& record, const PackedTile& tile) {
+    DistanceProbe probe{tile[0].w >> 19 & 63u, tile[0].w >> 25 & 63u, {}};
+    for (size_t i = 0; i < record.size(); ++i) {
+        probe.level[2 * i] = record[i] & 15;
+        probe.level[2 * i + 1] = record[i] >> 4;
+    }
+    return probe;
+}
 
 /// Steps of one unit in the last place from a to b. pre: both finite and >= 0.
 inline int32_t ulpsBetween(float a, float b) {

@@ -104,7 +104,7 @@ TEST_F(BakedDamage, FlippedBytesNeverDoHarm) {
 }
 
 TEST_F(BakedDamage, OtherVersionsAreRefusedByName) {
-    for (const int version : {0, 1, 77}) {
+    for (const int version : {0, 1, 2, 77}) {
         rewrite(
             [&](auto& json) { json["extensions"]["PHAT_photon_accumulation_texture"]["version"] = version; });
         EXPECT_NE(reasonOf(target).find("version " + std::to_string(version)), std::string::npos);
@@ -128,6 +128,10 @@ TEST_F(BakedDamage, SizesThatDoNotAgreeAreRefused) {
     EXPECT_TRUE(refuses([](auto& e) { e["surfaces"].push_back(e["surfaces"][0]); }));
     EXPECT_TRUE(refuses([](auto& e) { e["texCoord"] = 0; }));
     EXPECT_TRUE(refuses([](auto& e) { e.erase("area"); }));
+    EXPECT_TRUE(refuses([](auto& e) { e.erase("tiles"); }));
+    EXPECT_TRUE(refuses([](auto& e) { e["tiles"].erase("distances"); }));
+    EXPECT_TRUE(refuses([](auto& e) { e["tiles"]["places"] = e["tiles"]["distances"]; }));
+    EXPECT_TRUE(refuses([](auto& e) { e["indirect"]["layers"][0]["scrambles"] = e["tiles"]["places"]; }));
 }
 
 TEST_F(BakedDamage, TexelSizesThatCannotBeAreRefused) {

@@ -50,6 +50,7 @@ void expectSame(const std::vector<PhatexelLayer>& a, const std::vector<PhatexelL
     for (size_t i = 0; i < a.size(); ++i) {
         EXPECT_TRUE(sameBytes(a[i].texels, b[i].texels));
         EXPECT_TRUE(sameBytes(a[i].pdf, b[i].pdf));
+        EXPECT_EQ(a[i].scrambles, b[i].scrambles);
     }
 }
 
@@ -60,6 +61,8 @@ void expectSame(const Phatexture& a, const Phatexture& b) {
     EXPECT_TRUE(sameBytes(a.areaGuides, b.areaGuides));
     EXPECT_EQ(a.areaIrradiance, b.areaIrradiance);
     EXPECT_EQ(a.indirectIrradiance, b.indirectIrradiance);
+    EXPECT_TRUE(sameBytes(a.tilePlaces, b.tilePlaces));
+    EXPECT_TRUE(sameBytes(a.probes, b.probes));
 }
 
 // Corner by corner, because vertices may be split and numbered anew.

@@ -94,10 +94,12 @@ inline std::vector<uint32_t> randomWords(size_t count, std::mt19937& random) {
     return words;
 }
 
-inline std::vector<PhatexelLayer> randomLayers(int count, size_t texels, bool withPdf, std::mt19937& random) {
+inline std::vector<PhatexelLayer> randomLayers(int count, size_t texels, bool withPdf, size_t blocks,
+                                               std::mt19937& random) {
     std::vector<PhatexelLayer> layers(static_cast<size_t>(count));
     for (PhatexelLayer& layer : layers) {
         for (size_t i = 0; i < texels; ++i) layer.texels.push_back({uint32_t(random()), uint32_t(random())});
+        for (size_t i = 0; !withPdf && i < blocks; ++i) layer.scrambles.push_back(random() % 1024);
         if (!withPdf) continue;
         for (size_t i = 0; i < texels; ++i) layer.pdf.push_back(float(random()) * 1e-8f);
     }
@@ -118,15 +120,24 @@ inline Bake randomBake(const Scene& scene, int layers, bool withPdf, uint32_t se
     for (TexelState& state : bake.points.state)
         if (state != TexelState::unused && random() % 5 == 0) state = TexelState::covered;
     const size_t texels = bake.atlas.texelCount();
-    bake.phatexture.indirect = randomLayers(layers, texels, withPdf, random);
+    bake.phatexture.indirect = randomLayers(layers, texels, withPdf, bake.atlas.blockCount, random);
     bake.phatexture.indirectGuides.resize(withPdf ? 0 : bake.atlas.blockCount);
-    bake.phatexture.area = randomLayers(1, texels, false, random);
+    bake.phatexture.area = randomLayers(1, texels, false, bake.atlas.blockCount, random);
     bake.phatexture.areaGuides.resize(1);
     for (auto* guides : {&bake.phatexture.indirectGuides, &bake.phatexture.areaGuides})
         for (Guide& guide : *guides)
             for (uint16_t& weight : guide.weight) weight = uint16_t(1 + random() % 65535);
     bake.phatexture.areaIrradiance = randomWords(texels, random);
     bake.phatexture.indirectIrradiance = randomWords(texels, random);
+    for (size_t i = 0; i < bake.atlas.tileChart.size(); ++i) {
+        PackedTile& tile = bake.phatexture.tilePlaces.emplace_back();
+        for (glm::uvec4& words : tile)
+            for (int c = 0; c < 4; ++c) words[c] = uint32_t(random());
+        // The range of the levels is kept in the tile.
+        DistanceProbe& probe = bake.phatexture.probes.emplace_back(
+            DistanceProbe{tile[0].w >> 19 & 63, tile[0].w >> 25 & 63, {}});
+        for (uint8_t& level : probe.level) level = random() % 16;
+    }
     return bake;
 }
 

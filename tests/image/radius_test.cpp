@@ -31,10 +31,7 @@ RendererWorld twoFloors(float distance) {
 
 // Radii of the tiles, [tileY][tileX], seen from straight above.
 std::vector<float> radiiOf(const RendererWorld& world) {
-    const std::vector<Frame> frames = blockFrames(world.atlas, world.points);
-    const GpuAtlas atlas =
-        uploadAtlas(world.scene, world.atlas, world.points, frames,
-                    fitTilePatches(world.atlas, world.points, frames), world.phatexture, {});
+    const GpuAtlas atlas = uploadAtlas(world.scene, world.atlas, world.points, world.phatexture);
     const RelightPass pass = createRelightPass(kShaderFolder, atlas, false, false);
     GlTexture splitSum = createTexture2D(GL_RG32F, glm::uvec2(kSplitSumSize));
     glTextureSubImage2D(splitSum.name(), 0, 0, 0, kSplitSumSize, kSplitSumSize, GL_RG, GL_FLOAT,

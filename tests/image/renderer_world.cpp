@@ -2,6 +2,8 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "core/lookup_tables.h"
+
 namespace phat::test {
 namespace {
 
@@ -81,6 +83,9 @@ RendererWorld worldOfQuads(Scene scene, uint32_t tiles) {
     world.phatexture.indirect[0].texels.resize(texels);
     for (uint32_t b = 0; b < atlas.blockCount; ++b) world.phatexture.indirectGuides.push_back(bumpyGuide(b));
     world.phatexture.indirectIrradiance.assign(texels, 0);
+    SilentProgress silent;
+    prepareLookup(world.phatexture, atlas, world.points, blockFrames(atlas, world.points),
+                  RayScene(world.scene), silent);
     return world;
 }
 

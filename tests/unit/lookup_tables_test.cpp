@@ -25,8 +25,6 @@ struct World {
         baked = bake(scene, settings, silent);
         frames = blockFrames(baked.atlas, baked.points);
         patches = fitTilePatches(baked.atlas, baked.points, frames);
-        tables = buildLookupTables(baked.phatexture.indirect, baked.phatexture.indirectGuides, baked.atlas,
-                                   baked.points, frames, patches, RayScene(scene), silent);
     }
     Scene scene;
     BakeSettings settings;
@@ -34,43 +32,61 @@ struct World {
     Bake baked;
     std::vector<Frame> frames;
     std::vector<TilePatch> patches;
-    LookupTables tables;
 };
 
-// The bake's own numbers come back from the directions alone.
-TEST(LookupTables, FindTheBakesPermutations) {
+// Every valid PHATexel looks into the cell that the layout says it holds, but for those that rounding moved
+// over its border.
+TEST(LookupTables, PermutationsTellWhereTexelsLook) {
     for (const Directions directions : {Directions::guided, Directions::uniform}) {
         const World world(directions, 2);
-        ASSERT_EQ(world.tables.scrambles.size(), 2u);
-        for (uint64_t layer = 0; layer < 2; ++layer) {
-            ASSERT_EQ(world.tables.scrambles[layer].size(), world.baked.atlas.blockCount);
-            size_t same = 0;
-            for (uint32_t block = 0; block < world.baked.atlas.blockCount; ++block)
-                same += world.tables.scrambles[layer][block] ==
-                        (hashOf(world.settings.seed, layer + 1, block) & 1023u);
-            // A block without a valid PHATexel has nothing to tell.
-            EXPECT_GE(same, world.baked.atlas.blockCount * 9 / 10);
+        const Atlas& atlas = world.baked.atlas;
+        const Phatexture& phatexture = world.baked.phatexture;
+        ASSERT_TRUE(canLookUp(phatexture.indirect, phatexture.indirectGuides));
+        for (const PhatexelLayer& layer : phatexture.indirect) {
+            ASSERT_EQ(layer.scrambles.size(), atlas.blockCount);
+            size_t valid = 0, same = 0;
+            for (uint32_t i = 0; i < atlas.texelCount(); ++i) {
+                const glm::uvec2 xy(i % atlas.sizeTexels.x, i / atlas.sizeTexels.x);
+                const Phatexel phatexel = unpackPhatexel(layer.texels[i]);
+                if (!phatexel.valid) continue;
+                const uint32_t block = atlas.blockAt(xy);
+                const Guide& guide =
+                    phatexture.indirectGuides[phatexture.indirectGuides.size() == 1 ? 0 : block];
+                const glm::uvec2 inBlock = (xy - atlas.charts[atlas.chartAt(xy)].originTexel()) % kBlockSize;
+                const glm::ivec2 cell(stratifiedSquare(inBlock, layer.scrambles[block], glm::vec2(0.5f)) *
+                                      float(kBlockSize));
+                const glm::ivec2 found(guideToSquare(guide, phatexel.directionBlock) * float(kBlockSize));
+                ++valid;
+                same += cell == found;
+            }
+            EXPECT_GT(valid, 1000u);
+            EXPECT_GT(same, valid * 9 / 10);
         }
     }
 }
 
-TEST(LookupTables, AreEmptyWithoutTheInvertibleLayout) {
-    EXPECT_TRUE(World(Directions::photons).tables.warps.empty());
+TEST(LookupTables, PhotonsDirectionsCannotBeLookedUp) {
+    const World world(Directions::photons);
+    EXPECT_FALSE(canLookUp(world.baked.phatexture.indirect, world.baked.phatexture.indirectGuides));
+    // The area lights' directions are guided all the same.
+    EXPECT_EQ(world.baked.phatexture.probes.size(), world.patches.size());
 }
 
 TEST(LookupTables, WarpsAgreeWithTheGuides) {
     const World world(Directions::guided);
     Rng rng(5);
-    for (size_t g = 0; g < world.tables.warps.size(); ++g) {
+    const std::vector<Guide>& guides = world.baked.phatexture.indirectGuides;
+    for (const Guide& guide : guides) {
+        const Warp warps = warpOf(guide);
         for (int i = 0; i < 20; ++i) {
             const glm::vec3 direction = squareToHemisphere(rng.uniform2());
             const glm::vec2 scaled = hemisphereToSquare(direction) * float(kGuideSize);
             const glm::ivec2 cell = glm::clamp(glm::ivec2(scaled), 0, kGuideSize - 1);
-            const WarpCell warp = world.tables.warps[g][cell.y * kGuideSize + cell.x];
+            const WarpCell warp = warps[size_t(cell.y * kGuideSize + cell.x)];
             const glm::vec2 within = scaled - glm::vec2(cell);
             const glm::vec2 square(glm::mix(float(warp.uLow), float(warp.uHigh), within.x) / 255,
                                    glm::mix(float(warp.vLow), float(warp.vHigh), within.y) / 255);
-            const glm::vec2 exact = guideToSquare(world.baked.phatexture.indirectGuides[g], direction);
+            const glm::vec2 exact = guideToSquare(guide, direction);
             // Either end of a cell is rounded to half a 255th.
             EXPECT_NEAR(square.x, exact.x, 0.5f / 255 + 1e-4f);
             EXPECT_NEAR(square.y, exact.y, 0.5f / 255 + 1e-4f);
@@ -83,7 +99,7 @@ TEST(LookupTables, ProbesTellTheDistance) {
     const World world(Directions::uniform);
     const RayScene rays(world.scene);
     const Atlas& atlas = world.baked.atlas;
-    ASSERT_EQ(world.tables.probes.size(), world.patches.size());
+    ASSERT_EQ(world.baked.phatexture.probes.size(), world.patches.size());
     int compared = 0;
     for (size_t tile = 0; tile < world.patches.size(); tile += 7) {
         const TilePatch& patch = world.patches[tile];
@@ -93,7 +109,7 @@ TEST(LookupTables, ProbesTellTheDistance) {
             glm::uvec2(patch.probeTexel % kTileSize, patch.probeTexel / kTileSize);
         const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
         ASSERT_TRUE(world.baked.points.valid(index));
-        const DistanceProbe& probe = world.tables.probes[tile];
+        const DistanceProbe& probe = world.baked.phatexture.probes[tile];
         const float octaves = std::log2(unpackDistance(std::min(4 * probe.high, 254u)) /
                                         unpackDistance(std::max(4 * probe.low, 1u)));
         for (uint32_t cell = 0; cell < probe.level.size(); cell += 5) {

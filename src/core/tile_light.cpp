@@ -1,4 +1,4 @@
-#include "gl/tile_light.h"
+#include "core/tile_light.h"
 
 #include <oneapi/tbb/parallel_for.h>
 
