@@ -4,6 +4,7 @@
 
 #include "core/irradiance_finish.h"
 #include "core/parallel.h"
+#include "core/tile_light.h"
 
 namespace phat {
 namespace {
@@ -16,6 +17,9 @@ constexpr uint64_t kPhotonWork = 4, kAreaMapWork = 2, kIndirectMapWork = 6;
 constexpr uint64_t kMapShare = 3;
 // A pass over everything, in rays a texel: by its age an item's urgency grows by 1 in that time.
 constexpr uint64_t kPassWork = 64;
+
+// Tiles' brightest light is looked for anew after so much work, in rays a texel.
+constexpr uint64_t kTileLightWork = 1;
 
 using Clock = std::chrono::steady_clock;
 
@@ -286,6 +290,7 @@ void LiveEngine::finishIndirect(Progress& progress) {
 LiveUpdate LiveEngine::takeUpdate() {
     LiveUpdate update;
     const Phatexture& now = state_.phatexture;
+    const Atlas& atlas = state_.scene.atlas();
     for (uint32_t block = 0; block < state_.blockDirty.size(); ++block)
         if (state_.blockDirty[block]) {
             update.guides.push_back({block, state_.guideOf(now.indirectGuides, block),
@@ -295,7 +300,8 @@ LiveUpdate LiveEngine::takeUpdate() {
     for (uint32_t tile = 0; tile < state_.tileDirty.size(); ++tile) {
         const uint8_t dirty = state_.tileDirty[tile];
         if (dirty & kDirtyPhatexels) {
-            LiveUpdate::Phatexels& taken = update.phatexels.emplace_back(LiveUpdate::Phatexels{tile, {}});
+            LiveUpdate::Phatexels& taken = 
+                update.phatexels.emplace_back(LiveUpdate::Phatexels{tile, atlas.blockAt(state_.cornerOfTile(tile)), {}});
             const auto take = [&](const PhatexelLayer& layer) {
                 for (uint32_t i = 0; i < kTileTexels; ++i)
                     taken.texels.push_back(layer.texels[state_.texelOf(tile, i)]);
@@ -316,6 +322,14 @@ LiveUpdate LiveEngine::takeUpdate() {
             update.places.push_back({tile, now.tilePlaces[tile], now.probes[tile]});
         state_.tileDirty[tile] = 0;
     }
+    tileLightStale_ |= !update.phatexels.empty();
+    if (tileLightStale_ && (clock_ >= tileLightClock_ || settled())) {
+        update.tileLight = tileLight(state_.scene.scene(), atlas, now);
+        tileLightStale_ = false;
+        tileLightClock_ = clock_ + kTileLightWork * atlas.texelCount();
+    }
+    std::stable_sort(update.phatexels.begin(), update.phatexels.end(),
+                     [](const auto& a, const auto& b) { return a.block < b.block; });
     return update;
 }
 

@@ -83,6 +83,8 @@ class LiveEngine {
     uint64_t clock_ = 0;  // all work so far
     bool areaDirty_ = false, indirectDirty_ = false;
     uint64_t areaWork_ = 0, nodeWork_ = 0;  // since the maps were last made
+    bool tileLightStale_ = false;
+    uint64_t tileLightClock_ = 0;  // of the next one
     LiveStats stats_;
 };
 

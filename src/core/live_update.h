@@ -12,7 +12,7 @@ inline constexpr size_t kTileTexels = size_t(kTileSize) * kTileSize;
 struct LiveUpdate {
     /// Texels of a tile, [y][x], of every layer of indirect light, then of the area lights if there are any.
     struct Phatexels {
-        uint32_t tile = 0;
+        uint32_t tile = 0, block = 0;
         std::vector<PackedPhatexel> texels;
     };
     /// Both maps' texels [y][x] as Phatexture has them; area: of zeros where there are no area lights.
@@ -31,13 +31,14 @@ struct LiveUpdate {
         uint32_t block = 0;
         Guide indirect, area;
     };
-    std::vector<Phatexels> phatexels;
+    std::vector<Phatexels> phatexels;  // by block
     std::vector<Irradiance> irradiance;
     std::vector<Place> places;
-    std::vector<Guides> guides;
+    std::vector<Guides> guides;  // by block
+    std::vector<glm::vec4> tileLight;  // see tileLight(); of all tiles, or empty: as before
 
     bool empty() const {
-        return phatexels.empty() && irradiance.empty() && places.empty() && guides.empty();
+        return phatexels.empty() && irradiance.empty() && places.empty() && guides.empty() && tileLight.empty();
     }
 };
 

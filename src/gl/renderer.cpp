@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "core/lookup_tables.h"
 #include "gl/display_pass.h"
@@ -202,6 +203,54 @@ void Renderer::setMaterials(const std::vector<Material>& materials) {
 void Renderer::setLights(const std::vector<PunctualLight>& lights) {
     state_->lights = lights;
     state_->shadows = {};
+}
+
+void Renderer::moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points) {
+    State& s = *state_;
+    phat::moveScene(s.scene, scene, atlas);
+    // The passes over all texels read their normals.
+    updateNormals(s.atlas, scene, atlas, points);
+    s.lights = scene.lights;
+    s.shadows = {};
+    s.materialsChanged = true;
+}
+
+bool Renderer::takeUpdate(LiveUpdate& update, double seconds) {
+    State& s = *state_;
+    const auto start = std::chrono::steady_clock::now();
+    const auto late = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > seconds;
+    };
+    if (!update.empty()) s.materialsChanged = true;
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    const glm::uvec2 tiles = s.atlas.sizeTexels / kTileSize;
+    for (const LiveUpdate::Place& place : update.places) {
+        updatePlace(s.atlas, place);
+        if (s.lookup.guideCount > 0) updateProbe(s.lookup, place, tiles);
+    }
+    update.places.clear();
+    if (!update.tileLight.empty()) updateTileLight(s.atlas, update.tileLight);
+    update.tileLight.clear();
+
+    size_t tile = 0, block = 0;
+    while (tile < update.phatexels.size() && !late()) {
+        const uint32_t now = update.phatexels[tile].block;
+        if (block < update.guides.size() && update.guides[block].block == now) {
+            updateGuides(s.atlas, update.guides[block]);
+            updateLookupGuides(s.lookup, update.guides[block]);
+            ++block;
+        }
+        for (; tile < update.phatexels.size() && update.phatexels[tile].block == now; ++tile)
+            updatePhatexels(s.atlas, update.phatexels[tile]);
+    }
+    update.phatexels.erase(update.phatexels.begin(), update.phatexels.begin() + ptrdiff_t(tile));
+    update.guides.erase(update.guides.begin(), update.guides.begin() + ptrdiff_t(block));
+    size_t done = 0;
+    for (; done < update.irradiance.size() && (done % 64 != 0 || !late()); ++done)
+        updateIrradiance(s.atlas, update.irradiance[done]);
+    update.irradiance.erase(update.irradiance.begin(), update.irradiance.begin() + ptrdiff_t(done));
+    checkGl("taking over renewed PHATexels");
+    return update.empty();
 }
 
 }  // namespace phat
