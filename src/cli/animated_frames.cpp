@@ -45,16 +45,14 @@ uint64_t follow(LiveEngine& engine, const AnimatedFrames& frames, Progress& prog
     const Clock::time_point start = Clock::now();
     uint64_t work = 0;
     while (secondsSince(start) < frames.secondsPerFrame) {
-        const uint64_t done = engine.advance(kWorkAtOnce, progress);
-        if (done == 0 && engine.settled()) break;
-        work += done;
+        if (engine.settled()) break;
+        work += engine.advance(kWorkAtOnce, progress);
     }
     return work;
 }
 
 void settle(LiveEngine& engine, Progress& progress) {
-    while (engine.advance(kWorkAtOnce, progress) > 0) {
-    }
+    while (!engine.settled()) engine.advance(kWorkAtOnce, progress);
 }
 
 }  // namespace

@@ -27,6 +27,16 @@ double secondsSince(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// Stops when another does, and reports nothing: pieces are too small to be stages.
+class OnlyStop : public SilentProgress {
+  public:
+    explicit OnlyStop(const Progress& of) : of_(of) {}
+    bool stopRequested() const override { return of_.stopRequested(); }
+
+  private:
+    const Progress& of_;
+};
+
 // Calls body(i) for all items at a time.
 template <typename Body>
 void forAll(size_t count, const Body& body) {
@@ -95,7 +105,8 @@ bool LiveEngine::settled() {
     return true;
 }
 
-uint64_t LiveEngine::advance(uint64_t work, Progress& progress) {
+uint64_t LiveEngine::advance(uint64_t work, const Progress& whole) {
+    OnlyStop progress(whole);
     const uint64_t start = clock_;
     credit_ += int64_t(work);
     while (credit_ > 0) {
@@ -271,9 +282,8 @@ void LiveEngine::finishIndirect(Progress& progress) {
     const Clock::time_point start = Clock::now();
     std::atomic<uint64_t> rays = 0;
     const GatherInput input = state_.input();
-    SilentProgress silent;
     IrradianceMap map = irradianceFromNodes(input, state_.phatexture.areaIrradiance, state_.settings, state_.level,
-                                            state_.nodes, silent, nullptr, rays);
+                                            state_.nodes, progress, nullptr, rays);
     if (publish(state_, state_.phatexture.indirectIrradiance,
                 finishIndirectIrradiance(std::move(map), input, state_.seams, progress)))
         ++state_.irradianceVersion;

@@ -40,8 +40,9 @@ class LiveEngine {
 
     /// Goes on for about `work`, counted in rays or what takes as long; a piece that takes more is made up for
     /// by the next calls. The state depends on the calls alone, not on threads or time. Returns what was done:
-    /// 0 when nothing is left to do. Throws Interrupted between pieces.
-    uint64_t advance(uint64_t work, Progress& progress);
+    /// nothing while earlier pieces are made up for, or when all is settled. Throws Interrupted when `progress`
+    /// asks, between pieces.
+    uint64_t advance(uint64_t work, const Progress& progress);
     bool settled();
 
     /// All that has changed since the last call.

@@ -208,8 +208,8 @@ void Renderer::setLights(const std::vector<PunctualLight>& lights) {
 void Renderer::moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points) {
     State& s = *state_;
     phat::moveScene(s.scene, scene, atlas);
-    // The passes over all texels read their normals.
-    updateNormals(s.atlas, scene, atlas, points);
+    // The passes over all texels read their normals; the lookup does not.
+    if (anyBlended(s.materials)) updateNormals(s.atlas, scene, atlas, points);
     s.lights = scene.lights;
     s.shadows = {};
     s.materialsChanged = true;
@@ -232,8 +232,9 @@ bool Renderer::takeUpdate(LiveUpdate& update, double seconds) {
     if (!update.tileLight.empty()) updateTileLight(s.atlas, update.tileLight);
     update.tileLight.clear();
 
+    // One portion at least, so that however little time there is, all is done one day.
     size_t tile = 0, block = 0;
-    while (tile < update.phatexels.size() && !late()) {
+    while (tile < update.phatexels.size() && (tile == 0 || !late())) {
         const uint32_t now = update.phatexels[tile].block;
         if (block < update.guides.size() && update.guides[block].block == now) {
             updateGuides(s.atlas, update.guides[block]);
@@ -246,7 +247,7 @@ bool Renderer::takeUpdate(LiveUpdate& update, double seconds) {
     update.phatexels.erase(update.phatexels.begin(), update.phatexels.begin() + ptrdiff_t(tile));
     update.guides.erase(update.guides.begin(), update.guides.begin() + ptrdiff_t(block));
     size_t done = 0;
-    for (; done < update.irradiance.size() && (done % 64 != 0 || !late()); ++done)
+    for (; done < update.irradiance.size() && ((tile == 0 && done < 64) || done % 64 != 0 || !late()); ++done)
         updateIrradiance(s.atlas, update.irradiance[done]);
     update.irradiance.erase(update.irradiance.begin(), update.irradiance.begin() + ptrdiff_t(done));
     checkGl("taking over renewed PHATexels");
