@@ -89,7 +89,9 @@ void bakeAreaLight(const GatherInput& input, const std::vector<SeamPoint>& seams
     ProgressStage stage(progress, "soft shadows",
                         2 * input.atlas.texelCount());  // all texels, then the hard ones
     out.areaIrradiance = finishAreaIrradiance(
-        gatherAreaIrradiance(input, settings, progress, journal, rays), input, seams, progress);
+        filterAreaIrradiance(gatherAreaIrradiance(input, settings, progress, journal, rays), input.atlas,
+                             input.points, input.irradianceTexels),
+        input, seams, progress);
 }
 
 }  // namespace

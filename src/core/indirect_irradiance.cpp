@@ -89,6 +89,14 @@ struct Gatherer {
     }
 };
 
+template <typename IrradianceOf>
+glm::vec3 bounced(const NodeRays& node, const IrradianceOf& irradianceOf) {
+    glm::vec3 sum = node.light;
+    for (uint32_t i = 0; i < node.count; ++i)
+        if (node.texel[i] != kNoTexel) sum += unpackRgb9e5(node.weight[i]) * irradianceOf(node.texel[i]);
+    return sum * (kPi / float(std::max(node.count, 1u)));
+}
+
 /// Irradiance at the nodes when the texels have that which `irradianceOf` says.
 template <typename IrradianceOf>
 std::vector<glm::vec3> bounce(const std::vector<NodeRays>& nodes, Progress& progress,
@@ -97,13 +105,7 @@ std::vector<glm::vec3> bounce(const std::vector<NodeRays>& nodes, Progress& prog
     SilentProgress silent;
     parallelRanges(nodes.size(), 1024, silent, [&](size_t begin, size_t end) {
         progress.throwIfStopped();
-        for (size_t n = begin; n < end; ++n) {
-            glm::vec3 sum = nodes[n].light;
-            for (uint32_t i = 0; i < nodes[n].count; ++i)
-                if (nodes[n].texel[i] != kNoTexel)
-                    sum += unpackRgb9e5(nodes[n].weight[i]) * irradianceOf(nodes[n].texel[i]);
-            next[n] = sum * (kPi / float(std::max(nodes[n].count, 1u)));
-        }
+        for (size_t n = begin; n < end; ++n) next[n] = bounced(nodes[n], irradianceOf);
     });
     return next;
 }
@@ -156,15 +158,16 @@ std::vector<uint8_t> groupsToSplit(const IrradianceLevel& level, const Atlas& at
 }
 
 IrradianceLevel refine(const Gatherer& gatherer, const IrradianceLevel& coarse, uint32_t step,
-                       const IrradianceMap& map, Progress& progress, BakeJournal* journal,
-                       std::atomic<uint64_t>& rayCount) {
+                       const IrradianceMap& map, const ChartSet& charts, Progress& progress,
+                       BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
     const Atlas& atlas = gatherer.input.atlas;
     const std::vector<uint8_t> split = groupsToSplit(coarse, atlas);
     const uint32_t ratio = coarse.step / step;
     IrradianceLevel level = makeLevel(atlas, gatherer.input.irradianceTexels, step, [&](glm::uvec2 group) {
         const glm::uvec2 around = group / ratio;
         const size_t index = size_t(around.y) * coarse.size.x + around.x;
-        return coarse.node[index] != kNoNode && split[index] != 0;
+        return coarse.node[index] != kNoNode && split[index] != 0 &&
+               hasChart(charts, atlas.chartAt(group * step));
     });
     std::vector<NodeSum> sums(level.texel.size());
     const ProgressStage stage(progress, "diffuse contacts", sums.size());
@@ -209,8 +212,35 @@ IrradianceMap irradianceFromNodes(const GatherInput& input, const std::vector<ui
     }
     const IrradianceMap map = interpolateLevels(levels, input.atlas, input.points);
     for (size_t i = 1; i < std::size(kLevelSteps); ++i)
-        levels.push_back(refine(gatherer, levels.back(), kLevelSteps[i], map, progress, journal, rayCount));
+        levels.push_back(
+            refine(gatherer, levels.back(), kLevelSteps[i], map, {}, progress, journal, rayCount));
     return interpolateLevels(levels, input.atlas, input.points);
+}
+
+IrradianceMap irradianceOfCharts(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
+                                 const std::vector<uint32_t>& indirectIrradiance, const BakeSettings& settings,
+                                 IrradianceLevel coarse, const std::vector<NodeRays>& nodes,
+                                 const ChartSet& charts, Progress& progress, std::atomic<uint64_t>& rayCount) {
+    const Gatherer gatherer{input, areaIrradiance, settings};
+    const uint32_t width = input.atlas.sizeTexels.x;
+    const auto chartOf = [&](size_t texel) { return input.atlas.chartAt({texel % width, texel / width}); };
+    std::vector<float> nearness;
+    for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
+    setDistances(coarse, input.atlas, nearness);
+    coarse.value.assign(nodes.size(), glm::vec3(0));
+    for (size_t n = 0; n < nodes.size(); ++n)
+        if (hasChart(charts, chartOf(coarse.texel[n])))
+            coarse.value[n] = bounced(nodes[n], [&](uint32_t texel) { return unpackRgb9e5(indirectIrradiance[texel]); });
+
+    std::vector<IrradianceLevel> levels;
+    levels.push_back(std::move(coarse));
+    IrradianceMap map = interpolateLevels(levels, input.atlas, input.points, charts);
+    for (size_t texel = 0; texel < map.size(); ++texel)
+        if (!hasChart(charts, chartOf(texel))) map[texel] = unpackRgb9e5(indirectIrradiance[texel]);
+    for (size_t i = 1; i < std::size(kLevelSteps); ++i)
+        levels.push_back(
+            refine(gatherer, levels.back(), kLevelSteps[i], map, charts, progress, nullptr, rayCount));
+    return interpolateLevels(levels, input.atlas, input.points, charts);
 }
 
 IrradianceMap gatherIndirectIrradiance(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,

@@ -35,4 +35,11 @@ IrradianceMap irradianceFromNodes(const GatherInput& input, const std::vector<ui
                                   const std::vector<NodeRays>& nodes, Progress& progress,
                                   BakeJournal* journal, std::atomic<uint64_t>& rayCount);
 
+/// The map of some charts alone, in the light of `indirectIrradiance` as it is: one bounce further than that.
+/// Other charts are zero. Nodes elsewhere need no rays.
+IrradianceMap irradianceOfCharts(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
+                                 const std::vector<uint32_t>& indirectIrradiance, const BakeSettings& settings,
+                                 IrradianceLevel coarse, const std::vector<NodeRays>& nodes,
+                                 const ChartSet& charts, Progress& progress, std::atomic<uint64_t>& rayCount);
+
 }  // namespace phat

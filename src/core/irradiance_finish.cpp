@@ -18,11 +18,8 @@ std::vector<uint32_t> packIrradiance(const IrradianceMap& map) {
 
 }  // namespace
 
-std::vector<uint32_t> finishAreaIrradiance(const std::vector<IrradianceEstimate>& estimates,
-                                           const GatherInput& input, const std::vector<SeamPoint>& seams,
-                                           const Progress& progress) {
-    IrradianceMap irradiance =
-        filterAreaIrradiance(estimates, input.atlas, input.points, input.irradianceTexels);
+std::vector<uint32_t> finishAreaIrradiance(IrradianceMap irradiance, const GatherInput& input,
+                                           const std::vector<SeamPoint>& seams, const Progress& progress) {
     stitchSeams(irradiance, seams, input.atlas, input.points, input.irradianceTexels, 0, progress);
     return packIrradiance(irradiance);
 }

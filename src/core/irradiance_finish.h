@@ -8,10 +8,9 @@
 
 namespace phat {
 
-/// Filtered, stitched and packed: Phatexture::areaIrradiance.
-std::vector<uint32_t> finishAreaIrradiance(const std::vector<IrradianceEstimate>& estimates,
-                                           const GatherInput& input, const std::vector<SeamPoint>& seams,
-                                           const Progress& progress);
+/// Stitched and packed: Phatexture::areaIrradiance. `irradiance`: of filterAreaIrradiance.
+std::vector<uint32_t> finishAreaIrradiance(IrradianceMap irradiance, const GatherInput& input,
+                                           const std::vector<SeamPoint>& seams, const Progress& progress);
 
 /// Stitched and packed: Phatexture::indirectIrradiance.
 std::vector<uint32_t> finishIndirectIrradiance(IrradianceMap irradiance, const GatherInput& input,

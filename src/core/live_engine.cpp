@@ -15,6 +15,8 @@ constexpr size_t kTilesAPiece = 64, kRegionsAPiece = 4, kNodesAPiece = 1024, kBl
 constexpr uint64_t kPhotonWork = 4, kAreaMapWork = 2, kIndirectMapWork = 6;
 // Maps are made anew when the work on what they are made from outweighs them so many times.
 constexpr uint64_t kMapShare = 3;
+// So many texels are stitched and packed in the time of a ray.
+constexpr uint64_t kTexelsStitchedAWork = 8;
 // A pass over everything, in rays a texel: by its age an item's urgency grows by 1 in that time.
 constexpr uint64_t kPassWork = 64;
 
@@ -84,7 +86,8 @@ bool LiveEngine::hasWork(LiveTask task) {
         if (task == LiveTask::blocks)
             state_.irradianceKnown = !areaDirty_ && !indirectDirty_ && !hasWork(LiveTask::areaLight) &&
                                      !hasWork(LiveTask::nodes);
-        queue.items = urgentFirst(state_, task, tileValue_, clock_, kPassWork * state_.scene.atlas().texelCount());
+        queue.items = urgentFirst(state_, task, tileValue_, clock_,
+                                  kPassWork * state_.scene.atlas().texelCount(), queue.movedItems);
         queue.next = 0;
         queue.planned = plan_;
     }
@@ -113,9 +116,13 @@ uint64_t LiveEngine::advance(uint64_t work, const Progress& whole) {
         progress.throwIfStopped();
         const uint64_t before = clock_;
         if (areaIsDue()) {
-            finishArea(progress);
+            finishArea({}, progress);
         } else if (indirectIsDue()) {
-            finishIndirect(progress);
+            finishIndirect({}, progress);
+        } else if (movedIsDue(LiveTask::areaLight)) {
+            finishArea(movedSince(areaMapScene_), progress);
+        } else if (movedIsDue(LiveTask::nodes) && allNodesKnown(state_)) {
+            finishIndirect(movedSince(indirectMapScene_), progress);
         } else {
             std::array<bool, kLiveTasks> busy;
             for (size_t t = 0; t < kLiveTasks; ++t) busy[t] = hasWork(LiveTask(t));
@@ -133,7 +140,8 @@ uint64_t LiveEngine::advance(uint64_t work, const Progress& whole) {
 
 void LiveEngine::runPiece(LiveTask task, Progress& progress) {
     const Clock::time_point start = Clock::now();
-    const size_t before = queues_[size_t(task)].next;
+    Queue& queue = queues_[size_t(task)];
+    const size_t before = queue.next;
     uint64_t work = 0;
     switch (task) {
         case LiveTask::respond: work = respond(); break;
@@ -143,11 +151,15 @@ void LiveEngine::runPiece(LiveTask task, Progress& progress) {
         case LiveTask::blocks: work = renewBlocks(); break;
     }
     // What is stale may depend on all of a kind being known.
-    if (queues_[size_t(task)].next == queues_[size_t(task)].items.size()) ++plan_;
+    if (queue.next == queue.items.size()) ++plan_;
+    if (before < queue.movedItems) {
+        queue.movedWork += work;
+        queue.movedDone = queue.next >= queue.movedItems;
+    }
     clock_ += work;
     shares_.done(task, work);
     LiveStats::Task& stats = stats_.tasks[size_t(task)];
-    stats.items += queues_[size_t(task)].next - before;
+    stats.items += queue.next - before;
     stats.work += work;
     stats.seconds += secondsSince(start);
 }
@@ -261,40 +273,97 @@ bool LiveEngine::indirectIsDue() {
     return allNodesKnown(state_);
 }
 
-void LiveEngine::finishArea(Progress& progress) {
+uint64_t LiveEngine::mapWork(uint64_t workATexel, const ChartSet& charts) const {
+    const Atlas& atlas = state_.scene.atlas();
+    uint64_t texels = 0;
+    for (uint32_t c = 0; c < atlas.charts.size(); ++c)
+        if (hasChart(charts, c)) texels += uint64_t(atlas.charts[c].sizeTexels().x) * atlas.charts[c].sizeTexels().y;
+    return workATexel * texels + atlas.texelCount() / kTexelsStitchedAWork;
+}
+
+ChartSet LiveEngine::movedSince(uint64_t version) const {
+    ChartSet charts(state_.scene.atlas().charts.size(), 0);
+    for (uint32_t c = 0; c < charts.size(); ++c) charts[c] = state_.scene.movedAt(c) > version;
+    return charts;
+}
+
+bool LiveEngine::movedIsDue(LiveTask task) {
+    const Queue& queue = queues_[size_t(task)];
+    if (queue.movedWork == 0) return false;
+    if (queue.movedDone) return true;
+    const bool area = task == LiveTask::areaLight;
+    return queue.movedWork > kMapShare * mapWork(area ? kAreaMapWork : kIndirectMapWork,
+                                                 movedSince(area ? areaMapScene_ : indirectMapScene_));
+}
+
+namespace {
+
+void mix(IrradianceMap& map, IrradianceMap renewed, const ChartSet& charts, const Atlas& atlas) {
+    if (charts.empty()) {
+        map = std::move(renewed);
+        return;
+    }
+    for (size_t i = 0; i < map.size(); ++i)
+        if (hasChart(charts, atlas.chartAt({i % atlas.sizeTexels.x, i / atlas.sizeTexels.x}))) map[i] = renewed[i];
+}
+
+}  // namespace
+
+void LiveEngine::finishArea(const ChartSet& charts, Progress& progress) {
     const Clock::time_point start = Clock::now();
+    const GatherInput input = state_.input();
+    mix(state_.areaMap,
+        filterAreaIrradiance(state_.areaEstimates, input.atlas, input.points, input.irradianceTexels, charts), charts,
+        input.atlas);
     if (publish(state_, state_.phatexture.areaIrradiance,
-                finishAreaIrradiance(state_.areaEstimates, state_.input(), state_.seams, progress))) {
+                finishAreaIrradiance(state_.areaMap, input, state_.seams, progress))) {
         ++state_.areaVersion;
         ++state_.irradianceVersion;
     }
     ++plan_;
-    areaDirty_ = false;
-    areaWork_ = 0;
-    const uint64_t work = kAreaMapWork * state_.scene.atlas().texelCount();
-    clock_ += work;
-    stats_.areaMaps.items += 1;
-    stats_.areaMaps.work += work;
-    stats_.areaMaps.seconds += secondsSince(start);
+    forgetMoved(LiveTask::areaLight);
+    if (charts.empty()) {
+        areaDirty_ = false;
+        areaWork_ = 0;
+        areaMapScene_ = state_.scene.version();
+    }
+    count(stats_.areaMaps, mapWork(kAreaMapWork, charts), secondsSince(start));
 }
 
-void LiveEngine::finishIndirect(Progress& progress) {
+void LiveEngine::finishIndirect(const ChartSet& charts, Progress& progress) {
     const Clock::time_point start = Clock::now();
     std::atomic<uint64_t> rays = 0;
     const GatherInput input = state_.input();
-    IrradianceMap map = irradianceFromNodes(input, state_.phatexture.areaIrradiance, state_.settings, state_.level,
-                                            state_.nodes, progress, nullptr, rays);
+    const Phatexture& now = state_.phatexture;
+    mix(state_.indirectMap,
+        charts.empty() ? irradianceFromNodes(input, now.areaIrradiance, state_.settings, state_.level, state_.nodes,
+                                             progress, nullptr, rays)
+                       : irradianceOfCharts(input, now.areaIrradiance, now.indirectIrradiance, state_.settings,
+                                            state_.level, state_.nodes, charts, progress, rays),
+        charts, input.atlas);
     if (publish(state_, state_.phatexture.indirectIrradiance,
-                finishIndirectIrradiance(std::move(map), input, state_.seams, progress)))
+                finishIndirectIrradiance(state_.indirectMap, input, state_.seams, progress)))
         ++state_.irradianceVersion;
     ++plan_;
-    indirectDirty_ = false;
-    nodeWork_ = 0;
-    const uint64_t work = rays + kIndirectMapWork * state_.scene.atlas().texelCount();
+    forgetMoved(LiveTask::nodes);
+    if (charts.empty()) {
+        indirectDirty_ = false;
+        nodeWork_ = 0;
+        indirectMapScene_ = state_.scene.version();
+    }
+    count(stats_.indirectMaps, rays + mapWork(kIndirectMapWork, charts), secondsSince(start));
+}
+
+void LiveEngine::forgetMoved(LiveTask task) {
+    queues_[size_t(task)].movedWork = 0;
+    queues_[size_t(task)].movedDone = false;
+}
+
+void LiveEngine::count(LiveStats::Task& task, uint64_t work, double seconds) {
     clock_ += work;
-    stats_.indirectMaps.items += 1;
-    stats_.indirectMaps.work += work;
-    stats_.indirectMaps.seconds += secondsSince(start);
+    task.items += 1;
+    task.work += work;
+    task.seconds += seconds;
 }
 
 LiveUpdate LiveEngine::takeUpdate() {

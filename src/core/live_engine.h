@@ -59,6 +59,10 @@ class LiveEngine {
         std::vector<uint32_t> items;  // the most urgent first
         size_t next = 0;
         uint64_t planned = 0;  // plan_ that it was made for
+        // All of what has moved is among its first items: irradiance that is out of place is shown first.
+        size_t movedItems = 0;
+        uint64_t movedWork = 0;  // since their maps were last made
+        bool movedDone = false;
     };
     bool hasWork(LiveTask task);
     std::span<const uint32_t> takeItems(LiveTask task, size_t most);
@@ -68,10 +72,15 @@ class LiveEngine {
     uint64_t renewRegions();
     uint64_t traceNodes();
     uint64_t renewBlocks();
-    void finishArea(Progress& progress);
-    void finishIndirect(Progress& progress);
+    void finishArea(const ChartSet& charts, Progress& progress);
+    void finishIndirect(const ChartSet& charts, Progress& progress);
     bool areaIsDue();
     bool indirectIsDue();
+    bool movedIsDue(LiveTask task);
+    void forgetMoved(LiveTask task);
+    ChartSet movedSince(uint64_t version) const;
+    uint64_t mapWork(uint64_t workATexel, const ChartSet& charts) const;
+    void count(LiveStats::Task& task, uint64_t work, double seconds);
 
     LiveState state_;
     std::optional<Camera> eye_;
@@ -84,6 +93,7 @@ class LiveEngine {
     uint64_t clock_ = 0;  // all work so far
     bool areaDirty_ = false, indirectDirty_ = false;
     uint64_t areaWork_ = 0, nodeWork_ = 0;  // since the maps were last made
+    uint64_t areaMapScene_ = 1, indirectMapScene_ = 1;  // versions that they were made in
     bool tileLightStale_ = false;
     uint64_t tileLightClock_ = 0;  // of the next one
     LiveStats stats_;

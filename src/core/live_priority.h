@@ -15,9 +15,10 @@ inline constexpr size_t kLiveTasks = 5;
 std::vector<float> tileValues(const LiveState& state, const Camera* eye);
 
 /// The stale items of a task, the most urgent first. An item's urgency grows with its age by 1 in
-/// `passClock` ticks, so that it cannot wait longer than that and a little.
+/// `passClock` ticks, so that it cannot wait longer than that and a little. Regions and nodes
+/// of what has moved since they were renewed come early: the last of them is among the first `moved`.
 std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const std::vector<float>& tileValue,
-                                  uint64_t clock, uint64_t passClock);
+                                  uint64_t clock, uint64_t passClock, size_t& moved);
 
 /// Shares the work out to tasks by weight: each gets its share of what is done while it has something to do.
 /// source: start-time fair queuing, Goyal et al. 1996.

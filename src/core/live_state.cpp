@@ -72,6 +72,8 @@ LiveState::LiveState(const Scene& rest, const Atlas& atlas, const TexelPoints& p
         areaEstimates.resize(texels);
         for (size_t i = 0; i < texels; ++i) areaEstimates[i].value = unpackRgb9e5(phatexture.areaIrradiance[i]);
     }
+    for (const uint32_t packed : phatexture.areaIrradiance) areaMap.push_back(unpackRgb9e5(packed));
+    for (const uint32_t packed : phatexture.indirectIrradiance) indirectMap.push_back(unpackRgb9e5(packed));
     tileScene.assign(tiles, scene.version());
     tileClock.assign(tiles, 0);
     blockAge.assign(atlas.blockCount, {});

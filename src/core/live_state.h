@@ -70,6 +70,7 @@ struct LiveState {
     Phatexture phatexture;
     std::vector<std::optional<LivePhotons>> photons;  // parts in order
     std::vector<IrradianceEstimate> areaEstimates;    // [y][x]
+    IrradianceMap areaMap, indirectMap;               // before their seams are stitched
     IrradianceLevel level;                            // of nodes
     std::vector<NodeRays> nodes;
     std::vector<NodeAge> nodeAge;
