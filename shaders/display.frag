@@ -4,12 +4,13 @@
 // what relight_paper.frag made of the PHATexels.
 // source: Hensley et al. 2003, sections 6.1 and 6.2; the ratio and the lookup are ours (docs/pipeline.md).
 #include "lib/fetch.glsl"
+#include "lib/packed_draws.glsl"
 #include "lib/paper_cone.glsl"
 #include "lib/visible_surface.glsl"
 #include "lib/lights.glsl"
 
 #ifdef LOOKUP
-uniform sampler2DArray glossy;      // a picture a lobe, see pool.frag; then the same lobes by rays
+uniform usampler2DArray seen;       // see lib/draws_out.glsl; then floats' bits: what rays saw, two layers a lobe
 uniform int tracedLayer;            // where those begin; 0: there are none
 uniform sampler2D tileLight;        // rgb: the brightest radiance around
 #else
@@ -57,34 +58,46 @@ vec3 irradianceAt(int source, vec2 center, uint chart) {
 // What a lobe sees: a mean of real radiances, weighted by the lobe. Where no PHATexel under the lobe is anywhere
 // near, the mean over the hemisphere, an approximation.
 #ifdef LOOKUP
-// pool.frag's order has room for the area lights, whether there are any or not.
-int pictureOf(int lobeIndex) {
-    return lobeIndex < kSources ? lobeIndex : 2 + lobeIndex - kSources;
+// Of a lobe without colour, as lookup.frag draws it.
+float scalarAlbedo(vec3 albedo) {
+    return maxComponent(albedo);
 }
 
-vec3 lobeRadiance(int lobeIndex, vec2 center, uint chart, vec3 fallback) {
-    vec4 sum = READ(texelFetch(glossy, ivec3(gl_FragCoord.xy, pictureOf(lobeIndex)), 0));
-    return sum.a > 0.0 ? sum.rgb / sum.a : fallback;
+// `incident`: the source's irradiance; `albedo`: the lobe's, without colour.
+vec3 lobeRadiance(int lobeIndex, vec2 center, uint chart, vec3 incident, float albedo) {
+    uvec4 bits = READ(texelFetch(seen, ivec3(gl_FragCoord.xy, lobeIndex), 0));
+    vec4 sum = unpackSum(bits.xy);
+    vec3 light = sum.a > 0.0 ? unpackRgb9e5(bits.x) : incident / kPi;
+    // What lamps reflect, over what their irradiance is by the same PHATexels: that of the irradiance map has no noise.
+    if (lobeIndex % kSources == 1)
+        light += luminance(incident) / max(albedo, 1e-6) * unpackRgb9e5(bits.z);
+    return light;
 }
 
 // What rays saw takes the place of the lookup's answer, the more the smoother the lobe.
-vec3 tracedOver(vec3 seen, int lobeIndex) {
-    if (tracedLayer == 0) return seen;
-    vec4 traced = texelFetch(glossy, ivec3(gl_FragCoord.xy, tracedLayer + pictureOf(lobeIndex)), 0);
-    return mix(seen, traced.rgb, traced.a);
+vec3 tracedOver(vec3 light, int lobeIndex) {
+    if (tracedLayer == 0) return light;
+    int layer = tracedLayer + 2 * (lobeIndex / kSources) + lobeIndex % kSources;
+    vec4 traced = uintBitsToFloat(texelFetch(seen, ivec3(gl_FragCoord.xy, layer), 0));
+    return mix(light, traced.rgb, traced.a);
 }
 
 vec3 brightestHere(vec2 center) {
     return READ(texelFetch(tileLight, ivec2(floor(center)) >> 3, 0).rgb);
 }
 #else
-vec3 lobeRadiance(int lobeIndex, vec2 center, uint chart, vec3 fallback) {
-    vec4 sum = lobeSum(relit, radii, lobeIndex, center, chart);
-    return sum.a > 0.0 ? sum.rgb / sum.a : fallback;
+// As texel_material.frag takes a colour's mean.
+float scalarAlbedo(vec3 albedo) {
+    return dot(albedo, vec3(1.0 / 3.0));
 }
 
-vec3 tracedOver(vec3 seen, int lobeIndex) {
-    return seen;
+vec3 lobeRadiance(int lobeIndex, vec2 center, uint chart, vec3 incident, float albedo) {
+    vec4 sum = lobeSum(relit, radii, lobeIndex, center, chart);
+    return sum.a > 0.0 ? sum.rgb / sum.a : incident / kPi;
+}
+
+vec3 tracedOver(vec3 light, int lobeIndex) {
+    return light;
 }
 
 vec3 brightestHere(vec2 center) {
@@ -110,22 +123,22 @@ void findIncident(vec2 center, uint chart, vec3 brightest, out vec3 incident[kSo
 
 // What the lobe sees of each source; `albedo`: its own, without colour.
 void findSeen(int firstLobe, vec2 center, uint chart, vec3 brightest, vec3 incident[kSources], float albedo,
-              out vec3 seen[kSources]) {
+              out vec3 light[kSources]) {
     for (int source = kFirstSource; source < kSources; ++source)
-        seen[source] = lobeRadiance(firstLobe + source, center, chart, incident[source] / kPi);
-    boundByBrightest(seen, brightest);
+        light[source] = lobeRadiance(firstLobe + source, center, chart, incident[source], albedo);
+    boundByBrightest(light, brightest);
     for (int source = kFirstSource; source < kSources; ++source)
-        seen[source] = tracedOver(seen[source], firstLobe + source);
+        light[source] = tracedOver(light[source], firstLobe + source);
 #ifdef PAPER
     // What is reflected; the albedo's colour is to multiply it.
-    seen[0] = paperMean(relit, firstLobe, center, chart) / max(albedo, 1e-6);
+    light[0] = paperMean(relit, firstLobe, center, chart) / max(albedo, 1e-6);
 #endif
 }
 
-void addGlossy(vec3 albedo, vec3 seen[kSources], inout vec3 direct, inout vec3 glossyIndirect) {
-    glossyIndirect += albedo * seen[0];
+void addGlossy(vec3 albedo, vec3 light[kSources], inout vec3 direct, inout vec3 glossyIndirect) {
+    glossyIndirect += albedo * light[0];
 #ifdef AREA
-    direct += albedo * seen[1];
+    direct += albedo * light[1];
 #endif
 }
 
@@ -166,16 +179,16 @@ void main() {
         vec3 diffuse = transmission * diffuseWeight(brdf, nDotV) * brdf.diffuseColor / kPi;
         vec3 specular = specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, nDotV);
         vec3 brightest = brightestHere(center);
-        vec3 incident[kSources], seen[kSources];
+        vec3 incident[kSources], light[kSources];
         findIncident(center, chart, brightest, incident);
         if (maxComponent(specular) > 0.0) {
-            findSeen(0, center, chart, brightest, incident, dot(specular, vec3(1.0 / 3.0)), seen);
-            addGlossy(transmission * specular, seen, direct, glossyIndirect);
+            findSeen(0, center, chart, brightest, incident, scalarAlbedo(specular), light);
+            addGlossy(transmission * specular, light, direct, glossyIndirect);
         }
 #ifdef CLEARCOAT
         if (brdf.clearcoat > 0.0) {
-            findSeen(kSources, center, chart, brightest, incident, (1.0 - transmission) / brdf.clearcoat, seen);
-            addGlossy(vec3(1.0 - transmission), seen, direct, glossyIndirect);
+            findSeen(kSources, center, chart, brightest, incident, (1.0 - transmission) / brdf.clearcoat, light);
+            addGlossy(vec3(1.0 - transmission), light, direct, glossyIndirect);
         }
 #endif
         diffuseIndirect = diffuse * incident[0];
@@ -189,6 +202,8 @@ void main() {
     if (any(isnan(sum)) || any(isinf(sum))) sum = vec3(0.0);
     radiance = vec4(sum * alpha, alpha);
 #if defined(COUNT_READS) && defined(LOOKUP)
-    radiance = vec4(vec3(texelFetch(glossy, ivec3(gl_FragCoord.xy, 0), 0).r + float(readCount)), 1.0);
+    radiance = vec4(0.0, 0.0, 0.0, 1.0);
+    for (int i = 0; i < kSources; ++i)
+        radiance[i] = float(texelFetch(seen, ivec3(gl_FragCoord.xy, i), 0).y) + float(readCount[i]);
 #endif
 }

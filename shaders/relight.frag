@@ -26,6 +26,7 @@ uniform sampler2D texelNormals;        // octahedral: xy shading normal, zw coat
 uniform sampler2D texelBrdf;           // see texel_material.frag
 uniform vec3 eyeWorld;                 // or, for a parallel projection, the direction toward the eye
 uniform float eyeAtInfinity;           // 1: parallel projection
+uniform int firstLayer;                // of this source
 uniform int layerCount;
 uniform int guideCount;
 
@@ -93,7 +94,7 @@ void addSample(Lobe l, vec3 towardEye, vec3 towardLight, mat3 worldFromBlock, in
     if (share < 1.0)
         w = mix(specularAlbedo(vec3(l.f0), l.f90, l.alpha, max(dot(l.normal, towardEye), 0.0)).x, a, share);
     if (share < kCountsExpected) {
-        float value = a * dot(phatexel.radiance, vec3(0.2126, 0.7152, 0.0722));
+        float value = a * luminance(phatexel.radiance);
         count = value * value;
     }
     sums += vec4(phatexel.radiance * a, w);
@@ -124,7 +125,7 @@ void main() {
     Lobe base = Lobe(octahedralToDirection(normals.xy), brdf.x, brdf.y, brdf.z);
     for (int layer = 0; layer < layerCount; ++layer) {
         ivec3 texelLayer = ivec3(texel, layer);
-        Phatexel phatexel = unpackPhatexel(texelFetch(phatexels, texelLayer, 0).xy);
+        Phatexel phatexel = unpackPhatexel(texelFetch(phatexels, ivec3(texel, firstLayer + layer), 0).xy);
         if (!phatexel.valid) continue;
         phatexel.pdf = densityAt(block, phatexel.directionBlock, texelLayer);
         if (!(phatexel.pdf > 0.0)) continue;

@@ -14,6 +14,7 @@ uniform sampler2D texelNormals;        // octahedral: xy shading normal, zw coat
 uniform sampler2D texelBrdf;           // see texel_material.frag
 uniform vec3 eyeWorld;                 // or, for a parallel projection, the direction toward the eye
 uniform float eyeAtInfinity;           // 1: parallel projection
+uniform int firstLayer;
 uniform int layerCount;
 
 layout(location = 0) out vec4 specular;    // sum of f E, PHATexels
@@ -49,7 +50,7 @@ void main() {
 
     Lobe base = Lobe(octahedralToDirection(normals.xy), brdf.x, brdf.y, brdf.z);
     for (int layer = 0; layer < layerCount; ++layer) {
-        Phatexel phatexel = unpackPhatexel(texelFetch(phatexels, ivec3(texel, layer), 0).xy);
+        Phatexel phatexel = unpackPhatexel(texelFetch(phatexels, ivec3(texel, firstLayer + layer), 0).xy);
         if (!phatexel.valid) continue;
         vec3 towardLight = worldFromBlock * phatexel.directionBlock;
         specular += reflectedBy(base, towardEye, towardLight, phatexel);

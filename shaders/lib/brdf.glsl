@@ -24,6 +24,11 @@ struct LobeValues {
 // 64x64 over (nDotV, sqrt(alpha)), two channels, entry i at i / 63: core's splitSumTable().
 uniform sampler2D splitSumTable;
 
+// twin: luminance in src/core/math.h.
+float luminance(vec3 rgb) {
+    return dot(rgb, vec3(0.2126, 0.7152, 0.0722));
+}
+
 float maxComponent(vec3 v) {
     return max(v.x, max(v.y, v.z));
 }

@@ -1,7 +1,11 @@
-// Reads that a pixel's indirect light costs are counted by the variants with COUNT_READS.
+// Reads that a pixel's glossy light costs are counted by the variants with COUNT_READS: [0] for indirect light, [1] for
+// area lights.
 #ifdef COUNT_READS
-int readCount = 0;
-#define READ(value) (++readCount, value)
+int readCount[2] = int[2](0, 0);
+int readSource = 0;
+#define READ(value) (++readCount[readSource], value)
+#define READS_FOR(source) readSource = source
 #else
 #define READ(value) value
+#define READS_FOR(source)
 #endif

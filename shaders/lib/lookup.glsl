@@ -1,37 +1,20 @@
 // What arrives along a lobe: directions drawn from the BRDF, each answered by the PHATexel of a nearby block that
 // looks there. ours, because averaging the neighbourhood instead reads thousands of texels a pixel for the same
 // error (docs/pipeline.md, "Lookup").
-// twin of the tables: src/core/lookup_tables.h, src/core/distance_probes.h, src/gl/lookup_pass.cpp.
-#include "lib/atlas.glsl"
-#include "lib/block_layout.glsl"
 #include "lib/brdf.glsl"
-#include "lib/fetch.glsl"
 #include "lib/frame.glsl"
-#include "lib/phatexel.glsl"
-#include "lib/table.glsl"
-#include "lib/tile_patch.glsl"
+#include "lib/lookup_tables.glsl"
 #include "lib/visible_normal.glsl"
 
 const int kMostDraws = 32;
 const int kRanks = 16;
 
-uniform usampler2D charts;          // see GpuAtlas::charts
-uniform usampler2D tilePatches;     // see lib/tile_patch.glsl
-uniform usampler2DArray phatexels;  // [layer][y][x] packed, 8 bytes
-uniform sampler2D warps;            // a guide: uLow, uHigh, vLow, vHigh of each cell
-uniform usampler2D probes;          // [4 tileY][2 tileX]: 8x4 levels of distance, 4 bits each
 uniform uvec4 draws[kMostDraws];    // fractions of 2^32, the same for all pixels but for `ranks`
 uniform uvec4 ranks[kRanks];
-uniform int guideCount;
 uniform int drawCount;              // at most kMostDraws
-#ifdef LAYERS
-uniform usampler2D scrambles;       // [layer][block]
-uniform int layerCount;
+#ifdef AREA
+uniform int lampBits;               // 2^lampBits texels a side, 2 to 5, are shared out to a group's 4x4 pixels
 #endif
-
-const int kProbeSize = 16;
-// Tables of 16x16 a guide stand so many side by side.
-const int kTablesWide = 512;
 
 // The numbers below are the design study's, on one scene, unless a comment says more.
 const int kTries = 4;               // places that a draw asks, each in half the radius of the one before
@@ -49,100 +32,12 @@ const float kFarther = 5.0;         // a sample that lies so many times farther 
 // holds near its own direction alone.
 const float kMostTurn = 0.5;
 const float kSlackMeters = 0.05;
-// What is farther than this stands still while eye and block differ by metres.
-const float kHorizonMeters = 1e4;
-const float kNearMeters = 0.01;
 // Samples that the neighbourhood must hold under a lobe. With fewer a sharp lobe shows single samples; more widen lobes
 // at contacts, where places are drawn from a small one, until they see bright things far off; what does not aim has more
 // around it there (docs/pipeline.md).
 const float kWantedSamples = 2.0;
 const float kLeastReachTexels = 16.0;
 const float kMostWidening = 20.0;
-
-struct ChartPlace {
-    ivec2 origin;  // texels
-    ivec2 size;
-    int firstBlock;
-    float texelMeters;
-};
-
-ChartPlace chartPlace(uint chart) {
-    uvec4 bits = READ(texelFetch(charts, tableTexel(int(chart)), 0));
-    ivec2 origin = ivec2(bits.x & 0xffffu, bits.x >> 16) * 8;
-    ivec2 size = ivec2(bits.y & 0xffffu, bits.y >> 16) * 8;
-    return ChartPlace(origin, size, int(bits.z), uintBitsToFloat(bits.w));
-}
-
-int blockOf(ChartPlace chart, ivec2 texel) {
-    ivec2 place = (texel - chart.origin) >> kBlockBits;
-    int blocksWide = (chart.size.x + kBlockSize - 1) >> kBlockBits;
-    return chart.firstBlock + place.y * blocksWide + place.x;
-}
-
-// A tile and where it stands in its block.
-struct LookupTile {
-    TilePatch tilePatch;
-    int block;
-    ivec2 blockCorner;  // texels
-    vec2 middle;
-};
-
-LookupTile lookupTileAt(ChartPlace chart, ivec2 texel) {
-    LookupTile t;
-    ivec2 tile = texel >> 3;
-    t.tilePatch = tilePatchAt(tilePatches, tile, chart.texelMeters);
-    t.block = blockOf(chart, texel);
-    t.blockCorner = chart.origin + (((texel - chart.origin) >> kBlockBits) << kBlockBits);
-    t.middle = vec2(8 * tile + 4);
-    return t;
-}
-
-ivec2 hemisphereCell(vec3 direction, int size) {
-    vec3 d = normalize(vec3(direction.xy, max(direction.z, 0.0)));
-    return clamp(ivec2(hemisphereToSquare(d) * float(size)), 0, size - 1);
-}
-
-// Distances around the receiver's tile, as seen from one of its texels; the last read is kept.
-struct Probe {
-    ivec2 corner;      // in `probes`
-    vec2 range;        // metres
-    vec3 offset;       // from the receiver to that texel, world
-    ivec2 group;
-    uvec4 levels;
-};
-
-Probe probeAt(LookupTile tile, ivec2 texel, vec3 position) {
-    vec2 fromMiddle = vec2(tile.tilePatch.probeTexel) - 3.5;
-    vec3 offset = tile.tilePatch.empty ? vec3(0.0) : placeOf(tile.tilePatch, fromMiddle) - position;
-    return Probe((texel >> 3) * ivec2(2, 4), tile.tilePatch.probeRange, offset, ivec2(-1), uvec4(0u));
-}
-
-// twin: probeDistance in src/core/distance_probes.h.
-float levelDistance(vec2 range, uint level) {
-    return level == 15u ? kFarDistance : range.x * pow(range.y / range.x, float(level) / 14.0);
-}
-
-// Metres from the receiver to what is seen along a unit direction.
-float distanceAlong(inout Probe probe, mat3 worldFromBlock, vec3 direction) {
-    ivec2 cell = hemisphereCell(direction * worldFromBlock, kProbeSize);
-    ivec2 group = ivec2(cell.x >> 3, cell.y >> 2);
-    if (group != probe.group) {
-        probe.levels = READ(texelFetch(probes, probe.corner + group, 0));
-        probe.group = group;
-    }
-    uint level = (probe.levels[cell.y & 3] >> uint(4 * (cell.x & 7))) & 15u;
-    return clamp(levelDistance(probe.range, level) + dot(probe.offset, direction), kNearMeters, kHorizonMeters);
-}
-
-vec4 warpAt(int block, ivec2 cell) {
-    int guide = guideCount == 1 ? 0 : block;
-    return READ(texelFetch(warps, ivec2(guide % kTablesWide, guide / kTablesWide) * kGuideSize + cell, 0));
-}
-
-// 1/sr: the density that the block's directions were drawn from.
-float warpDensity(vec4 warp) {
-    return (warp.y - warp.x) * (warp.w - warp.z) * float(kGuideSize * kGuideSize) / (2.0 * kPi);
-}
 
 struct Lobe {
     vec3 normal;  // world
@@ -170,69 +65,73 @@ float searchRadius(float distance, float texelMeters) {
     return clamp(0.7 * distance / texelMeters, kFewestTexels, kMostTexels);
 }
 
-// A texel of the chart near `place`; beyond the chart's edge, mirrored at `around` while that is inside.
-ivec2 texelInChart(ChartPlace chart, vec2 place, vec2 around) {
-    vec2 low = vec2(chart.origin), high = low + vec2(chart.size);
-    if (any(lessThan(place, low)) || any(greaterThanEqual(place, high))) place = 2.0 * around - place;
-    return clamp(ivec2(floor(place)), chart.origin, chart.origin + chart.size - 1);
-}
-
 struct Found {
     bool valid;
     vec3 radiance;
     vec3 direction;  // seen from the receiver
     float distance;
     float spread2;   // square of the angle that may lie between the direction found and the one asked for
+    float density;   // 1/sr: of drawing that direction as the PHATexels were drawn, seen from the receiver
 };
+
+// A group of 2^bits texels a side is small enough that its own parallax, of what is `d` away, does not outweigh its
+// cells' size.
+int groupBits(ChartPlace chart, float d) {
+    return int(clamp(floor(0.5 * log2(3.6 * d / chart.texelMeters)), 2.0, float(kBlockBits)));
+}
+
+ivec2 groupCorner(LookupTile tile, ivec2 q, int bits) {
+    return tile.blockCorner + (((q - tile.blockCorner) >> bits) << bits);
+}
+
+// `warp`: of the cell that the sample was drawn in.
+Found foundIn(LookupTile tile, Phatexel phatexel, vec4 warp, int bits) {
+    float cellAngle = 1.02 / float(1 << bits);
+    float density = warpDensity(warp);
+    float spread2 = cellAngle * cellAngle * clamp(1.0 / (2.0 * kPi * density), 0.05, 9.0);
+    return Found(phatexel.valid, phatexel.radiance, tile.tilePatch.worldFromBlock * phatexel.directionBlock,
+                 min(phatexel.distance, kHorizonMeters), spread2, density);
+}
+
+// As the receiver sees what the PHATexel of `texel` found. `tile`: of a texel around, whose patch holds in its group.
+void reconnect(inout Found found, Receiver r, ChartPlace chart, LookupTile tile, ivec2 place, ivec2 texel, int bits) {
+    // Where one patch does not hold in the whole group, the texel's own tells its place.
+    if (bits > tile.tilePatch.groupBits && (texel >> 3) != (place >> 3)) {
+        tile.tilePatch = tilePatchAt(tilePatches, texel >> 3, chart.texelMeters);
+        tile.middle = vec2(8 * (texel >> 3) + 4);
+    }
+    vec3 hit = placeOf(tile.tilePatch, vec2(texel) + 0.5 - tile.middle) + found.direction * found.distance;
+    float distance = max(length(hit - r.position), 1e-6);
+    found.direction = (hit - r.position) / distance;
+    float farther = distance / max(found.distance, 1e-6);
+    found.density *= farther * farther;
+    found.distance = distance;
+}
 
 // The sample toward `wi`, where something is expected at distance `d`, of the block around texel `q` of `tile`.
 // `aimed`: toward the expected place, and reconnected to the receiver; else as if `q` were the receiver.
-Found ask(Receiver r, ChartPlace chart, LookupTile tile, ivec2 q, vec3 wi, float d, bool aimed, int k) {
+Found ask(Receiver r, ChartPlace chart, LookupTile tile, ivec2 q, vec3 wi, float d, bool aimed, int layer) {
     Found found;
     found.valid = false;
-    found.distance = 0.0;
-    // A group of 2^bits texels a side is small enough that its own parallax does not outweigh its cells' size.
-    int bits = int(clamp(floor(0.5 * log2(3.6 * d / chart.texelMeters)), 2.0, float(kBlockBits)));
-    if (!aimed) bits = kNearBits;
+    int bits = aimed ? groupBits(chart, d) : kNearBits;
     int side = 1 << bits;
-    ivec2 corner = tile.blockCorner + (((q - tile.blockCorner) >> bits) << bits);
+    ivec2 corner = groupCorner(tile, q, bits);
     vec3 center = placeOf(tile.tilePatch, vec2(corner) + 0.5 * float(side) - tile.middle);
     vec3 aim = (aimed ? normalize(r.position + wi * d - center) : wi) * tile.tilePatch.worldFromBlock;
     if (aim.z < 0.0) return found;
 
     vec2 scaled = hemisphereToSquare(aim) * float(kGuideSize);
     ivec2 cell = clamp(ivec2(scaled), 0, kGuideSize - 1);
-    vec4 warp = warpAt(tile.block, cell);
+    vec4 warp = warpAt(layer, tile.block, cell);
     vec2 square = mix(warp.xz, warp.yw, clamp(scaled - vec2(cell), 0.0, 1.0));
-#ifdef LAYERS
-    int layer = k % layerCount;
-    ivec2 entry = ivec2(tile.block % kTablesWide, (tile.block / kTablesWide) * layerCount + layer);
-    uint scramble = READ(texelFetch(scrambles, entry, 0).r);
-#else
-    const int layer = 0;
-    uint scramble = tile.tilePatch.scramble;
-#endif
-    ivec2 texel = tile.blockCorner + texelHolding(square, corner - tile.blockCorner, bits, scramble);
+    ivec2 texel =
+        tile.blockCorner + texelHolding(square, corner - tile.blockCorner, bits, scrambleOf(tile, layer));
     Phatexel phatexel = unpackPhatexel(READ(texelFetch(phatexels, ivec3(texel, layer), 0).xy));
-    if (!phatexel.valid) return found;
-
-    float cellAngle = 1.02 / float(side);
-    found.radiance = phatexel.radiance;
-    found.direction = tile.tilePatch.worldFromBlock * phatexel.directionBlock;
-    found.distance = min(phatexel.distance, kHorizonMeters);
-    found.spread2 = cellAngle * cellAngle * clamp(1.0 / (2.0 * kPi * warpDensity(warp)), 0.05, 9.0);
-    found.valid = true;
+    found = foundIn(tile, phatexel, warp, bits);
+    if (!found.valid) return found;
     if (aimed) {
-        // Where one patch does not hold in the whole group, the texel's own tells its place.
-        if (bits > tile.tilePatch.groupBits && (texel >> 3) != (q >> 3)) {
-            tile.tilePatch = tilePatchAt(tilePatches, texel >> 3, chart.texelMeters);
-            tile.middle = vec2(8 * (texel >> 3) + 4);
-        }
-        vec3 hit =
-            placeOf(tile.tilePatch, vec2(texel) + 0.5 - tile.middle) + found.direction * found.distance;
         vec3 asStored = found.direction;
-        found.distance = max(length(hit - r.position), 1e-6);
-        found.direction = (hit - r.position) / found.distance;
+        reconnect(found, r, chart, tile, q, texel, bits);
         float parallax = 0.408 * float(side) * chart.texelMeters / d;
         found.spread2 += parallax * parallax;
         found.valid = 2.0 * (1.0 - dot(found.direction, wi)) <= 4.0 * found.spread2 &&
@@ -244,58 +143,148 @@ Found ask(Receiver r, ChartPlace chart, LookupTile tile, ivec2 q, vec3 wi, float
 
 // A bias, named: a lobe under which the neighbourhood holds too few samples is drawn wider, because a blurred
 // reflection disturbs less than the dots of single samples.
-void widenLobe(inout Lobe lobe, ChartPlace chart, LookupTile here, inout Probe probe, vec3 mirror, float cosine) {
+float widenedAlpha(Lobe lobe, ChartPlace chart, LookupTile here, inout Probe probe, vec3 mirror, float cosine) {
     mat3 worldFromBlock = here.tilePatch.worldFromBlock;
     float reach = max(searchRadius(distanceAlong(probe, worldFromBlock, mirror), chart.texelMeters), kLeastReachTexels);
     // The volume of the cone that places are drawn from, but no more texels than there are.
     float texels = min(kPi / 3.0 * reach * reach, float(chart.size.x * chart.size.y));
-    float density = warpDensity(warpAt(here.block, hemisphereCell(mirror * worldFromBlock, kGuideSize)));
+    float density = warpDensity(warpAt(0, here.block, hemisphereCell(mirror * worldFromBlock, kGuideSize)));
     // 1 / (integral of D^2) is 3 pi alpha^2 for small alpha, times d(light)/d(half) = 4 v.h.
     float solidAngle = min(12.0 * kPi * lobe.alpha * lobe.alpha * cosine, kPi);
     float widening = clamp(sqrt(kWantedSamples / max(texels * density * solidAngle, 1e-6)), 1.0, kMostWidening);
-    lobe.alpha = min(lobe.alpha * widening, max(lobe.alpha, 1.0));
+    return min(lobe.alpha * widening, max(lobe.alpha, 1.0));
 }
 
-// sum g L, sum g over a pixel's draws with g = f cos / pdf: the ratio is what the lobe sees. `rank`: which
-// sixteenth of the numbers is the pixel's own. The lobe returns as it was drawn.
-vec4 lookUp(Receiver r, inout Lobe lobe, int rank) {
+// Where a draw asks.
+struct Place {
+    ivec2 texel;
+    LookupTile tile;
+};
+
+void moveTo(inout Place place, ChartPlace chart, vec2 texel, vec2 around) {
+    place.texel = texelInChart(chart, texel, around);
+    place.tile = lookupTileAt(chart, place.texel);
+}
+
+// What a PHATexel of `layer` saw toward `wi`. `place`: the first one that is asked, or with `away` any; that which
+// answered.
+Found answer(Receiver r, ChartPlace chart, vec3 normal, vec3 wi, float d, vec2 u, int layer, bool away,
+             inout Place place) {
+    Found found;
+    float radius = searchRadius(d, chart.texelMeters);
+    for (int i = 0; i < kTries; ++i, radius = max(0.5 * radius, kLeastTexels), d *= kCloser) {
+        if (i >= kAimedTries) radius = kNearTexels;
+        if (i > 0 || away) moveTo(place, chart, r.texel + radius * squareToCone(u, float(i)), r.texel);
+        found = ask(r, chart, place.tile, place.texel, wi, d, i < kAimedTries, layer);
+        found.valid = found.valid && dot(found.direction, normal) > 0.0;
+        if (found.valid) break;
+    }
+    return found;
+}
+
+// What the lobe sees.
+struct SeenLight {
+    vec4 indirect;  // sum g L, sum g over a pixel's draws: to be divided
+    vec4 area;      // the same of area lights, less what `lamps` has
+    vec4 lamps;     // reflected radiance, and luminance of the irradiance, both by the PHATexels nearby
+};
+
+#ifdef AREA
+// Of the draws, those that ask for area lights, too.
+const int kAreaEvery = 3;
+
+int areaDraws() {
+    return (drawCount + kAreaEvery - 1) / kAreaEvery;
+}
+
+// PHATexels of a pixel's own.
+int lampsEach() {
+    return 1 << (2 * lampBits - 4);
+}
+
+// The part of a sample that the draws take, the rest is the lamps': the balance heuristic.
+float drawsShare(float drawnPdf, Found found) {
+    float draws = float(areaDraws()) * drawnPdf;
+    return draws / (draws + float(lampsEach()) * found.density);
+}
+
+// Lamps are small: draws from a rough lobe seldom meet one. So area lights are also asked the other way round: each of a
+// group's 4x4 pixels takes its share of the cells of one unit square, whose samples crowd where lamps are, and both
+// ways share by the balance heuristic (docs/pipeline.md).
+void addLamps(inout vec4 sum, Receiver r, ChartPlace chart, mat3 worldFromLocal, vec3 wo, Lobe lobe, float drawnAlpha,
+              int rank, vec2 u, Place place) {
+    int side = 1 << lampBits, across = side / 4;
+    moveTo(place, chart, r.texel + kNearTexels * squareToCone(u, 0.0), r.texel);
+    ivec2 corner = groupCorner(place.tile, place.texel, lampBits) - place.tile.blockCorner;
+    uint scramble = scrambleOf(place.tile, layerCount);
+    for (int i = 0; i < lampsEach(); ++i) {
+        vec2 cell = vec2(4 * (i % across) + (rank & 3), 4 * (i / across) + (rank >> 2));
+        ivec2 texel =
+            place.tile.blockCorner + texelHolding((cell + 0.5) / float(side), corner, lampBits, scramble);
+        Phatexel phatexel = unpackPhatexel(READ(texelFetch(phatexels, ivec3(texel, layerCount), 0).xy));
+        if (!phatexel.valid) continue;
+        vec4 warp = warpAt(layerCount, place.tile.block, hemisphereCell(phatexel.directionBlock, kGuideSize));
+        // The smear of the draws that might have found the same.
+        Found found = foundIn(place.tile, phatexel, warp, groupBits(chart, phatexel.distance));
+        reconnect(found, r, chart, place.tile, place.texel, texel, lampBits);
+        vec3 w = found.direction * worldFromLocal;
+        if (w.z <= 0.0 || dot(found.direction, r.normalGeometric) <= 0.0) continue;
+        float share = 1.0 - drawsShare(smoothedLobePdf(wo, w, drawnAlpha, found.spread2), found);
+        vec3 arriving = found.radiance / found.density;
+        sum += vec4(share * lobeValue(lobe, wo, w) * arriving, luminance(w.z * arriving));
+    }
+}
+#endif
+
+// `rank`: which sixteenth of the numbers is the pixel's own; `drawnAlpha`: of the lobe as it was drawn.
+SeenLight lookUp(Receiver r, Lobe lobe, int rank, out float drawnAlpha) {
+    drawnAlpha = lobe.alpha;
+    SeenLight seen = SeenLight(vec4(0.0), vec4(0.0), vec4(0.0));
     mat3 worldFromLocal = frameFromNormal(lobe.normal);
     vec3 wo = r.towardEye * worldFromLocal;
-    if (wo.z <= 0.0) return vec4(0.0);
+    if (wo.z <= 0.0) return seen;
     ChartPlace chart = chartPlace(r.chart);
     ivec2 hereTexel = texelInChart(chart, r.texel, r.texel);
     LookupTile here = lookupTileAt(chart, hereTexel);
     mat3 worldFromBlock = here.tilePatch.worldFromBlock;
     Probe probe = probeAt(here, hereTexel, r.position);
-    widenLobe(lobe, chart, here, probe, worldFromLocal * vec3(-wo.xy, wo.z), wo.z);
+    drawnAlpha = widenedAlpha(lobe, chart, here, probe, worldFromLocal * vec3(-wo.xy, wo.z), wo.z);
+    Lobe wide = Lobe(lobe.normal, lobe.f0, lobe.f90, drawnAlpha);
 
-    vec4 sum = vec4(0.0);
-    // Two draws ask at one place, as long as that answers.
-    LookupTile tile = here;
-    ivec2 place = hereTexel;
+    Place place = Place(hereTexel, here);
     for (int k = 0; k < drawCount; ++k) {
         vec4 u = vec4((draws[k] ^ ranks[rank]) >> 8) * exp2(-24.0);
-        vec3 wi = reflect(-wo, squareToVisibleNormal(u.xy, wo, lobe.alpha));
+        vec3 wi = reflect(-wo, squareToVisibleNormal(u.xy, wo, drawnAlpha));
         vec3 wiWorld = worldFromLocal * wi;
+#ifdef AREA
+        READS_FOR(1);
+        if (k == 0) addLamps(seen.lamps, r, chart, worldFromLocal, wo, lobe, drawnAlpha, rank, u.zw, place);
+        READS_FOR(0);
+#endif
         if (wi.z <= 0.0 || dot(wiWorld, r.normalGeometric) <= 0.0) continue;
         float d = distanceAlong(probe, worldFromBlock, wiWorld);
-        float radius = searchRadius(d, chart.texelMeters);
-        for (int i = 0; i < kTries; ++i, radius = max(0.5 * radius, kLeastTexels), d *= kCloser) {
-            if (i >= kAimedTries) radius = kNearTexels;
-            if (i > 0 || (k & 1) == 0) {
-                place = texelInChart(chart, r.texel + radius * squareToCone(u.zw, float(i)), r.texel);
-                tile = lookupTileAt(chart, place);
-            }
-            Found found = ask(r, chart, tile, place, wiWorld, d, i < kAimedTries, k);
-            if (!found.valid) continue;
+        // Two draws ask at one place, as long as that answers.
+        Found found =
+            answer(r, chart, lobe.normal, wiWorld, d, u.zw, k % layerCount, (k & 1) == 0, place);
+        if (found.valid) {
             vec3 w = found.direction * worldFromLocal;
-            if (w.z <= 0.0) continue;
-            // The sample's own pdf and the Jacobian cancel: cells hold equal shares of the density
+            // g = f cos / pdf. The sample's own pdf and the Jacobian cancel: cells hold equal shares of the density
             // (docs/pipeline.md).
-            float g = lobeValue(lobe, wo, w) / smoothedLobePdf(wo, w, lobe.alpha, found.spread2);
-            sum += g * vec4(found.radiance, 1.0);
-            break;
+            float g = lobeValue(wide, wo, w) / smoothedLobePdf(wo, w, drawnAlpha, found.spread2);
+            seen.indirect += g * vec4(found.radiance, 1.0);
         }
+#ifdef AREA
+        if (k % kAreaEvery != 0) continue;
+        READS_FOR(1);
+        found = answer(r, chart, lobe.normal, wiWorld, d, u.zw, layerCount, false, place);
+        if (found.valid) {
+            vec3 w = found.direction * worldFromLocal;
+            float pdf = smoothedLobePdf(wo, w, drawnAlpha, found.spread2);
+            float g = lobeValue(lobe, wo, w) / pdf;
+            seen.area += g * vec4(drawsShare(pdf, found) * found.radiance, 1.0);
+        }
+        READS_FOR(0);
+#endif
     }
-    return sum;
+    return seen;
 }

@@ -3,12 +3,17 @@
 #include "lib/phatexel.glsl"
 
 struct Draws {
-    vec3 radiance;  // sum g L / sum g
-    float weight;   // sum g
+    vec4 indirect;  // sum g L, sum g
+    vec4 area;      // the same of area lights, see SeenLight
+    vec4 lamps;
     vec3 mirror;    // world, the pixel's mirror direction
     uint surface;   // and its side; 0: nothing, below 2^24
     float alpha;    // of the lobe as it was drawn
 };
+
+Draws noDraws() {
+    return Draws(vec4(0.0), vec4(0.0), vec4(0.0), vec3(0.0, 0.0, 1.0), 0u, 0.0);
+}
 
 // twin: packRgb9e5 in src/core/phatexture.h; tests/shader compares the two.
 uint packRgb9e5(vec3 rgb) {
@@ -31,13 +36,31 @@ vec2 directionToOctahedral(vec3 d) {
     return d.z < 0.0 ? folded : p;
 }
 
+uvec2 packSum(vec4 sum) {
+    return uvec2(packRgb9e5(sum.rgb / max(sum.a, 1e-30)), floatBitsToUint(sum.a));
+}
+
+vec4 unpackSum(uvec2 bits) {
+    return uintBitsToFloat(bits.y) * vec4(unpackRgb9e5(bits.x), 1.0);
+}
+
+// Area lights have a texel of their own: packArea.
 uvec4 packDraws(Draws d) {
-    return uvec4(packRgb9e5(d.radiance), floatBitsToUint(d.weight), packSnorm2x16(directionToOctahedral(d.mirror)),
+    return uvec4(packSum(d.indirect), packSnorm2x16(directionToOctahedral(d.mirror)),
                  d.surface | (uint(sqrt(clamp(d.alpha, 0.0, 1.0)) * 255.0 + 0.5) << 24));
 }
 
 Draws unpackDraws(uvec4 bits) {
     float root = float(bits.w >> 24) / 255.0;
-    return Draws(unpackRgb9e5(bits.x), uintBitsToFloat(bits.y), octahedralToDirection(unpackSnorm2x16(bits.z)),
-                 bits.w & 0xffffffu, root * root);
+    return Draws(unpackSum(bits.xy), vec4(0.0), vec4(0.0), octahedralToDirection(unpackSnorm2x16(bits.z)), bits.w & 0xffffffu,
+                 root * root);
+}
+
+uvec4 packArea(Draws d) {
+    return uvec4(packSum(d.area), packSum(d.lamps));
+}
+
+void unpackArea(uvec4 bits, inout Draws d) {
+    d.area = unpackSum(bits.xy);
+    d.lamps = unpackSum(bits.zw);
 }

@@ -21,14 +21,14 @@ Method methodOf(const RenderOptions& options) {
     return name == "phat-paper" ? Method::phatPaper : Method::phat;
 }
 
-// Of pixels that show a surface.
-json readsOf(const Image& picture) {
+// Of pixels that show a surface; a channel a source, see RendererInput::countReads.
+json readsOf(const Image& picture, int channel) {
     double sum = 0, most = 0;
     size_t count = 0;
     for (const glm::vec3& pixel : picture.pixels) {
         if (pixel.x <= 0) continue;
-        sum += pixel.x;
-        most = std::max(most, double(pixel.x));
+        sum += pixel[channel];
+        most = std::max(most, double(pixel[channel]));
         ++count;
     }
     return {{"mean", sum / double(std::max<size_t>(count, 1))}, {"max", most}};
@@ -77,7 +77,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
                            {"reflectionRays", times.reflectionRays}});
         json& report = reports.back();
         if (renderer.bytesPerPhatexel() > 0) report["bytesPerPhatexel"] = renderer.bytesPerPhatexel();
-        if (options.countReads) report["reads"] = readsOf(picture);
+        if (options.countReads) report["reads"] = {{"indirect", readsOf(picture, 0)}, {"area", readsOf(picture, 1)}};
     }
     return reports;
 }

@@ -85,8 +85,10 @@ void printReport(const json& report, bool traced) {
     if (report.contains("bytesPerPhatexel"))
         fmt::print("lookup: {:.1f} bytes a PHATexel\n", report["bytesPerPhatexel"].get<double>());
     if (report.contains("reads"))
-        fmt::print("reads a pixel: {:.1f} in the mean, {} at most\n", report["reads"]["mean"].get<double>(),
-                   report["reads"]["max"].get<double>());
+        for (const char* source : {"indirect", "area"})
+            fmt::print("reads a pixel, {} light: {:.1f} in the mean, {} at most\n", source,
+                       report["reads"][source]["mean"].get<double>(),
+                       report["reads"][source]["max"].get<double>());
 }
 
 void runRender(const RenderOptions& options) {

@@ -49,9 +49,9 @@ glm::vec2 jitterOf(int index, int count) {
     return glm::fract(point) - 0.5f;
 }
 
-// Draws a pixel. Measured: see docs/pipeline.md, "Lookup".
-int drawsOf(Quality quality) {
-    constexpr int kDraws[] = {2, 12, 32};
+// Measured: see docs/pipeline.md, "Lookup".
+LookupDraws drawsOf(Quality quality) {
+    constexpr LookupDraws kDraws[] = {{2, 2}, {12, 4}, {32, 4}};
     return kDraws[size_t(quality)];
 }
 
@@ -130,7 +130,7 @@ void bindShared(const ShaderProgram& program, const DisplayInput& input, const C
                 const FrameSettings& settings, const LookupTargets* looked, bool traced = false) {
     if (looked) {
         program.set("tracedLayer", traced ? lookedUpLayers(input.lookupPass) : 0);
-        program.bind("glossy", 0, looked->glossy.name());
+        program.bind("seen", 0, looked->seen.name());
         program.bind("tileLight", 1, input.atlas.tileLight.name());
     } else {
         program.bind("relit", 0, input.relit.lobes.name());
@@ -209,9 +209,10 @@ void lookUp(const DisplayInput& input, const CameraMatrices& camera, const Frame
             const LookupTargets& targets, uint32_t seed) {
     const ShaderProgram& program = input.lookupPass.lookupProgram;
     beginLookup(input.lookupPass, input.atlas, input.lookup, targets, drawsOf(settings.quality), seed);
+    program.bind("splitSumTable", 6, input.scene.splitSum.name());
     bindCamera(program, camera, settings);
     drawOpaque(program, input);
-    poolDraws(input.lookupPass, input.atlas, input.relit, targets);
+    poolDraws(input.lookupPass, targets);
 }
 
 // Whether there are reflections that rays answer.
@@ -235,7 +236,7 @@ bool traceSmooth(const DisplayInput& input, const CameraMatrices& matrices, cons
                               frame,           shown.y > 0,         shown.x > 0};
     const std::vector<SeenBySurface> seen =
         traceReflections(scene, view, reflections, surfaces, progress, cost.rays);
-    uploadReflections(input.reflectionPass, targets.reflections, surfaces, seen, targets.lookup.glossy.name(),
+    uploadReflections(input.reflectionPass, targets.reflections, surfaces, seen, targets.lookup.seen.name(),
                       lookedUpLayers(input.lookupPass));
     cost.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return true;

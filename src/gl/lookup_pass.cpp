@@ -85,14 +85,14 @@ void setDraws(const ShaderProgram& program, uint32_t drawCount, uint32_t seed) {
     program.set("drawCount", int(drawCount));
 }
 
-GlTexture uploadScrambles(const std::vector<PhatexelLayer>& phatexels) {
-    const uint32_t layers = uint32_t(phatexels.size()), blocks = uint32_t(phatexels[0].scrambles.size());
+GlTexture uploadScrambles(const std::vector<const std::vector<uint16_t>*>& scrambles) {
+    const uint32_t layers = uint32_t(scrambles.size()), blocks = uint32_t(scrambles[0]->size());
     const uint32_t rows = std::max(1u, (blocks + kTablesWide - 1) / kTablesWide);
     std::vector<uint16_t> table(size_t(rows) * layers * kTablesWide, 0);
     for (uint32_t layer = 0; layer < layers; ++layer)
         for (uint32_t block = 0; block < blocks; ++block)
             table[(size_t(block / kTablesWide) * layers + layer) * kTablesWide + block % kTablesWide] =
-                phatexels[layer].scrambles[block];
+                (*scrambles[layer])[block];
     GlTexture texture = createTexture2D(GL_R16UI, {kTablesWide, rows * layers});
     glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(kTablesWide), GLsizei(rows * layers), GL_RED_INTEGER,
                         GL_UNSIGNED_SHORT, table.data());
@@ -104,23 +104,36 @@ GlTexture uploadScrambles(const std::vector<PhatexelLayer>& phatexels) {
 GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas) {
     GpuLookup gpu;
     if (!canLookUp(phatexture.indirect, phatexture.indirectGuides)) return gpu;
+    const bool area = !phatexture.area.empty();
+    // Area lights need both, their PHATexels and their irradiance.
+    if (area != !phatexture.areaIrradiance.empty()) return gpu;
+    if (area && !canLookUp(phatexture.area, phatexture.areaGuides)) return gpu;
     gpu.layerCount = int(phatexture.indirect.size());
     gpu.guideCount = int(phatexture.indirectGuides.size());
+    if (area) gpu.areaGuideCount = int(phatexture.areaGuides.size());
     std::vector<Warp> warps;
-    for (const Guide& guide : phatexture.indirectGuides) warps.push_back(warpOf(guide));
+    std::vector<const std::vector<uint16_t>*> scrambles;
+    for (const auto* guides : {&phatexture.indirectGuides, &phatexture.areaGuides})
+        for (const Guide& guide : *guides) warps.push_back(warpOf(guide));
+    for (const auto* layers : {&phatexture.indirect, &phatexture.area})
+        for (const PhatexelLayer& layer : *layers) scrambles.push_back(&layer.scrambles);
     gpu.warps = uploadTables(GL_RGBA8, GL_RGBA, warps);
-    if (gpu.layerCount > 1) gpu.scrambles = uploadScrambles(phatexture.indirect);
+    if (scrambles.size() > 1) gpu.scrambles = uploadScrambles(scrambles);
     gpu.probes = uploadProbes(phatexture.probes, atlas.sizeTiles());
     checkGl("uploading the lookup tables");
     return gpu;
 }
 
 void updateLookupGuides(const GpuLookup& gpu, const LiveUpdate::Guides& block) {
-    if (gpu.guideCount <= int(block.block)) return;  // one for all, which stays
-    const Warp warp = warpOf(block.indirect);
-    const glm::uvec2 corner = glm::uvec2(block.block % kTablesWide, block.block / kTablesWide) * kTableSide;
-    glTextureSubImage2D(gpu.warps.name(), 0, GLint(corner.x), GLint(corner.y), kTableSide, kTableSide, GL_RGBA,
-                        GL_UNSIGNED_BYTE, warp.data());
+    const auto upload = [&](uint32_t table, const Guide& guide) {
+        const Warp warp = warpOf(guide);
+        const glm::uvec2 corner = glm::uvec2(table % kTablesWide, table / kTablesWide) * kTableSide;
+        glTextureSubImage2D(gpu.warps.name(), 0, GLint(corner.x), GLint(corner.y), kTableSide, kTableSide, GL_RGBA,
+                            GL_UNSIGNED_BYTE, warp.data());
+    };
+    // A single guide for all blocks stays.
+    if (gpu.guideCount > 1) upload(block.block, block.indirect);
+    if (gpu.areaGuideCount > 1) upload(uint32_t(gpu.guideCount) + block.block, block.area);
 }
 
 void updateProbe(const GpuLookup& gpu, const LiveUpdate::Place& tile, glm::uvec2 sizeTiles) {
@@ -130,20 +143,18 @@ void updateProbe(const GpuLookup& gpu, const LiveUpdate::Place& tile, glm::uvec2
                         GL_RGBA_INTEGER, GL_UNSIGNED_INT, packed.data());
 }
 
-LookupPass createLookupPass(const std::string& folder, const GpuAtlas& atlas, const GpuLookup& lookup,
-                            bool clearcoat, bool countReads) {
+LookupPass createLookupPass(const std::string& folder, const GpuLookup& lookup, bool clearcoat,
+                            bool countReads) {
     LookupPass pass;
     pass.clearcoat = clearcoat;
-    pass.areaLights = atlas.sources.size() > 1;
+    pass.areaLights = lookup.areaGuideCount > 0;
     std::vector<std::string> defines;
     if (clearcoat) defines.push_back("CLEARCOAT");
     if (pass.areaLights) defines.push_back("AREA");
-    if (lookup.layerCount > 1) defines.push_back("LAYERS");
+    if (lookup.scrambles) defines.push_back("SCRAMBLES");
     if (countReads) defines.push_back("COUNT_READS");
     pass.lookupProgram = ShaderProgram(folder, "surface.vert", "lookup.frag", defines);
     pass.poolProgram = ShaderProgram(folder, "fullscreen.vert", "pool.frag", defines);
-    defines.push_back("ACROSS");
-    pass.poolAcrossProgram = ShaderProgram(folder, "fullscreen.vert", "pool.frag", defines);
     GLuint name = 0;
     glCreateVertexArrays(1, &name);
     pass.noVertices = GlVertexArray(name);
@@ -152,70 +163,54 @@ LookupPass createLookupPass(const std::string& folder, const GpuAtlas& atlas, co
 
 LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth, bool traced) {
     LookupTargets t;
-    t.seen = createTexture2D(GL_RGBA32UI, size);
-    t.pooled = createTexture2D(GL_RGBA32UI, size);
-    t.places = createTexture2D(GL_RGBA32F, size);
-    t.glossy = createTextureArray(GL_RGBA32F, size, (traced ? 2 : 1) * lookedUpLayers(pass));
-    const GLuint seen = t.seen.name(), pooled = t.pooled.name(), places = t.places.name();
-    const GLuint glossy = t.glossy.name();
-    if (pass.clearcoat) {
-        t.seenCoat = createTexture2D(GL_RGBA32UI, size);
-        t.pooledCoat = createTexture2D(GL_RGBA32UI, size);
-        t.lookupTarget = createFramebuffer({{seen}, {places}, {t.seenCoat.name()}}, depth);
-        t.acrossTarget = createFramebuffer({{pooled}, {t.pooledCoat.name()}});
-        t.poolTarget = createFramebuffer({{glossy, 0, 0}, {glossy, 0, 1}, {glossy, 0, 2}, {glossy, 0, 3}});
-    } else {
-        t.lookupTarget = createFramebuffer({{seen}, {places}}, depth);
-        t.acrossTarget = createFramebuffer({{pooled}});
-        t.poolTarget = createFramebuffer({{glossy, 0, 0}, {glossy, 0, 1}});
+    const int layers = lookedUpLayers(pass);
+    // Two a lobe, see uploadReflections.
+    const int tracedLayers = traced ? (pass.clearcoat ? 4 : 2) : 0;
+    t.seen = createTextureArray(GL_RGBA32UI, size, layers + tracedLayers);
+    t.pooled = createTextureArray(GL_RGBA32UI, size, layers);
+    std::vector<Attachment> seen, pooled;
+    for (int i = 0; i < layers; ++i) {
+        seen.push_back({t.seen.name(), 0, i});
+        pooled.push_back({t.pooled.name(), 0, i});
     }
+    t.seenTarget = createFramebuffer(seen, depth);
+    t.pooledTarget = createFramebuffer(pooled);
     checkGl("creating the lookup's targets");
     return t;
 }
 
 void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
-                 const LookupTargets& targets, int drawCount, uint32_t seed) {
-    glBindFramebuffer(GL_FRAMEBUFFER, targets.lookupTarget.name());
+                 const LookupTargets& targets, const LookupDraws& draws, uint32_t seed) {
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.seenTarget.name());
     const GLuint none[4] = {0, 0, 0, 0};
-    const GLfloat nowhere[4] = {0, 0, 0, 0};
-    glClearBufferuiv(GL_COLOR, 0, none);
-    glClearBufferfv(GL_COLOR, 1, nowhere);
-    if (pass.clearcoat) glClearBufferuiv(GL_COLOR, 2, none);
+    for (int i = 0; i < lookedUpLayers(pass); ++i) glClearBufferuiv(GL_COLOR, i, none);
     const ShaderProgram& program = pass.lookupProgram;
     program.bind("tilePatches", 0, atlas.tilePatches.name());
-    program.bind("phatexels", 1, atlas.sources[0].texels.name());
+    program.bind("phatexels", 1, atlas.phatexels.name());
     program.bind("warps", 2, lookup.warps.name());
     program.bind("probes", 3, lookup.probes.name());
     program.bind("charts", 4, atlas.charts.name());
-    if (lookup.layerCount > 1) program.bind("scrambles", 5, lookup.scrambles.name());
+    if (lookup.scrambles) program.bind("scrambles", 5, lookup.scrambles.name());
     program.set("guideCount", lookup.guideCount);
     program.set("layerCount", lookup.layerCount);
-    setDraws(program, uint32_t(std::clamp(drawCount, 1, int(kMostDraws))), seed);
+    program.set("areaGuideCount", lookup.areaGuideCount);
+    program.set("lampBits", draws.lampBits);
+    setDraws(program, uint32_t(std::clamp(draws.count, 1, int(kMostDraws))), seed);
 }
 
-void poolDraws(const LookupPass& pass, const GpuAtlas& atlas, const RelightPass& relit,
-               const LookupTargets& targets) {
+void poolDraws(const LookupPass& pass, const LookupTargets& targets) {
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
     glBindVertexArray(pass.noVertices.name());
-
-    const ShaderProgram& across = pass.poolAcrossProgram;
-    glBindFramebuffer(GL_FRAMEBUFFER, targets.acrossTarget.name());
-    across.bind("seen", 0, targets.seen.name());
-    if (pass.clearcoat) across.bind("seenCoat", 1, targets.seenCoat.name());
-    across.use();
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-
-    const ShaderProgram& program = pass.poolProgram;
-    glBindFramebuffer(GL_FRAMEBUFFER, targets.poolTarget.name());
-    program.bind("seen", 0, targets.pooled.name());
-    if (pass.clearcoat) program.bind("seenCoat", 1, targets.pooledCoat.name());
-    program.bind("places", 2, targets.places.name());
-    program.bind("tileTable", 4, atlas.tileTable.name());
-    program.bind("relit", 5, relit.lobes.name());
-    program.bind("radii", 6, relit.radii.name());
-    program.use();
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    const auto pool = [&](const GlTexture& from, const GlFramebuffer& to, glm::ivec2 alongWhich) {
+        pass.poolProgram.bind("seen", 0, from.name());
+        pass.poolProgram.set("alongWhich", alongWhich);
+        glBindFramebuffer(GL_FRAMEBUFFER, to.name());
+        pass.poolProgram.use();
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+    };
+    pool(targets.seen, targets.pooledTarget, {1, 0});
+    pool(targets.pooled, targets.seenTarget, {0, 1});
 }
 
 }  // namespace phat

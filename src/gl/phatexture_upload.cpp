@@ -47,23 +47,23 @@ GlTexture uploadGuides(const std::vector<Guide>& guides) {
     return texture;
 }
 
-GpuPhatexels uploadPhatexels(const std::vector<PhatexelLayer>& layers, const std::vector<Guide>& guides,
-                             glm::uvec2 size) {
-    GpuPhatexels gpu;
-    gpu.layerCount = int(layers.size());
-    gpu.guideCount = int(guides.size());
-    gpu.guidePdf = uploadGuides(guides);
-    gpu.texels = createTextureArray(GL_RG32UI, size, std::max(1, gpu.layerCount));
+void addSource(GpuAtlas& gpu, const std::vector<PhatexelLayer>& layers, const std::vector<Guide>& guides) {
+    GpuPhatexels source;
+    if (!gpu.sources.empty()) source.firstLayer = gpu.sources.back().firstLayer + gpu.sources.back().layerCount;
+    source.layerCount = int(layers.size());
+    source.guideCount = int(guides.size());
+    source.guidePdf = uploadGuides(guides);
+    const GLsizei width = GLsizei(gpu.sizeTexels.x), height = GLsizei(gpu.sizeTexels.y);
     if (!layers.empty() && !layers[0].pdf.empty())
-        gpu.texelPdf = createTextureArray(GL_R32F, size, gpu.layerCount);
-    for (int i = 0; i < gpu.layerCount; ++i) {
-        glTextureSubImage3D(gpu.texels.name(), 0, 0, 0, i, GLsizei(size.x), GLsizei(size.y), 1, GL_RG_INTEGER,
-                            GL_UNSIGNED_INT, layers[i].texels.data());
-        if (gpu.texelPdf)
-            glTextureSubImage3D(gpu.texelPdf.name(), 0, 0, 0, i, GLsizei(size.x), GLsizei(size.y), 1, GL_RED,
-                                GL_FLOAT, layers[i].pdf.data());
+        source.texelPdf = createTextureArray(GL_R32F, gpu.sizeTexels, source.layerCount);
+    for (int i = 0; i < source.layerCount; ++i) {
+        glTextureSubImage3D(gpu.phatexels.name(), 0, 0, 0, source.firstLayer + i, width, height, 1,
+                            GL_RG_INTEGER, GL_UNSIGNED_INT, layers[size_t(i)].texels.data());
+        if (source.texelPdf)
+            glTextureSubImage3D(source.texelPdf.name(), 0, 0, 0, i, width, height, 1, GL_RED, GL_FLOAT,
+                                layers[size_t(i)].pdf.data());
     }
-    return gpu;
+    gpu.sources.push_back(std::move(source));
 }
 
 GlTexture uploadTileTable(const Atlas& atlas) {
@@ -226,9 +226,11 @@ GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& 
     gpu.texturesA = texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, arrays.texturesA.data());
     gpu.texturesB = texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, arrays.texturesB.data());
     gpu.irradiance = uploadIrradiance(phatexture, atlas.sizeTexels);
-    gpu.sources.push_back(uploadPhatexels(phatexture.indirect, phatexture.indirectGuides, atlas.sizeTexels));
+    const size_t layers = phatexture.indirect.size() + phatexture.area.size();
+    gpu.phatexels = createTextureArray(GL_RG32UI, atlas.sizeTexels, std::max(1, int(layers)));
+    addSource(gpu, phatexture.indirect, phatexture.indirectGuides);
     if (!phatexture.area.empty() || !phatexture.areaIrradiance.empty())
-        gpu.sources.push_back(uploadPhatexels(phatexture.area, phatexture.areaGuides, atlas.sizeTexels));
+        addSource(gpu, phatexture.area, phatexture.areaGuides);
     checkGl("uploading the PHATexels");
     return gpu;
 }
@@ -247,8 +249,8 @@ void updatePhatexels(const GpuAtlas& gpu, const LiveUpdate::Phatexels& tile) {
     size_t next = 0;
     for (const GpuPhatexels& source : gpu.sources)
         for (int layer = 0; layer < source.layerCount; ++layer, next += kTileTexels)
-            glTextureSubImage3D(source.texels.name(), 0, corner.x, corner.y, layer, kTileSize, kTileSize, 1,
-                                GL_RG_INTEGER, GL_UNSIGNED_INT, &tile.texels[next]);
+            glTextureSubImage3D(gpu.phatexels.name(), 0, corner.x, corner.y, source.firstLayer + layer, kTileSize,
+                                kTileSize, 1, GL_RG_INTEGER, GL_UNSIGNED_INT, &tile.texels[next]);
 }
 
 void updateIrradiance(const GpuAtlas& gpu, const LiveUpdate::Irradiance& tile) {
@@ -271,7 +273,7 @@ void updatePlace(const GpuAtlas& gpu, const LiveUpdate::Place& tile) {
 void updateGuides(const GpuAtlas& gpu, const LiveUpdate::Guides& block) {
     const Guide* guides[] = {&block.indirect, &block.area};
     for (size_t s = 0; s < gpu.sources.size(); ++s) {
-        if (gpu.sources[s].guideCount <= int(block.block)) continue;  // one for all, which stays
+        if (gpu.sources[s].guideCount <= 1) continue;  // one for all, which stays
         const GuidePdf pdf = guidePdf(*guides[s]);
         const glm::uvec2 corner = guideCorner(block.block);
         glTextureSubImage2D(gpu.sources[s].guidePdf.name(), 0, GLint(corner.x), GLint(corner.y), kGuideSize, kGuideSize,

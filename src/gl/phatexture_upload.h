@@ -11,9 +11,9 @@ namespace phat {
 
 /// One kind of light's PHATexels.
 struct GpuPhatexels {
-    GlTexture texels;    // RG32UI [layer][y][x]
     GlTexture guidePdf;  // R32F, see squareToGuidePdf in shaders/lib/phatexel.glsl
     GlTexture texelPdf;  // R32F [layer][y][x], only where the guides do not tell the pdf
+    int firstLayer = 0;  // of GpuAtlas::phatexels
     int layerCount = 0;
     int guideCount = 0;
 };
@@ -29,6 +29,7 @@ struct GpuAtlas {
     GlTexture texturesB;                // RGBA8: mean specular colour, clearcoat, clearcoat roughness
     GlTexture tileLight;                // RGBA32F [tileY][tileX], see tileLight()
     GlTexture irradiance;               // RGB16F: indirect, area
+    GlTexture phatexels;                // RG32UI [layer][y][x]: the sources' one after the other
     std::vector<GpuPhatexels> sources;  // indirect, then area if there is any
 };
 

@@ -71,12 +71,12 @@ std::vector<SmoothSurface> readSmoothSurfaces(const ReflectionTargets& targets, 
 
 void uploadReflections(const ReflectionPass& pass, const ReflectionTargets& targets,
                        std::span<const SmoothSurface> surfaces, std::span<const SeenBySurface> seen,
-                       GLuint glossy, int firstLayer) {
+                       GLuint pictures, int firstLayer) {
     const auto upload = [&](int layer, const auto& valueOf) {
         std::vector<glm::vec4> pixels(size_t(targets.size.x) * targets.size.y, glm::vec4(0));
         for (size_t i = 0; i < surfaces.size(); ++i) pixels[surfaces[i].pixel] = valueOf(seen[i]);
-        glTextureSubImage3D(glossy, 0, 0, 0, firstLayer + layer, GLsizei(targets.size.x),
-                            GLsizei(targets.size.y), 1, GL_RGBA, GL_FLOAT, pixels.data());
+        glTextureSubImage3D(pictures, 0, 0, 0, firstLayer + layer, GLsizei(targets.size.x),
+                            GLsizei(targets.size.y), 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, pixels.data());
     };
     const auto uploadLobe = [&](int layer, SeenByLobe SeenBySurface::*lobe) {
         upload(layer, [=](const SeenBySurface& s) { return glm::vec4((s.*lobe).indirect, (s.*lobe).share); });

@@ -31,10 +31,10 @@ void beginReflections(const ReflectionTargets& targets);
 std::vector<SmoothSurface> readSmoothSurfaces(const ReflectionTargets& targets, Reflections reflections,
                                               glm::vec2 jitter);
 
-/// Writes what they see to layers `firstLayer` on of `glossy`: indirect and area, then the coat's. RGB, and
-/// the share in A.
+/// Writes what they see to layers `firstLayer` on of `pictures` (RGBA32UI): indirect and area, then the
+/// coat's. The bits of RGB, and of the share in A.
 void uploadReflections(const ReflectionPass& pass, const ReflectionTargets& targets,
                        std::span<const SmoothSurface> surfaces, std::span<const SeenBySurface> seen,
-                       GLuint glossy, int firstLayer);
+                       GLuint pictures, int firstLayer);
 
 }  // namespace phat

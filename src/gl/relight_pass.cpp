@@ -103,12 +103,12 @@ void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const std::v
     drawFullscreen(pass, program, pass.brdfTarget, atlas.sizeTexels);
 }
 
-void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, const Eye& eye, bool indirect) {
-    for (size_t s = indirect ? 0 : 1; s < atlas.sources.size(); ++s) {
+void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, const Eye& eye) {
+    for (size_t s = 0; s < atlas.sources.size(); ++s) {
         const GpuPhatexels& source = atlas.sources[s];
         const ShaderProgram& program = pass.relightPrograms[s];
         program.bind("tileTable", 0, atlas.tileTable.name());
-        program.bind("phatexels", 1, source.texels.name());
+        program.bind("phatexels", 1, atlas.phatexels.name());
         program.bind("guidePdf", 2, source.guidePdf.name());
         program.bind("tilePatches", 4, atlas.tilePatches.name());
         program.bind("texelNormals", 5, atlas.normals.name());
@@ -118,14 +118,14 @@ void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, co
         if (source.texelPdf) program.bind("texelPdf", 7, source.texelPdf.name());
         program.set("eyeWorld", eye.place);
         program.set("eyeAtInfinity", eye.atInfinity ? 1.0f : 0.0f);
+        program.set("firstLayer", source.firstLayer);
         program.set("layerCount", source.layerCount);
         program.set("guideCount", source.guideCount);
         drawFullscreen(pass, program, pass.relightTargets[s], atlas.sizeTexels);
     }
 }
 
-void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas, bool indirect) {
-    const auto skipped = [&](int lobe) { return !indirect && ofIndirect(atlas, lobe); };
+void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas) {
     const GLuint lobes = pass.lobes.name(), statistics = pass.statistics.name();
     const ShaderProgram& pyramid = pass.pyramidProgram;
     pyramid.bind("finerLobe", 0, lobes);
@@ -134,7 +134,6 @@ void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas, bool indirect)
         exposeLevels(lobes, level - 1);
         exposeLevels(statistics, level - 1);
         for (int lobe = 0; lobe < pass.lobeCount; ++lobe) {
-            if (skipped(lobe)) continue;
             pyramid.set("lobeIndex", lobe);
             drawFullscreen(pass, pyramid, pass.pyramidTargets[lobe][level - 1],
                            atlas.sizeTexels >> uint32_t(level));
@@ -149,7 +148,7 @@ void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas, bool indirect)
     radius.bind("statistics", 2, statistics);
     radius.bind("tileLight", 3, atlas.tileLight.name());
     for (int lobe = 0; lobe < pass.lobeCount; ++lobe) {
-        if (skipped(lobe) || isMean(pass, atlas, lobe)) continue;
+        if (isMean(pass, atlas, lobe)) continue;
         radius.set("lobeIndex", lobe);
         radius.set("areaLights", ofIndirect(atlas, lobe) ? 0 : 1);
         drawFullscreen(pass, radius, pass.radiusTargets[lobe], atlas.sizeTexels / kTileSize);

@@ -44,8 +44,7 @@ struct Eye {
     glm::vec3 place{0};
     bool atInfinity = false;
 };
-/// `indirect` false: of the area lights' PHATexels alone, if there are any.
-void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, const Eye& eye, bool indirect);
-void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas, bool indirect);
+void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, const Eye& eye);
+void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas);
 
 }  // namespace phat

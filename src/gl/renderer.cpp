@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "core/lookup_tables.h"
 #include "gl/display_pass.h"
@@ -84,14 +85,13 @@ struct Renderer::State {
     bool shadowsDrawn = false;  // by the last frame
     ReflectionCost reflections;
     bool materialsChanged = true;
-    Eye relitFor;  // what the pyramid holds
-    bool relitIndirect = false;
+    std::optional<Eye> relitFor;  // what the pyramid holds
 
     void createPasses(bool paper) {
         const bool clearcoat = anyClearcoat(materials);
         relight = createRelightPass(shaderFolder, atlas, clearcoat, paper);
         if (lookup.guideCount > 0)
-            lookupPass = createLookupPass(shaderFolder, atlas, lookup, clearcoat, countReads);
+            lookupPass = createLookupPass(shaderFolder, lookup, clearcoat, countReads);
         reflectionPass = createReflectionPass(shaderFolder, clearcoat);
         targets = {};
         display = createDisplayPass(shaderFolder, atlas, clearcoat, paper, countReads);
@@ -120,7 +120,7 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     FrameSettings settings = wanted;
     const bool canLookUp = s.lookup.guideCount > 0;
     if (!canLookUp && settings.method == Method::phat) settings.method = Method::phatPyramid;
-    const bool pyramidOfIndirect = settings.method != Method::phat || anyBlended(s.materials);
+    const bool pyramid = settings.method != Method::phat || anyBlended(s.materials);
     if (const bool paper = settings.method == Method::phatPaper; paper != s.relight.paper)
         s.createPasses(paper);
     const glm::uvec2 size(std::max(settings.width, 1), std::max(settings.height, 1));
@@ -136,10 +136,9 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
     const Eye eye = eyeOf(settings.camera);
-    const bool relit = !s.materialsChanged && eye.place == s.relitFor.place &&
-                       eye.atInfinity == s.relitFor.atInfinity && pyramidOfIndirect == s.relitIndirect;
-    if (s.materialsChanged) applyMaterials(s.relight, s.atlas, s.materials);
-    s.materialsChanged = false;
+    const bool relit =
+        !s.materialsChanged && s.relitFor && eye.place == s.relitFor->place && eye.atInfinity == s.relitFor->atInfinity;
+    const bool relighting = pyramid && !relit;
 
     s.shadowsDrawn = !s.shadows.depth;
     if (s.shadowsDrawn) {
@@ -152,13 +151,16 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
     s.relightTimer.start();
-    if (!relit) relight(s.relight, s.atlas, s.scene.splitSum.name(), eye, pyramidOfIndirect);
+    if (relighting) {
+        if (s.materialsChanged) applyMaterials(s.relight, s.atlas, s.materials);
+        relight(s.relight, s.atlas, s.scene.splitSum.name(), eye);
+        s.materialsChanged = false;
+        s.relitFor = eye;
+    }
     s.relightTimer.stop();
     s.pyramidTimer.start();
-    if (!relit) buildPyramid(s.relight, s.atlas, pyramidOfIndirect);
+    if (relighting) buildPyramid(s.relight, s.atlas);
     s.pyramidTimer.stop();
-    s.relitFor = eye;
-    s.relitIndirect = pyramidOfIndirect;
 
     s.displayTimer.start();
     s.reflections = phat::display(

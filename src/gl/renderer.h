@@ -71,8 +71,8 @@ struct RendererInput {
     const Atlas& atlas;
     const TexelPoints& points;
     const Phatexture& phatexture;
-    /// Pictures of Method::phat hold how many texels were read for a pixel's indirect glossy light, in all
-    /// channels.
+    /// Pictures of Method::phat hold how many texels were read for a pixel's glossy light: red for indirect light,
+    /// green for area lights.
     bool countReads = false;
 };
 

@@ -142,6 +142,9 @@ void ShaderProgram::set(const char* uniform, float value) const {
 void ShaderProgram::set(const char* uniform, glm::vec2 value) const {
     glProgramUniform2f(name(), location(uniform), value.x, value.y);
 }
+void ShaderProgram::set(const char* uniform, glm::ivec2 value) const {
+    glProgramUniform2i(name(), location(uniform), value.x, value.y);
+}
 void ShaderProgram::set(const char* uniform, glm::vec3 value) const {
     glProgramUniform3f(name(), location(uniform), value.x, value.y, value.z);
 }

@@ -42,6 +42,7 @@ class ShaderProgram {
     void set(const char* uniform, int value) const;
     void set(const char* uniform, float value) const;
     void set(const char* uniform, glm::vec2 value) const;
+    void set(const char* uniform, glm::ivec2 value) const;
     void set(const char* uniform, glm::vec3 value) const;
     void set(const char* uniform, const glm::mat4& value) const;
     void set(const char* uniform, std::span<const glm::vec4> values) const;

@@ -48,7 +48,7 @@ GlTexture createTextureArray(GLenum format, glm::uvec2 size, int layers, int lev
     return texture;
 }
 
-GlFramebuffer createFramebuffer(std::initializer_list<Attachment> colors, GLuint depth) {
+GlFramebuffer createFramebuffer(const std::vector<Attachment>& colors, GLuint depth) {
     GLuint name = 0;
     glCreateFramebuffers(1, &name);
     GlFramebuffer framebuffer(name);

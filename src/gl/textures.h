@@ -21,7 +21,7 @@ struct Attachment {
     int layer = -1;  // < 0: not an array
 };
 /// Throws GlError when the driver cannot draw to these formats together. `depth` 0: none.
-GlFramebuffer createFramebuffer(std::initializer_list<Attachment> colors, GLuint depth = 0);
+GlFramebuffer createFramebuffer(const std::vector<Attachment>& colors, GLuint depth = 0);
 
 /// Floats in rows of kTableWidth, four a texel. twin: shaders/lib/table.glsl.
 inline constexpr uint32_t kTableWidth = 2048;

@@ -1,0 +1,44 @@
+// Where lookup.frag and pool.frag leave a pixel's draws: a layer for the indirect light of the base, with AREA one for its
+// area lights, then the same of the coat.
+#include "lib/packed_draws.glsl"
+
+layout(location = 0) out uvec4 base;
+#ifdef AREA
+layout(location = 1) out uvec4 baseArea;
+#ifdef CLEARCOAT
+layout(location = 2) out uvec4 coat;
+layout(location = 3) out uvec4 coatArea;
+#endif
+const int kLayersPerLobe = 2;
+#else
+#ifdef CLEARCOAT
+layout(location = 1) out uvec4 coat;
+#endif
+const int kLayersPerLobe = 1;
+#endif
+
+void writeBase(Draws d) {
+    base = packDraws(d);
+#ifdef AREA
+    baseArea = packArea(d);
+#endif
+}
+
+#ifdef CLEARCOAT
+void writeCoat(Draws d) {
+    coat = packDraws(d);
+#ifdef AREA
+    coatArea = packArea(d);
+#endif
+}
+#endif
+
+#ifdef COUNT_READS
+// In place of the weights: reads so far, and by earlier passes.
+void addReads(uint indirect, uint area) {
+    base.y = indirect + uint(readCount[0]);
+#ifdef AREA
+    baseArea.y = area + uint(readCount[1]);
+#endif
+}
+#endif

@@ -1,0 +1,138 @@
+// What the lookup reads: charts, tiles, distances around them, the guides' warps.
+// twin of the tables: src/core/lookup_tables.h, src/core/distance_probes.h, src/gl/lookup_pass.cpp.
+#include "lib/atlas.glsl"
+#include "lib/block_layout.glsl"
+#include "lib/fetch.glsl"
+#include "lib/phatexel.glsl"
+#include "lib/table.glsl"
+#include "lib/tile_patch.glsl"
+
+uniform usampler2D charts;          // see GpuAtlas::charts
+uniform usampler2D tilePatches;     // see lib/tile_patch.glsl
+uniform usampler2DArray phatexels;  // [layer][y][x] packed, 8 bytes; the area lights' layer is the last
+uniform sampler2D warps;            // a guide: uLow, uHigh, vLow, vHigh of each cell; the area lights' are the last
+uniform usampler2D probes;          // [4 tileY][2 tileX]: 8x4 levels of distance, 4 bits each
+uniform int guideCount;             // of the indirect light
+uniform int layerCount;             // of the indirect light
+#ifdef AREA
+uniform int areaGuideCount;
+#endif
+#ifdef SCRAMBLES
+uniform usampler2D scrambles;       // [block row][layer][block], where there is more than one layer
+#endif
+
+const int kProbeSize = 16;
+// Tables of 16x16 a guide stand so many side by side.
+const int kTablesWide = 512;
+// What is farther than this stands still while eye and block differ by metres.
+const float kHorizonMeters = 1e4;
+const float kNearMeters = 0.01;
+
+struct ChartPlace {
+    ivec2 origin;  // texels
+    ivec2 size;
+    int firstBlock;
+    float texelMeters;
+};
+
+ChartPlace chartPlace(uint chart) {
+    uvec4 bits = READ(texelFetch(charts, tableTexel(int(chart)), 0));
+    ivec2 origin = ivec2(bits.x & 0xffffu, bits.x >> 16) * 8;
+    ivec2 size = ivec2(bits.y & 0xffffu, bits.y >> 16) * 8;
+    return ChartPlace(origin, size, int(bits.z), uintBitsToFloat(bits.w));
+}
+
+int blockOf(ChartPlace chart, ivec2 texel) {
+    ivec2 place = (texel - chart.origin) >> kBlockBits;
+    int blocksWide = (chart.size.x + kBlockSize - 1) >> kBlockBits;
+    return chart.firstBlock + place.y * blocksWide + place.x;
+}
+
+// A tile and where it stands in its block.
+struct LookupTile {
+    TilePatch tilePatch;
+    int block;
+    ivec2 blockCorner;  // texels
+    vec2 middle;
+};
+
+LookupTile lookupTileAt(ChartPlace chart, ivec2 texel) {
+    LookupTile t;
+    ivec2 tile = texel >> 3;
+    t.tilePatch = tilePatchAt(tilePatches, tile, chart.texelMeters);
+    t.block = blockOf(chart, texel);
+    t.blockCorner = chart.origin + (((texel - chart.origin) >> kBlockBits) << kBlockBits);
+    t.middle = vec2(8 * tile + 4);
+    return t;
+}
+
+ivec2 hemisphereCell(vec3 direction, int size) {
+    vec3 d = normalize(vec3(direction.xy, max(direction.z, 0.0)));
+    return clamp(ivec2(hemisphereToSquare(d) * float(size)), 0, size - 1);
+}
+
+// Distances around the receiver's tile, as seen from one of its texels; the last read is kept.
+struct Probe {
+    ivec2 corner;      // in `probes`
+    vec2 range;        // metres
+    vec3 offset;       // from the receiver to that texel, world
+    ivec2 group;
+    uvec4 levels;
+};
+
+Probe probeAt(LookupTile tile, ivec2 texel, vec3 position) {
+    vec2 fromMiddle = vec2(tile.tilePatch.probeTexel) - 3.5;
+    vec3 offset = tile.tilePatch.empty ? vec3(0.0) : placeOf(tile.tilePatch, fromMiddle) - position;
+    return Probe((texel >> 3) * ivec2(2, 4), tile.tilePatch.probeRange, offset, ivec2(-1), uvec4(0u));
+}
+
+// twin: probeDistance in src/core/distance_probes.h.
+float levelDistance(vec2 range, uint level) {
+    return level == 15u ? kFarDistance : range.x * pow(range.y / range.x, float(level) / 14.0);
+}
+
+// Metres from the receiver to what is seen along a unit direction.
+float distanceAlong(inout Probe probe, mat3 worldFromBlock, vec3 direction) {
+    ivec2 cell = hemisphereCell(direction * worldFromBlock, kProbeSize);
+    ivec2 group = ivec2(cell.x >> 3, cell.y >> 2);
+    if (group != probe.group) {
+        probe.levels = READ(texelFetch(probes, probe.corner + group, 0));
+        probe.group = group;
+    }
+    uint level = (probe.levels[cell.y & 3] >> uint(4 * (cell.x & 7))) & 15u;
+    return clamp(levelDistance(probe.range, level) + dot(probe.offset, direction), kNearMeters, kHorizonMeters);
+}
+
+vec4 warpAt(int layer, int block, ivec2 cell) {
+    int guide = guideCount == 1 ? 0 : block;
+#ifdef AREA
+    if (layer == layerCount) guide = guideCount + (areaGuideCount == 1 ? 0 : block);
+#endif
+    return READ(texelFetch(warps, ivec2(guide % kTablesWide, guide / kTablesWide) * kGuideSize + cell, 0));
+}
+
+// 1/sr: the density that the block's directions were drawn from.
+float warpDensity(vec4 warp) {
+    return (warp.y - warp.x) * (warp.w - warp.z) * float(kGuideSize * kGuideSize) / (2.0 * kPi);
+}
+
+// The permutation of the block's layer, see texelHolding.
+uint scrambleOf(LookupTile tile, int layer) {
+#ifdef SCRAMBLES
+#ifdef AREA
+    int layers = layerCount + 1;
+#else
+    int layers = layerCount;
+#endif
+    ivec2 entry = ivec2(tile.block % kTablesWide, (tile.block / kTablesWide) * layers + layer);
+    if (layer > 0) return READ(texelFetch(scrambles, entry, 0).r);
+#endif
+    return tile.tilePatch.scramble;
+}
+
+// A texel of the chart near `place`; beyond the chart's edge, mirrored at `around` while that is inside.
+ivec2 texelInChart(ChartPlace chart, vec2 place, vec2 around) {
+    vec2 low = vec2(chart.origin), high = low + vec2(chart.size);
+    if (any(lessThan(place, low)) || any(greaterThanEqual(place, high))) place = 2.0 * around - place;
+    return clamp(ivec2(floor(place)), chart.origin, chart.origin + chart.size - 1);
+}
