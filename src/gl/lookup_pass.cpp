@@ -131,9 +131,9 @@ void updateLookupGuides(const GpuLookup& gpu, const LiveUpdate::Guides& block) {
         glTextureSubImage2D(gpu.warps.name(), 0, GLint(corner.x), GLint(corner.y), kTableSide, kTableSide, GL_RGBA,
                             GL_UNSIGNED_BYTE, warp.data());
     };
-    // A single guide for all blocks stays.
-    if (gpu.guideCount > 1) upload(block.block, block.indirect);
-    if (gpu.areaGuideCount > 1) upload(uint32_t(gpu.guideCount) + block.block, block.area);
+    // Where there is one guide for all blocks, it stays.
+    if (int(block.block) < gpu.guideCount) upload(block.block, block.indirect);
+    if (int(block.block) < gpu.areaGuideCount) upload(uint32_t(gpu.guideCount) + block.block, block.area);
 }
 
 void updateProbe(const GpuLookup& gpu, const LiveUpdate::Place& tile, glm::uvec2 sizeTiles) {

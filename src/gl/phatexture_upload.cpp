@@ -273,7 +273,7 @@ void updatePlace(const GpuAtlas& gpu, const LiveUpdate::Place& tile) {
 void updateGuides(const GpuAtlas& gpu, const LiveUpdate::Guides& block) {
     const Guide* guides[] = {&block.indirect, &block.area};
     for (size_t s = 0; s < gpu.sources.size(); ++s) {
-        if (gpu.sources[s].guideCount <= 1) continue;  // one for all, which stays
+        if (int(block.block) >= gpu.sources[s].guideCount) continue;  // one for all, which stays
         const GuidePdf pdf = guidePdf(*guides[s]);
         const glm::uvec2 corner = guideCorner(block.block);
         glTextureSubImage2D(gpu.sources[s].guidePdf.name(), 0, GLint(corner.x), GLint(corner.y), kGuideSize, kGuideSize,
