@@ -310,6 +310,32 @@ TEST(Live, NoPieceGetsOldWhileEverythingMoves) {
     EXPECT_GT(engine.stats().areaMaps.items, 3u);
 }
 
+// Moves, removals to the far end, lamps switched, paint: whatever was begun and not finished, nothing of it is left.
+TEST(Live, RandomChangesLeaveNothingBehind) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    SilentProgress progress;
+    Rng rng(7);
+    constexpr int kChanges = 40;
+    for (int i = 0; i < kChanges; ++i) {
+        LivePose pose = boxMoved(scene, {0.5f * rng.uniform() - 0.2f, 0.1f * rng.uniform(), 0.5f * rng.uniform() - 0.2f},
+                                 360.0f * rng.uniform());
+        if (rng.uniform() < 0.1f) pose.worldFromRest[kBoxNode] = glm::translate(glm::mat4(1), glm::vec3(50));
+        if (rng.uniform() < 0.3f)
+            pose.worldFromRest.push_back(glm::translate(glm::mat4(1), {0.2f * rng.uniform(), -0.3f * rng.uniform(), 0}));
+        if (rng.uniform() < 0.3f) pose.lights.clear();
+        if (rng.uniform() < 0.3f) pose.materials.back().emission = glm::vec3(8 * rng.uniform());
+        if (rng.uniform() < 0.3f) pose.materials.front().baseColor = {rng.uniform(), rng.uniform(), rng.uniform(), 1};
+        engine.setPose(pose);
+        engine.advance(uint64_t(300'000 * rng.uniform()), progress);
+        if (rng.uniform() < 0.5f) engine.takeUpdate();
+    }
+    engine.setPose(poseOf(scene));
+    settle(engine);
+    expectEqual(engine.phatexture(), baked.phatexture);
+}
+
 TEST(Live, SinglePhotonsCannotBeRenewed) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
