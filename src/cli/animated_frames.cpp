@@ -95,8 +95,8 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
         renderer.takeUpdate(update, std::numeric_limits<double>::infinity());
         const double uploaded = secondsSince(uploading);
 
-        const ReflectionScene reflectionScene(engine.rays(), engine.lights(), baked.atlas, engine.scene().points(),
-                                              engine.phatexture());
+        const ReflectionScene reflectionScene(engine.rays(), engine.lights(), baked.atlas,
+                                              engine.scene().points(), engine.phatexture());
         const TracedReflections traced{reflectionScene, options.reflections, progress};
         for (const View& view : views) {
             const Image picture = renderer.render({.width = view.width,

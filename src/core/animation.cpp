@@ -31,8 +31,7 @@ glm::dvec4 valueAt(const AnimationChannel& channel, double seconds) {
     if (spline)  // appendix C.5
         return (2 * t3 - 3 * t2 + 1) * value(before) +
                length * (t3 - 2 * t2 + t) * glm::dvec4(channel.values[3 * before + 2]) +
-               (3 * t2 - 2 * t3) * value(after) +
-               length * (t3 - t2) * glm::dvec4(channel.values[3 * after]);
+               (3 * t2 - 2 * t3) * value(after) + length * (t3 - t2) * glm::dvec4(channel.values[3 * after]);
     if (channel.path == AnimationChannel::Path::rotation) return slerp(value(before), value(after), t);
     return glm::mix(value(before), value(after), t);
 }
@@ -60,8 +59,12 @@ std::vector<glm::dmat4> worldFromNodes(const std::vector<SceneNode>& nodes, cons
             const glm::dvec4 value = valueAt(channel, seconds);
             Local& target = local[channel.node];
             switch (channel.path) {
-                case AnimationChannel::Path::translation: target.translation = glm::dvec3(value); break;
-                case AnimationChannel::Path::scale: target.scale = glm::dvec3(value); break;
+                case AnimationChannel::Path::translation:
+                    target.translation = glm::dvec3(value);
+                    break;
+                case AnimationChannel::Path::scale:
+                    target.scale = glm::dvec3(value);
+                    break;
                 case AnimationChannel::Path::rotation: {
                     const double length = glm::length(value);
                     if (length > 1e-12) target.rotation = quatOf(value / length);
@@ -81,9 +84,10 @@ std::vector<glm::dmat4> worldFromNodes(const std::vector<SceneNode>& nodes, cons
             const SceneNode& node = nodes[n];
             const Local& l = local[n];
             const glm::dmat4 parentFromNode =
-                node.hasMatrix ? glm::dmat4(node.matrix)
-                               : glm::scale(glm::translate(glm::dmat4(1), l.translation) * glm::mat4_cast(l.rotation),
-                                            l.scale);
+                node.hasMatrix
+                    ? glm::dmat4(node.matrix)
+                    : glm::scale(glm::translate(glm::dmat4(1), l.translation) * glm::mat4_cast(l.rotation),
+                                 l.scale);
             world[n] = node.parent >= 0 ? world[size_t(node.parent)] * parentFromNode : parentFromNode;
             known[n] = 1;
         }

@@ -27,8 +27,9 @@ struct AnimationChannel {
     uint32_t node = 0;
     Path path = Path::translation;
     Interpolation interpolation = Interpolation::linear;
-    std::vector<float> times;       // seconds, growing
-    std::vector<glm::vec4> values;  // a key each; of splines in-tangent, value, out-tangent. Rotations: x y z w
+    std::vector<float> times;  // seconds, growing
+    std::vector<glm::vec4>
+        values;  // a key each; of splines in-tangent, value, out-tangent. Rotations: x y z w
 };
 
 struct Animation {

@@ -218,9 +218,10 @@ IrradianceMap irradianceFromNodes(const GatherInput& input, const std::vector<ui
 }
 
 IrradianceMap irradianceOfCharts(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
-                                 const std::vector<uint32_t>& indirectIrradiance, const BakeSettings& settings,
-                                 IrradianceLevel coarse, const std::vector<NodeRays>& nodes,
-                                 const ChartSet& charts, Progress& progress, std::atomic<uint64_t>& rayCount) {
+                                 const std::vector<uint32_t>& indirectIrradiance,
+                                 const BakeSettings& settings, IrradianceLevel coarse,
+                                 const std::vector<NodeRays>& nodes, const ChartSet& charts,
+                                 Progress& progress, std::atomic<uint64_t>& rayCount) {
     const Gatherer gatherer{input, areaIrradiance, settings};
     const uint32_t width = input.atlas.sizeTexels.x;
     const auto chartOf = [&](size_t texel) { return input.atlas.chartAt({texel % width, texel / width}); };
@@ -230,7 +231,8 @@ IrradianceMap irradianceOfCharts(const GatherInput& input, const std::vector<uin
     coarse.value.assign(nodes.size(), glm::vec3(0));
     for (size_t n = 0; n < nodes.size(); ++n)
         if (hasChart(charts, chartOf(coarse.texel[n])))
-            coarse.value[n] = bounced(nodes[n], [&](uint32_t texel) { return unpackRgb9e5(indirectIrradiance[texel]); });
+            coarse.value[n] =
+                bounced(nodes[n], [&](uint32_t texel) { return unpackRgb9e5(indirectIrradiance[texel]); });
 
     std::vector<IrradianceLevel> levels;
     levels.push_back(std::move(coarse));

@@ -1,6 +1,6 @@
 #pragma once
-// Indirect irradiance in two steps: the rays of its nodes, which can be renewed one by one, and the light that
-// bounces between them.
+// Indirect irradiance in two steps: the rays of its nodes, which can be renewed one by one, and the light
+// that bounces between them.
 
 #include <array>
 
@@ -38,8 +38,9 @@ IrradianceMap irradianceFromNodes(const GatherInput& input, const std::vector<ui
 /// The map of some charts alone, in the light of `indirectIrradiance` as it is: one bounce further than that.
 /// Other charts are zero. Nodes elsewhere need no rays.
 IrradianceMap irradianceOfCharts(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
-                                 const std::vector<uint32_t>& indirectIrradiance, const BakeSettings& settings,
-                                 IrradianceLevel coarse, const std::vector<NodeRays>& nodes,
-                                 const ChartSet& charts, Progress& progress, std::atomic<uint64_t>& rayCount);
+                                 const std::vector<uint32_t>& indirectIrradiance,
+                                 const BakeSettings& settings, IrradianceLevel coarse,
+                                 const std::vector<NodeRays>& nodes, const ChartSet& charts,
+                                 Progress& progress, std::atomic<uint64_t>& rayCount);
 
 }  // namespace phat

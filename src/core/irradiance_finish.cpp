@@ -25,7 +25,8 @@ std::vector<uint32_t> finishAreaIrradiance(IrradianceMap irradiance, const Gathe
 }
 
 std::vector<uint32_t> finishIndirectIrradiance(IrradianceMap irradiance, const GatherInput& input,
-                                               const std::vector<SeamPoint>& seams, const Progress& progress) {
+                                               const std::vector<SeamPoint>& seams,
+                                               const Progress& progress) {
     stitchSeams(irradiance, seams, input.atlas, input.points, input.irradianceTexels, kIndirectSpreadTexels,
                 progress);
     return packIrradiance(irradiance);

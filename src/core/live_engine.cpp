@@ -50,8 +50,8 @@ void forAll(size_t count, const Body& body) {
 
 }  // namespace
 
-LiveEngine::LiveEngine(const Scene& rest, const Atlas& atlas, const TexelPoints& points, const Phatexture& baked,
-                       const BakeSettings& settings)
+LiveEngine::LiveEngine(const Scene& rest, const Atlas& atlas, const TexelPoints& points,
+                       const Phatexture& baked, const BakeSettings& settings)
     : state_(rest, atlas, points, baked, settings) {
     adaptNodes(state_);
     indirectDirty_ = true;
@@ -84,8 +84,8 @@ bool LiveEngine::hasWork(LiveTask task) {
         }
         if (task == LiveTask::nodes) adaptNodes(state_);
         if (task == LiveTask::blocks)
-            state_.irradianceKnown = !areaDirty_ && !indirectDirty_ && !hasWork(LiveTask::areaLight) &&
-                                     !hasWork(LiveTask::nodes);
+            state_.irradianceKnown =
+                !areaDirty_ && !indirectDirty_ && !hasWork(LiveTask::areaLight) && !hasWork(LiveTask::nodes);
         queue.items = urgentFirst(state_, task, tileValue_, clock_,
                                   kPassWork * state_.scene.atlas().texelCount(), queue.movedItems);
         queue.next = 0;
@@ -144,11 +144,21 @@ void LiveEngine::runPiece(LiveTask task, Progress& progress) {
     const size_t before = queue.next;
     uint64_t work = 0;
     switch (task) {
-        case LiveTask::respond: work = respond(); break;
-        case LiveTask::photons: work = tracePhotonPart(progress); break;
-        case LiveTask::areaLight: work = renewRegions(); break;
-        case LiveTask::nodes: work = traceNodes(); break;
-        case LiveTask::blocks: work = renewBlocks(); break;
+        case LiveTask::respond:
+            work = respond();
+            break;
+        case LiveTask::photons:
+            work = tracePhotonPart(progress);
+            break;
+        case LiveTask::areaLight:
+            work = renewRegions();
+            break;
+        case LiveTask::nodes:
+            work = traceNodes();
+            break;
+        case LiveTask::blocks:
+            work = renewBlocks();
+            break;
     }
     // What is stale may depend on all of a kind being known.
     if (queue.next == queue.items.size()) ++plan_;
@@ -277,7 +287,8 @@ uint64_t LiveEngine::mapWork(uint64_t workATexel, const ChartSet& charts) const 
     const Atlas& atlas = state_.scene.atlas();
     uint64_t texels = 0;
     for (uint32_t c = 0; c < atlas.charts.size(); ++c)
-        if (hasChart(charts, c)) texels += uint64_t(atlas.charts[c].sizeTexels().x) * atlas.charts[c].sizeTexels().y;
+        if (hasChart(charts, c))
+            texels += uint64_t(atlas.charts[c].sizeTexels().x) * atlas.charts[c].sizeTexels().y;
     return workATexel * texels + atlas.texelCount() / kTexelsStitchedAWork;
 }
 
@@ -304,7 +315,8 @@ void mix(IrradianceMap& map, IrradianceMap renewed, const ChartSet& charts, cons
         return;
     }
     for (size_t i = 0; i < map.size(); ++i)
-        if (hasChart(charts, atlas.chartAt({i % atlas.sizeTexels.x, i / atlas.sizeTexels.x}))) map[i] = renewed[i];
+        if (hasChart(charts, atlas.chartAt({i % atlas.sizeTexels.x, i / atlas.sizeTexels.x})))
+            map[i] = renewed[i];
 }
 
 }  // namespace
@@ -313,8 +325,8 @@ void LiveEngine::finishArea(const ChartSet& charts, Progress& progress) {
     const Clock::time_point start = Clock::now();
     const GatherInput input = state_.input();
     mix(state_.areaMap,
-        filterAreaIrradiance(state_.areaEstimates, input.atlas, input.points, input.irradianceTexels, charts), charts,
-        input.atlas);
+        filterAreaIrradiance(state_.areaEstimates, input.atlas, input.points, input.irradianceTexels, charts),
+        charts, input.atlas);
     if (publish(state_, state_.phatexture.areaIrradiance,
                 finishAreaIrradiance(state_.areaMap, input, state_.seams, progress))) {
         ++state_.areaVersion;
@@ -336,10 +348,11 @@ void LiveEngine::finishIndirect(const ChartSet& charts, Progress& progress) {
     const GatherInput input = state_.input();
     const Phatexture& now = state_.phatexture;
     mix(state_.indirectMap,
-        charts.empty() ? irradianceFromNodes(input, now.areaIrradiance, state_.settings, state_.level, state_.nodes,
-                                             progress, nullptr, rays)
-                       : irradianceOfCharts(input, now.areaIrradiance, now.indirectIrradiance, state_.settings,
-                                            state_.level, state_.nodes, charts, progress, rays),
+        charts.empty()
+            ? irradianceFromNodes(input, now.areaIrradiance, state_.settings, state_.level, state_.nodes,
+                                  progress, nullptr, rays)
+            : irradianceOfCharts(input, now.areaIrradiance, now.indirectIrradiance, state_.settings,
+                                 state_.level, state_.nodes, charts, progress, rays),
         charts, input.atlas);
     if (publish(state_, state_.phatexture.indirectIrradiance,
                 finishIndirectIrradiance(state_.indirectMap, input, state_.seams, progress)))
@@ -379,8 +392,8 @@ LiveUpdate LiveEngine::takeUpdate() {
     for (uint32_t tile = 0; tile < state_.tileDirty.size(); ++tile) {
         const uint8_t dirty = state_.tileDirty[tile];
         if (dirty & kDirtyPhatexels) {
-            LiveUpdate::Phatexels& taken = 
-                update.phatexels.emplace_back(LiveUpdate::Phatexels{tile, atlas.blockAt(state_.cornerOfTile(tile)), {}});
+            LiveUpdate::Phatexels& taken = update.phatexels.emplace_back(
+                LiveUpdate::Phatexels{tile, atlas.blockAt(state_.cornerOfTile(tile)), {}});
             const auto take = [&](const PhatexelLayer& layer) {
                 for (uint32_t i = 0; i < kTileTexels; ++i)
                     taken.texels.push_back(layer.texels[state_.texelOf(tile, i)]);
@@ -397,8 +410,7 @@ LiveUpdate LiveEngine::takeUpdate() {
                 taken.area[i] = now.areaIrradiance.empty() ? 0 : now.areaIrradiance[texel];
             }
         }
-        if (dirty & kDirtyPlace)
-            update.places.push_back({tile, now.tilePlaces[tile], now.probes[tile]});
+        if (dirty & kDirtyPlace) update.places.push_back({tile, now.tilePlaces[tile], now.probes[tile]});
         state_.tileDirty[tile] = 0;
     }
     tileLightStale_ |= !update.phatexels.empty();

@@ -1,6 +1,6 @@
 #pragma once
-// Dynamic light: a bake that follows a scene. source: Hensley et al. 2003, section 8 (PHATexels renewed one by
-// one while the picture keeps moving); how is ours (docs/pipeline.md).
+// Dynamic light: a bake that follows a scene. source: Hensley et al. 2003, section 8 (PHATexels renewed one
+// by one while the picture keeps moving); how is ours (docs/pipeline.md).
 //
 // The engine keeps the intermediate results of a bake and renews them piece by piece, by the bake's own
 // functions and random numbers. Every piece knows which scene it was made from; once all are of the present
@@ -27,8 +27,8 @@ struct LiveStats {
 
 class LiveEngine {
   public:
-    /// `points`: of the scene at rest, covered ones marked. `baked`: its bake by these settings, or empty: then
-    /// the engine makes it. Throws std::invalid_argument for directions or radiance from single photons.
+    /// `points`: of the scene at rest, covered ones marked. `baked`: its bake by these settings, or empty:
+    /// then the engine makes it. Throws std::invalid_argument for directions or radiance from single photons.
     LiveEngine(const Scene& rest, const Atlas& atlas, const TexelPoints& points, const Phatexture& baked,
                const BakeSettings& settings);
 
@@ -38,10 +38,10 @@ class LiveEngine {
     /// Whose picture comes first; null: nobody looks.
     void setEye(const Camera* eye);
 
-    /// Goes on for about `work`, counted in rays or what takes as long; a piece that takes more is made up for
-    /// by the next calls. The state depends on the calls alone, not on threads or time. Returns what was done:
-    /// nothing while earlier pieces are made up for, or when all is settled. Throws Interrupted when `progress`
-    /// asks, between pieces.
+    /// Goes on for about `work`, counted in rays or what takes as long; a piece that takes more is made up
+    /// for by the next calls. The state depends on the calls alone, not on threads or time. Returns what was
+    /// done: nothing while earlier pieces are made up for, or when all is settled. Throws Interrupted when
+    /// `progress` asks, between pieces.
     uint64_t advance(uint64_t work, const Progress& progress);
     bool settled();
 
@@ -92,7 +92,7 @@ class LiveEngine {
     int64_t credit_ = 0;
     uint64_t clock_ = 0;  // all work so far
     bool areaDirty_ = false, indirectDirty_ = false;
-    uint64_t areaWork_ = 0, nodeWork_ = 0;  // since the maps were last made
+    uint64_t areaWork_ = 0, nodeWork_ = 0;              // since the maps were last made
     uint64_t areaMapScene_ = 1, indirectMapScene_ = 1;  // versions that they were made in
     bool tileLightStale_ = false;
     uint64_t tileLightClock_ = 0;  // of the next one

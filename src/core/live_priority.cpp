@@ -53,7 +53,8 @@ std::vector<float> tileValues(const LiveState& state, const Camera* eye) {
                 // The box's sphere as it is seen, against half the sky.
                 value = std::max(value, square(radius) / std::max(glm::dot(way, way), square(radius)));
             }
-            const float radius = 0.5f * float(kTileSize) * (glm::length(patch.alongX) + glm::length(patch.alongY));
+            const float radius =
+                0.5f * float(kTileSize) * (glm::length(patch.alongX) + glm::length(patch.alongY));
             values[tile] =
                 (value + kLeastValue) * (!eye || isSeen(*eye, patch, normal, radius) ? 1.0f : kUnseen);
         }
@@ -72,9 +73,10 @@ std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const s
     };
     std::vector<Item> items;
     const auto add = [&](uint32_t index, float value, uint64_t renewed, bool ofMoved = false) {
-        items.push_back({ofMoved,
-                         value + (ofMoved ? kMovedBonus : 0.0f) + float(double(clock - renewed) / double(passClock)),
-                         index});
+        items.push_back(
+            {ofMoved,
+             value + (ofMoved ? kMovedBonus : 0.0f) + float(double(clock - renewed) / double(passClock)),
+             index});
     };
     const auto movedSince = [&](uint32_t tile, uint64_t scene) {
         const uint32_t chart = atlas.tileChart[tile];
@@ -119,7 +121,8 @@ std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const s
                 const NodeAge& age = state.nodeAge[n];
                 if (age.scene == version && (!areaKnown || age.area == state.areaVersion)) continue;
                 const uint32_t width = atlas.sizeTexels.x;
-                const glm::uvec2 tile = glm::uvec2(state.level.texel[n] % width, state.level.texel[n] / width) / kTileSize;
+                const glm::uvec2 tile =
+                    glm::uvec2(state.level.texel[n] % width, state.level.texel[n] / width) / kTileSize;
                 const uint32_t index = tile.y * atlas.sizeTiles().x + tile.x;
                 add(n, tileValue[index] + float(age.scene == 0), age.clock, movedSince(index, age.scene));
             }

@@ -6,7 +6,8 @@
 namespace phat {
 namespace {
 
-// Of these lamps the shadows that a change throws or lifts are looked for; more would cost more than the rays.
+// Of these lamps the shadows that a change throws or lifts are looked for; more would cost more than the
+// rays.
 constexpr size_t kMostShadows = 4;
 // Stored distances are right to 5.6 % (packDistance).
 constexpr float kDistanceMargin = 1.06f;
@@ -83,8 +84,9 @@ struct Renewer {
     TexelDirection directionOf(const Guide& guide, size_t texel, int layer) const {
         if (!input.points.valid(texel)) return {};
         const uint32_t width = input.atlas.sizeTexels.x;
-        return chooseDirection(input.atlas, guide, {texel % width, texel / width},
-                               {state.settings.directions, state.settings.density, state.settings.seed, layer});
+        return chooseDirection(
+            input.atlas, guide, {texel % width, texel / width},
+            {state.settings.directions, state.settings.density, state.settings.seed, layer});
     }
 };
 
@@ -99,8 +101,8 @@ void packPlace(LiveState& state, size_t tile) {
     const Atlas& atlas = state.scene.atlas();
     if (atlas.tileChart[tile] == kNoChart) return;
     const Frame& frame = state.scene.frames()[atlas.blockAt(state.cornerOfTile(tile))];
-    state.phatexture.tilePlaces[tile] = packedTileOf(state.phatexture, atlas, state.scene.patches()[tile], frame,
-                                                     state.phatexture.probes[tile], tile);
+    state.phatexture.tilePlaces[tile] = packedTileOf(state.phatexture, atlas, state.scene.patches()[tile],
+                                                     frame, state.phatexture.probes[tile], tile);
     state.tileDirty[tile] |= kDirtyPlace;
 }
 
@@ -167,7 +169,8 @@ void commit(LiveState& state, size_t tile, const TileRenewal& renewal) {
     if (renewal.texels.empty()) return;
     size_t next = 0;
     const auto take = [&](PhatexelLayer& layer) {
-        for (uint32_t i = 0; i < kTileTexels; ++i) layer.texels[state.texelOf(tile, i)] = renewal.texels[next++];
+        for (uint32_t i = 0; i < kTileTexels; ++i)
+            layer.texels[state.texelOf(tile, i)] = renewal.texels[next++];
     };
     for (PhatexelLayer& layer : state.phatexture.indirect) take(layer);
     if (state.hasArea) take(state.phatexture.area[0]);
@@ -224,7 +227,8 @@ void commit(LiveState& state, uint32_t block, const BlockRenewal& renewal) {
                         layer.texels.begin() +
                             ptrdiff_t(size_t(place.origin.y + y) * atlas.sizeTexels.x + place.origin.x));
     };
-    for (size_t l = 0; l < renewal.indirect.size(); ++l) take(state.phatexture.indirect[l], renewal.indirect[l]);
+    for (size_t l = 0; l < renewal.indirect.size(); ++l)
+        take(state.phatexture.indirect[l], renewal.indirect[l]);
     if (state.hasArea) take(state.phatexture.area[0], renewal.area);
     size_t next = 0;
     for (uint32_t y = place.origin.y / kTileSize; y < (place.origin.y + place.size.y) / kTileSize; ++y)

@@ -117,8 +117,8 @@ void LiveScene::moveChart(const Chart& chart, const glm::mat4& m) {
             }
     });
     for (uint32_t b = 0; b < chart.blocksWide() * chart.blocksHigh(); ++b)
-        frames_[chart.firstBlock + b] = atRest ? restFrames_[chart.firstBlock + b]
-                                               : movedFrame(restFrames_[chart.firstBlock + b], m);
+        frames_[chart.firstBlock + b] =
+            atRest ? restFrames_[chart.firstBlock + b] : movedFrame(restFrames_[chart.firstBlock + b], m);
     for (uint32_t y = 0; y < chart.sizeTiles.y; ++y)
         for (uint32_t x = 0; x < chart.sizeTiles.x; ++x) {
             TilePatch& patch = patches_[tileOf(x, y)];
@@ -190,7 +190,8 @@ void LiveScene::markCovered(size_t tile, const RayScene& rays) {
     const glm::uvec2 corner =
         glm::uvec2(tile % atlas_.sizeTiles().x, tile / atlas_.sizeTiles().x) * kTileSize;
     for (uint32_t i = 0; i < kTileSize * kTileSize; ++i) {
-        const size_t texel = size_t(corner.y + i / kTileSize) * atlas_.sizeTexels.x + corner.x + i % kTileSize;
+        const size_t texel =
+            size_t(corner.y + i / kTileSize) * atlas_.sizeTexels.x + corner.x + i % kTileSize;
         if (restState_[texel] == TexelState::unused) continue;
         points_.state[texel] = restState_[texel];
         if (isCoveredTexel(points_, atlas_, rays, texel)) points_.state[texel] = TexelState::covered;
@@ -204,7 +205,8 @@ bool LiveScene::commitCovered(size_t tile) {
     const uint32_t surfaceBefore = surfaceTexels_[chart];
     bool any = false;
     for (uint32_t i = 0; i < kTileSize * kTileSize; ++i) {
-        const size_t texel = size_t(corner.y + i / kTileSize) * atlas_.sizeTexels.x + corner.x + i % kTileSize;
+        const size_t texel =
+            size_t(corner.y + i / kTileSize) * atlas_.sizeTexels.x + corner.x + i % kTileSize;
         const TexelState before = committedState_[texel], now = points_.state[texel];
         if (before == now) continue;
         any = true;
@@ -218,12 +220,14 @@ bool LiveScene::commitCovered(size_t tile) {
     ++texelsVersion_;
     // Gutters stand in where no texel of a chart is on its surface.
     if ((surfaceBefore == 0) != (surfaceTexels_[chart] == 0)) {
-        const glm::uvec2 origin = atlas_.charts[chart].originTexel(), size = atlas_.charts[chart].sizeTexels();
+        const glm::uvec2 origin = atlas_.charts[chart].originTexel(),
+                         size = atlas_.charts[chart].sizeTexels();
         for (uint32_t y = 0; y < size.y; ++y)
             for (uint32_t x = 0; x < size.x; ++x) {
                 const size_t texel = size_t(origin.y + y) * atlas_.sizeTexels.x + origin.x + x;
-                irradianceTexels_[texel] = points_.state[texel] == TexelState::surface ||
-                                           (points_.state[texel] == TexelState::gutter && surfaceTexels_[chart] == 0);
+                irradianceTexels_[texel] =
+                    points_.state[texel] == TexelState::surface ||
+                    (points_.state[texel] == TexelState::gutter && surfaceTexels_[chart] == 0);
             }
     }
     TilePatch& rest = restPatches_[tile];

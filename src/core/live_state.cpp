@@ -26,8 +26,8 @@ std::vector<uint16_t> scramblesOf(const Atlas& atlas, const BakeSettings& settin
 
 }  // namespace
 
-LiveState::LiveState(const Scene& rest, const Atlas& atlas, const TexelPoints& points, const Phatexture& baked,
-                     const BakeSettings& wanted)
+LiveState::LiveState(const Scene& rest, const Atlas& atlas, const TexelPoints& points,
+                     const Phatexture& baked, const BakeSettings& wanted)
     : scene(rest, atlas, points), settings(wanted), phatexture(baked) {
     requireRenewable(settings);
     rebuildRays();
@@ -44,7 +44,8 @@ LiveState::LiveState(const Scene& rest, const Atlas& atlas, const TexelPoints& p
         phatexture.indirectIrradiance.assign(texels, 0);
         phatexture.indirectGuides =
             guided() ? std::vector<Guide>(atlas.blockCount, uniformGuide())
-                     : std::vector<Guide>{settings.directions == Directions::cosine ? cosineGuide() : uniformGuide()};
+                     : std::vector<Guide>{settings.directions == Directions::cosine ? cosineGuide()
+                                                                                    : uniformGuide()};
         if (hasArea) {
             phatexture.area.resize(1);
             phatexture.area[0].texels.resize(texels);
@@ -70,7 +71,8 @@ LiveState::LiveState(const Scene& rest, const Atlas& atlas, const TexelPoints& p
     if (hasArea) {
         // Until a texel has an estimate of its own, what was baked stands for it.
         areaEstimates.resize(texels);
-        for (size_t i = 0; i < texels; ++i) areaEstimates[i].value = unpackRgb9e5(phatexture.areaIrradiance[i]);
+        for (size_t i = 0; i < texels; ++i)
+            areaEstimates[i].value = unpackRgb9e5(phatexture.areaIrradiance[i]);
     }
     for (const uint32_t packed : phatexture.areaIrradiance) areaMap.push_back(unpackRgb9e5(packed));
     for (const uint32_t packed : phatexture.indirectIrradiance) indirectMap.push_back(unpackRgb9e5(packed));

@@ -39,8 +39,8 @@ struct LiveState {
     /// After the scene has changed.
     void rebuildRays();
     GatherInput input() const {
-        return {*rays,     *lights,  scene.atlas(), scene.points(), scene.frames(),
-                noPhotons, *noIndex, scene.irradianceTexels()};
+        return {*rays,          *lights,   scene.atlas(), scene.points(),
+                scene.frames(), noPhotons, *noIndex,      scene.irradianceTexels()};
     }
     const Guide& guideOf(const std::vector<Guide>& guides, uint32_t block) const {
         return guides[guides.size() == 1 ? 0 : block];
@@ -85,7 +85,7 @@ struct LiveState {
     bool irradianceKnown = false;  // the maps are those of the scene as it is
 
     // What the drawing side has not got yet.
-    std::vector<uint8_t> tileDirty;   // bits of kDirty...
+    std::vector<uint8_t> tileDirty;  // bits of kDirty...
     std::vector<uint8_t> blockDirty;
 };
 

@@ -34,11 +34,12 @@ struct LiveUpdate {
     std::vector<Phatexels> phatexels;  // by block
     std::vector<Irradiance> irradiance;
     std::vector<Place> places;
-    std::vector<Guides> guides;  // by block
+    std::vector<Guides> guides;        // by block
     std::vector<glm::vec4> tileLight;  // see tileLight(); of all tiles, or empty: as before
 
     bool empty() const {
-        return phatexels.empty() && irradiance.empty() && places.empty() && guides.empty() && tileLight.empty();
+        return phatexels.empty() && irradiance.empty() && places.empty() && guides.empty() &&
+               tileLight.empty();
     }
 };
 

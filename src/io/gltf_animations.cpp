@@ -43,7 +43,8 @@ std::optional<AnimationChannel::Interpolation> interpolationOf(const std::string
 }
 
 bool hasAccessor(const tinygltf::Model& model, int64_t index, int type) {
-    return index >= 0 && index < int64_t(model.accessors.size()) && model.accessors[size_t(index)].type == type;
+    return index >= 0 && index < int64_t(model.accessors.size()) &&
+           model.accessors[size_t(index)].type == type;
 }
 
 std::optional<AnimationChannel> channelOf(const Document& document, const Scene& scene,

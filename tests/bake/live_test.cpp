@@ -100,7 +100,8 @@ void expectEqual(const Phatexture& a, const Phatexture& b) {
     for (size_t l = 0; l < a.indirect.size(); ++l)
         expectEqualBytes(a.indirect[l].texels, b.indirect[l].texels, "PHATexels");
     ASSERT_EQ(a.area.size(), b.area.size());
-    for (size_t l = 0; l < a.area.size(); ++l) expectEqualBytes(a.area[l].texels, b.area[l].texels, "area PHATexels");
+    for (size_t l = 0; l < a.area.size(); ++l)
+        expectEqualBytes(a.area[l].texels, b.area[l].texels, "area PHATexels");
 }
 
 /// What a bake gathers for the scene as it is, on the engine's atlas.
@@ -158,7 +159,8 @@ TEST(Live, BackAtTheStartNothingIsLeftOfAMove) {
     dark.materials.front().baseColor = {0.1f, 0.1f, 0.9f, 1};
     ASSERT_TRUE(engine.setPose(dark));
     settle(engine);
-    for (const PackedPhatexel& packed : engine.phatexture().indirect[0].texels) ASSERT_EQ(packed.radiance, 0u);
+    for (const PackedPhatexel& packed : engine.phatexture().indirect[0].texels)
+        ASSERT_EQ(packed.radiance, 0u);
     ASSERT_TRUE(engine.setPose(poseOf(scene)));
     EXPECT_FALSE(engine.setPose(poseOf(scene)));
     settle(engine);
@@ -173,7 +175,8 @@ TEST(Live, LampsThatMoveLightWhatTheyMoveTo) {
     pose.worldFromRest = {glm::mat4(1), glm::mat4(1), glm::translate(glm::mat4(1), {-0.2f, -0.1f, 0.1f})};
     pose.lights[0].intensity = {0.1f, 0.1f, 0.6f};
     ASSERT_TRUE(engine.setPose(pose));
-    EXPECT_EQ(engine.scene().scene().lights[0].position, scene.lights[0].position + glm::vec3(-0.2f, -0.1f, 0.1f));
+    EXPECT_EQ(engine.scene().scene().lights[0].position,
+              scene.lights[0].position + glm::vec3(-0.2f, -0.1f, 0.1f));
     settle(engine);
     expectEqual(engine.phatexture(), bakeOf(engine.scene()));
 }
@@ -207,7 +210,8 @@ TEST(Live, AtOnceEveryPhatexelIsAsFarAsItsRay) {
         const Hit hit = engine.rays().closestHit(offsetOrigin(points.position[i], points.normal[i]),
                                                  glm::normalize(direction));
         const float truth = hit ? hit.distance : kFarDistance;
-        wrong += std::abs(std::log(phatexel.distance / truth)) > 0.06f;  // half a code, and the origin's offset
+        wrong +=
+            std::abs(std::log(phatexel.distance / truth)) > 0.06f;  // half a code, and the origin's offset
     }
     EXPECT_GT(valid, 10'000u);
     EXPECT_LT(double(wrong) / double(valid), 2e-3);  // rays along edges
@@ -248,7 +252,8 @@ TEST(Live, UpdatesAreComplete) {
     const uint32_t width = baked.atlas.sizeTexels.x;
     const auto texelOf = [&](uint32_t tile, uint32_t i) {
         const uint32_t wide = baked.atlas.sizeTiles().x;
-        return size_t(tile / wide * kTileSize + i / kTileSize) * width + tile % wide * kTileSize + i % kTileSize;
+        return size_t(tile / wide * kTileSize + i / kTileSize) * width + tile % wide * kTileSize +
+               i % kTileSize;
     };
     SilentProgress progress;
     for (int step = 0; step < 8; ++step) {
@@ -297,7 +302,8 @@ TEST(Live, NoPieceGetsOldWhileEverythingMoves) {
     int oldest = 0;
     constexpr int kSteps = 60;
     for (int step = 1; step <= kSteps; ++step) {
-        engine.setPose(boxMoved(scene, {0.2f + 0.2f * std::sin(0.3f * float(step)), 0, 0}, 5.0f * float(step)));
+        engine.setPose(
+            boxMoved(scene, {0.2f + 0.2f * std::sin(0.3f * float(step)), 0, 0}, 5.0f * float(step)));
         engine.advance(600'000, progress);
         for (const LiveUpdate::Guides& guides : engine.takeUpdate().guides) {
             oldest = std::max(oldest, step - seen[guides.block]);
@@ -310,7 +316,8 @@ TEST(Live, NoPieceGetsOldWhileEverythingMoves) {
     EXPECT_GT(engine.stats().areaMaps.items, 3u);
 }
 
-// Moves, removals to the far end, lamps switched, paint: whatever was begun and not finished, nothing of it is left.
+// Moves, removals to the far end, lamps switched, paint: whatever was begun and not finished, nothing of it
+// is left.
 TEST(Live, RandomChangesLeaveNothingBehind) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
@@ -319,14 +326,17 @@ TEST(Live, RandomChangesLeaveNothingBehind) {
     Rng rng(7);
     constexpr int kChanges = 40;
     for (int i = 0; i < kChanges; ++i) {
-        LivePose pose = boxMoved(scene, {0.5f * rng.uniform() - 0.2f, 0.1f * rng.uniform(), 0.5f * rng.uniform() - 0.2f},
-                                 360.0f * rng.uniform());
+        LivePose pose =
+            boxMoved(scene, {0.5f * rng.uniform() - 0.2f, 0.1f * rng.uniform(), 0.5f * rng.uniform() - 0.2f},
+                     360.0f * rng.uniform());
         if (rng.uniform() < 0.1f) pose.worldFromRest[kBoxNode] = glm::translate(glm::mat4(1), glm::vec3(50));
         if (rng.uniform() < 0.3f)
-            pose.worldFromRest.push_back(glm::translate(glm::mat4(1), {0.2f * rng.uniform(), -0.3f * rng.uniform(), 0}));
+            pose.worldFromRest.push_back(
+                glm::translate(glm::mat4(1), {0.2f * rng.uniform(), -0.3f * rng.uniform(), 0}));
         if (rng.uniform() < 0.3f) pose.lights.clear();
         if (rng.uniform() < 0.3f) pose.materials.back().emission = glm::vec3(8 * rng.uniform());
-        if (rng.uniform() < 0.3f) pose.materials.front().baseColor = {rng.uniform(), rng.uniform(), rng.uniform(), 1};
+        if (rng.uniform() < 0.3f)
+            pose.materials.front().baseColor = {rng.uniform(), rng.uniform(), rng.uniform(), 1};
         engine.setPose(pose);
         engine.advance(uint64_t(300'000 * rng.uniform()), progress);
         if (rng.uniform() < 0.5f) engine.takeUpdate();
@@ -341,7 +351,8 @@ TEST(Live, SinglePhotonsCannotBeRenewed) {
     const Bake baked = bakeQuietly(scene);
     BakeSettings settings = smallBake();
     settings.directions = Directions::photons;
-    EXPECT_THROW(LiveEngine(scene, baked.atlas, baked.points, baked.phatexture, settings), std::invalid_argument);
+    EXPECT_THROW(LiveEngine(scene, baked.atlas, baked.points, baked.phatexture, settings),
+                 std::invalid_argument);
 }
 
 }  // namespace

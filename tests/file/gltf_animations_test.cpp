@@ -29,16 +29,17 @@ TEST(GltfAnimations, ChannelsOfAllKindsAreRead) {
     const int times = builder.floats("SCALAR", {0, 1.5f});
     const int places = builder.floats("VEC3", {0, 0, 0, 1, 2, 3});
     // Normalised integers: x 32767 / 32767.
-    const int turns =
-        builder.accessor(builder.view<int16_t>({0, 0, 0, 32767, 32767, 0, 0, 0}), test::kShort, "VEC4", 2, true);
+    const int turns = builder.accessor(builder.view<int16_t>({0, 0, 0, 32767, 32767, 0, 0, 0}), test::kShort,
+                                       "VEC4", 2, true);
     const int spline = builder.floats("VEC3", std::vector<float>(18, 2.0f));
-    builder.push("animations", {{"name", "walk"},
-                                {"samplers",
-                                 {{{"input", times}, {"output", places}},
-                                  {{"input", times}, {"output", turns}, {"interpolation", "STEP"}},
-                                  {{"input", times}, {"output", spline}, {"interpolation", "CUBICSPLINE"}}}},
-                                {"channels",
-                                 {channel(0, 0, "translation"), channel(1, 1, "rotation"), channel(2, 1, "scale")}}});
+    builder.push(
+        "animations",
+        {{"name", "walk"},
+         {"samplers",
+          {{{"input", times}, {"output", places}},
+           {{"input", times}, {"output", turns}, {"interpolation", "STEP"}},
+           {{"input", times}, {"output", spline}, {"interpolation", "CUBICSPLINE"}}}},
+         {"channels", {channel(0, 0, "translation"), channel(1, 1, "rotation"), channel(2, 1, "scale")}}});
     const LoadedScene loaded = load(builder);
     EXPECT_TRUE(loaded.notes.empty());
     ASSERT_EQ(loaded.scene.nodes.size(), 2u);
@@ -63,17 +64,17 @@ TEST(GltfAnimations, BadChannelsAreLeftOutAndNoted) {
     good.root({{"name", "a"}});
     good.root({{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}});
     const int times = good.floats("SCALAR", {0, 1}), places = good.floats("VEC3", {0, 0, 0, 1, 2, 3});
-    const int backward = good.floats("SCALAR", {1, 1}), infinite = good.floats("VEC3", {0, 0, INFINITY, 1, 2, 3});
-    good.push("animations",
-              {{"samplers",
-                {{{"input", times}, {"output", places}},
-                 {{"input", times}, {"output", places}, {"interpolation", "CUBICSPLINE"}},
-                 {{"input", backward}, {"output", places}},
-                 {{"input", times}, {"output", infinite}},
-                 {{"input", places}, {"output", places}},
-                 {{"input", times}, {"output", 99}},
-                 {{"input", times}, {"output", places}, {"interpolation", "QUADRATIC"}}}},
-               {"channels", {channel(0, 0, "translation")}}});
+    const int backward = good.floats("SCALAR", {1, 1}),
+              infinite = good.floats("VEC3", {0, 0, INFINITY, 1, 2, 3});
+    good.push("animations", {{"samplers",
+                              {{{"input", times}, {"output", places}},
+                               {{"input", times}, {"output", places}, {"interpolation", "CUBICSPLINE"}},
+                               {{"input", backward}, {"output", places}},
+                               {{"input", times}, {"output", infinite}},
+                               {{"input", places}, {"output", places}},
+                               {{"input", times}, {"output", 99}},
+                               {{"input", times}, {"output", places}, {"interpolation", "QUADRATIC"}}}},
+                             {"channels", {channel(0, 0, "translation")}}});
     ASSERT_EQ(load(good).scene.animations.size(), 1u);
 
     const std::vector<Json> bad = {channel(1, 0, "translation"),

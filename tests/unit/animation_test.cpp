@@ -68,7 +68,8 @@ TEST(Animation, ChildrenFollowTheirParents) {
     nodes[1].hasMatrix = true;
     nodes[1].matrix = glm::translate(glm::mat4(1), {0, 0, 3});
     nodes[2].scale = glm::vec3(2);
-    Animation animation = oneChannel(Path::translation, Interpolation::linear, {0, 1}, {{0, 0, 0, 0}, {4, 0, 0, 0}});
+    Animation animation =
+        oneChannel(Path::translation, Interpolation::linear, {0, 1}, {{0, 0, 0, 0}, {4, 0, 0, 0}});
     animation.channels[0].node = 2;
     const std::vector<glm::dmat4> rest = worldFromNodes(nodes, nullptr, 0);
     EXPECT_EQ(glm::dvec3(rest[1][3]), glm::dvec3(0, 2, 6));
