@@ -64,7 +64,8 @@ void parseTimes(const CLI::Option* option, AnimatedFrames& frames) {
     if (std::sscanf(text.c_str(), "%lf:%lf%c", &frames.start, &frames.end, &end) != 2 ||
         !(std::abs(frames.start) <= kMostAnimationSeconds && std::abs(frames.end) <= kMostAnimationSeconds) ||
         frames.end < frames.start)
-        throw CLI::ValidationError(option->get_name(), fmt::format("\"{}\" is not START:END in seconds", text));
+        throw CLI::ValidationError(option->get_name(),
+                                   fmt::format("\"{}\" is not START:END in seconds", text));
 }
 
 void printReport(const json& report, bool traced) {
@@ -174,8 +175,8 @@ void addRenderCommand(CLI::App& app) {
     CLI::Option* countReads =
         command->add_flag("--count-reads")
             ->description("phat: draw and report the texels read for indirect glossy light, with --spp 1");
-    CLI::Option* animate =
-        option("--animate", "START:END", "phat: frames of the file's animation, in seconds; NAME.0000.png ...");
+    CLI::Option* animate = option("--animate", "START:END",
+                                  "phat: frames of the file's animation, in seconds; NAME.0000.png ...");
     CLI::Option* fps = option("--fps", "N", "--animate: frames a second; default: 24")
                            ->check(CLI::Range(0.001, 1000.0))
                            ->needs(animate);

@@ -66,7 +66,7 @@ struct RenderOptions {
     PhatGatherSettings gather;                         // phat-gather
     Reflections reflections = Reflections::automatic;  // phat
     Component component = Component::all;
-    std::optional<AnimatedFrames> animated;            // phat
+    std::optional<AnimatedFrames> animated;  // phat
     std::vector<std::string> edits;
     float exposureStops = 0;
     ToneMap toneMap = ToneMap::agx;

@@ -52,8 +52,8 @@ struct TexelDirection {
     glm::vec3 splatRadiance{0};  // only for the photon strategies
 };
 
-/// A direction for every valid texel, and what the choice already knows about it. Directions are exactly those
-/// that packPhatexel can hold, so that the ray traced and the direction stored are one.
+/// A direction for every valid texel, and what the choice already knows about it. Directions are exactly
+/// those that packPhatexel can hold, so that the ray traced and the direction stored are one.
 struct ChosenDirections {
     std::vector<glm::vec3> directionBlock;  // [y][x]; zero where nothing was chosen
     std::vector<float> pdf;                 // [y][x], 1/sr

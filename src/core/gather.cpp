@@ -99,7 +99,8 @@ IrradianceEstimate estimateArea(const GatherInput& input, const BakeSettings& se
                                 size_t texel, uint64_t& rays) {
     const int samplesPerRound = std::max(settings.irradianceSamples / kFirstRounds, 1);
     return areaIrradiance(input.rays, input.lights, input.points.position[texel], input.points.normal[texel],
-                          samplesPerRound, stage == GatherStage::areaIrradiance ? kFirstRounds : kFurtherRounds,
+                          samplesPerRound,
+                          stage == GatherStage::areaIrradiance ? kFirstRounds : kFurtherRounds,
                           Rng(hashOf(settings.seed + 0x17, uint64_t(stage), texel)), rays);
 }
 
@@ -128,8 +129,7 @@ PackedPhatexel indirectPhatexel(const GatherInput& input, const TexelDirection& 
                                 const BakeSettings& settings, uint64_t& rays) {
     const TexelRay ray = texelRay(input, direction, texel);
     if (!ray.valid) return {};
-    const IncidentRadiance incident =
-        incidentAt(input, direction, irradiance, ray, texel, layer, settings);
+    const IncidentRadiance incident = incidentAt(input, direction, irradiance, ray, texel, layer, settings);
     rays += incident.rays;
     return packed(direction, incident.reflected, incident.distance);
 }
@@ -184,8 +184,9 @@ std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, c
         estimate(GatherStage::areaIrradiance, [](size_t) { return true; });
     std::vector<uint8_t> hard(estimates.size());
     for (size_t texel = 0; texel < hard.size(); ++texel)
-        hard[texel] = isHardTexel(input, glm::ivec2(texel % input.atlas.sizeTexels.x, texel / input.atlas.sizeTexels.x),
-                                  [&](size_t i) -> const IrradianceEstimate& { return estimates[i]; });
+        hard[texel] =
+            isHardTexel(input, glm::ivec2(texel % input.atlas.sizeTexels.x, texel / input.atlas.sizeTexels.x),
+                        [&](size_t i) -> const IrradianceEstimate& { return estimates[i]; });
     const std::vector<IrradianceEstimate> further =
         estimate(GatherStage::moreAreaIrradiance, [&](size_t texel) { return hard[texel] != 0; });
     for (size_t texel = 0; texel < estimates.size(); ++texel)
@@ -215,9 +216,9 @@ void renewAreaIrradiance(const GatherInput& input, const BakeSettings& settings,
             const size_t texel = size_t(y) * atlasWidth + x;
             estimates[texel] = firstAt(texel);
             if (input.irradianceTexels[texel] && isHardTexel(input, {x, y}, firstAt))
-                estimates[texel] = joined(
-                    estimates[texel],
-                    estimateArea(input, settings, GatherStage::moreAreaIrradiance, texel, rays));
+                estimates[texel] =
+                    joined(estimates[texel],
+                           estimateArea(input, settings, GatherStage::moreAreaIrradiance, texel, rays));
         }
 }
 

@@ -48,7 +48,8 @@ ProbeTexels packProbe(const DistanceProbe& probe) {
     texels.fill(glm::uvec4(0));
     for (uint32_t i = 0; i < kProbeSize * kProbeSize; ++i) {
         const glm::uvec2 cell(i % kProbeSize, i / kProbeSize), at = cell / kLevels;
-        texels[at.y * kProbeTexels.x + at.x][int(cell.y % 4)] |= uint32_t(probe.level[i]) << (4 * (cell.x % 8));
+        texels[at.y * kProbeTexels.x + at.x][int(cell.y % 4)] |= uint32_t(probe.level[i])
+                                                                 << (4 * (cell.x % 8));
     }
     return texels;
 }
@@ -128,8 +129,8 @@ void updateLookupGuides(const GpuLookup& gpu, const LiveUpdate::Guides& block) {
     const auto upload = [&](uint32_t table, const Guide& guide) {
         const Warp warp = warpOf(guide);
         const glm::uvec2 corner = glm::uvec2(table % kTablesWide, table / kTablesWide) * kTableSide;
-        glTextureSubImage2D(gpu.warps.name(), 0, GLint(corner.x), GLint(corner.y), kTableSide, kTableSide, GL_RGBA,
-                            GL_UNSIGNED_BYTE, warp.data());
+        glTextureSubImage2D(gpu.warps.name(), 0, GLint(corner.x), GLint(corner.y), kTableSide, kTableSide,
+                            GL_RGBA, GL_UNSIGNED_BYTE, warp.data());
     };
     // Where there is one guide for all blocks, it stays.
     if (int(block.block) < gpu.guideCount) upload(block.block, block.indirect);
@@ -139,8 +140,8 @@ void updateLookupGuides(const GpuLookup& gpu, const LiveUpdate::Guides& block) {
 void updateProbe(const GpuLookup& gpu, const LiveUpdate::Place& tile, glm::uvec2 sizeTiles) {
     const glm::uvec2 corner = glm::uvec2(tile.tile % sizeTiles.x, tile.tile / sizeTiles.x) * kProbeTexels;
     const ProbeTexels packed = packProbe(tile.probe);
-    glTextureSubImage2D(gpu.probes.name(), 0, GLint(corner.x), GLint(corner.y), kProbeTexels.x, kProbeTexels.y,
-                        GL_RGBA_INTEGER, GL_UNSIGNED_INT, packed.data());
+    glTextureSubImage2D(gpu.probes.name(), 0, GLint(corner.x), GLint(corner.y), kProbeTexels.x,
+                        kProbeTexels.y, GL_RGBA_INTEGER, GL_UNSIGNED_INT, packed.data());
 }
 
 LookupPass createLookupPass(const std::string& folder, const GpuLookup& lookup, bool clearcoat,

@@ -249,8 +249,8 @@ void updatePhatexels(const GpuAtlas& gpu, const LiveUpdate::Phatexels& tile) {
     size_t next = 0;
     for (const GpuPhatexels& source : gpu.sources)
         for (int layer = 0; layer < source.layerCount; ++layer, next += kTileTexels)
-            glTextureSubImage3D(gpu.phatexels.name(), 0, corner.x, corner.y, source.firstLayer + layer, kTileSize,
-                                kTileSize, 1, GL_RG_INTEGER, GL_UNSIGNED_INT, &tile.texels[next]);
+            glTextureSubImage3D(gpu.phatexels.name(), 0, corner.x, corner.y, source.firstLayer + layer,
+                                kTileSize, kTileSize, 1, GL_RG_INTEGER, GL_UNSIGNED_INT, &tile.texels[next]);
 }
 
 void updateIrradiance(const GpuAtlas& gpu, const LiveUpdate::Irradiance& tile) {
@@ -260,14 +260,14 @@ void updateIrradiance(const GpuAtlas& gpu, const LiveUpdate::Irradiance& tile) {
         values[i] = glm::min(unpackRgb9e5(tile.indirect[i]), glm::vec3(kLargestHalf));
         values[kTileTexels + i] = glm::min(unpackRgb9e5(tile.area[i]), glm::vec3(kLargestHalf));
     }
-    glTextureSubImage3D(gpu.irradiance.name(), 0, corner.x, corner.y, 0, kTileSize, kTileSize, 2, GL_RGB, GL_FLOAT,
-                        values.data());
+    glTextureSubImage3D(gpu.irradiance.name(), 0, corner.x, corner.y, 0, kTileSize, kTileSize, 2, GL_RGB,
+                        GL_FLOAT, values.data());
 }
 
 void updatePlace(const GpuAtlas& gpu, const LiveUpdate::Place& tile) {
     const uint32_t wide = gpu.sizeTexels.x / kTileSize;
-    glTextureSubImage2D(gpu.tilePatches.name(), 0, GLint(2 * (tile.tile % wide)), GLint(tile.tile / wide), 2, 1,
-                        GL_RGBA_INTEGER, GL_UNSIGNED_INT, tile.packed.data());
+    glTextureSubImage2D(gpu.tilePatches.name(), 0, GLint(2 * (tile.tile % wide)), GLint(tile.tile / wide), 2,
+                        1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, tile.packed.data());
 }
 
 void updateGuides(const GpuAtlas& gpu, const LiveUpdate::Guides& block) {
@@ -276,8 +276,8 @@ void updateGuides(const GpuAtlas& gpu, const LiveUpdate::Guides& block) {
         if (int(block.block) >= gpu.sources[s].guideCount) continue;  // one for all, which stays
         const GuidePdf pdf = guidePdf(*guides[s]);
         const glm::uvec2 corner = guideCorner(block.block);
-        glTextureSubImage2D(gpu.sources[s].guidePdf.name(), 0, GLint(corner.x), GLint(corner.y), kGuideSize, kGuideSize,
-                            GL_RED, GL_FLOAT, pdf.data());
+        glTextureSubImage2D(gpu.sources[s].guidePdf.name(), 0, GLint(corner.x), GLint(corner.y), kGuideSize,
+                            kGuideSize, GL_RED, GL_FLOAT, pdf.data());
     }
 }
 
@@ -288,8 +288,8 @@ void updateTileLight(const GpuAtlas& gpu, const std::vector<glm::vec4>& light) {
 
 void updateNormals(const GpuAtlas& gpu, const Scene& scene, const Atlas& atlas, const TexelPoints& points) {
     const TexelArrays arrays = sampleTexels(scene, atlas, points);
-    glTextureSubImage2D(gpu.normals.name(), 0, 0, 0, GLsizei(gpu.sizeTexels.x), GLsizei(gpu.sizeTexels.y), GL_RGBA,
-                        GL_SHORT, arrays.normals.data());
+    glTextureSubImage2D(gpu.normals.name(), 0, 0, 0, GLsizei(gpu.sizeTexels.x), GLsizei(gpu.sizeTexels.y),
+                        GL_RGBA, GL_SHORT, arrays.normals.data());
 }
 
 }  // namespace phat

@@ -99,8 +99,8 @@ class Renderer {
     /// Punctual lights may change too; their direct light follows, the bake's indirect light does not.
     void setLights(const std::vector<PunctualLight>& lights);
 
-    /// Everything is where it is in `scene` now, which has the triangles of the one that was uploaded; shadows
-    /// follow at the next frame. `points`: of the same scene.
+    /// Everything is where it is in `scene` now, which has the triangles of the one that was uploaded;
+    /// shadows follow at the next frame. `points`: of the same scene.
     void moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points);
     /// Takes over parts of a bake that were renewed, for at most about `seconds`. Places go first, because
     /// moveScene has moved what is there already; a block's tiles are never parted. What is done is taken out

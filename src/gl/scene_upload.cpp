@@ -198,7 +198,8 @@ GpuScene uploadScene(const Scene& scene, const Atlas& atlas) {
 void moveScene(GpuScene& gpu, const Scene& scene, const Atlas& atlas) {
     const std::vector<Vertex> vertices = expandTriangles(scene, atlas);
     if (!vertices.empty())
-        glNamedBufferSubData(gpu.vertices.name(), 0, GLsizeiptr(vertices.size() * sizeof(Vertex)), vertices.data());
+        glNamedBufferSubData(gpu.vertices.name(), 0, GLsizeiptr(vertices.size() * sizeof(Vertex)),
+                             vertices.data());
     gpu.draws = drawRanges(scene);
     gpu.bounds = boundsOf(scene);
     checkGl("moving the scene");

@@ -209,7 +209,8 @@ std::vector<AnimationEntry> takeAnimations(Json& root, MemoryBudget& budget) {
     std::vector<AnimationEntry> animations;
     for (const Json& animation : section(root, "animations")) {
         const Json &samplers = section(animation, "samplers"), &channels = section(animation, "channels");
-        budget.charge((channels.size() + 1) * (sizeof(ChannelEntry) + sizeof(AnimationEntry)), "its animations");
+        budget.charge((channels.size() + 1) * (sizeof(ChannelEntry) + sizeof(AnimationEntry)),
+                      "its animations");
         AnimationEntry entry{textOf(animation, "name"), {}};
         for (const Json& channel : channels) {
             const int64_t sampler = indexOf(channel, "sampler");
@@ -220,8 +221,9 @@ std::vector<AnimationEntry> takeAnimations(Json& root, MemoryBudget& budget) {
                 continue;
             }
             const Json& from = samplers[size_t(sampler)];
-            entry.channels.push_back({indexOf(*target, "node"), indexOf(from, "input"), indexOf(from, "output"),
-                                      textOf(*target, "path"), textOf(from, "interpolation")});
+            entry.channels.push_back({indexOf(*target, "node"), indexOf(from, "input"),
+                                      indexOf(from, "output"), textOf(*target, "path"),
+                                      textOf(from, "interpolation")});
         }
         animations.push_back(std::move(entry));
     }
