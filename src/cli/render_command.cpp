@@ -20,6 +20,7 @@ namespace {
 
 using nlohmann::json;
 
+constexpr double kMostAnimationSeconds = 1e6;
 constexpr int kMaxDrawnSamples = 4096, kMaxTracedSamples = 65536;
 
 std::vector<std::string> methodNames() {
@@ -41,6 +42,17 @@ glm::vec3 parsePoint(const CLI::Option* option) {
         !std::isfinite(p.x + p.y + p.z))
         throw CLI::ValidationError(option->get_name(), fmt::format("\"{}\" is not x,y,z", text));
     return p;
+}
+
+/// START:END in seconds.
+void parseTimes(const CLI::Option* option, AnimatedFrames& frames) {
+    const auto text = option->as<std::string>();
+    char end = 0;
+    if (std::sscanf(text.c_str(), "%lf:%lf%c", &frames.start, &frames.end, &end) != 2 ||
+        !(std::abs(frames.start) <= kMostAnimationSeconds && std::abs(frames.end) <= kMostAnimationSeconds) ||
+        frames.end < frames.start)
+        throw CLI::ValidationError(option->get_name(),
+                                   fmt::format("\"{}\" is not START:END in seconds", text));
 }
 
 void printReport(const json& report, bool traced) {
@@ -83,7 +95,9 @@ void runRender(const RenderOptions& options) {
         ProgressBar progress(progressStyle(options.quiet), options.method.needsBake
                                                                ? bakeStages(BakeSettings())
                                                                : std::vector<PlannedStage>{{"trace", 1}});
-        reports = options.method.traced ? renderTraced(options, progress) : renderDrawn(options, progress);
+        reports = options.animated        ? renderAnimated(options, progress)
+                  : options.method.traced ? renderTraced(options, progress)
+                                          : renderDrawn(options, progress);
     }
     if (options.json) {
         const json all = reports.size() == 1 ? reports.front() : json(reports);
@@ -154,6 +168,21 @@ void addRenderCommand(CLI::App& app) {
     CLI::Option* countReads =
         command->add_flag("--count-reads")
             ->description("phat: draw and report the texels read for indirect glossy light, with --spp 1");
+    CLI::Option* animate = option("--animate", "START:END",
+                                  "phat: frames of the file's animation, in seconds; NAME.0000.png ...");
+    CLI::Option* fps = option("--fps", "N", "--animate: frames a second; default: 24")
+                           ->check(CLI::Range(0.001, 1000.0))
+                           ->needs(animate);
+    CLI::Option* secondsPerFrame =
+        option("--seconds-per-frame", "S", "--animate: time for the light to follow; default: 1")
+            ->check(CLI::Range(0.0, 1e6))
+            ->needs(animate);
+    CLI::Option* workPerFrame =
+        option("--work-per-frame", "N", "The same in rays: the same pictures on every machine")
+            ->needs(animate)
+            ->excludes(secondsPerFrame);
+    CLI::Option* animation =
+        option("--animation", "NAME", "--animate: name or index; default: the first")->needs(animate);
     CLI::Option* environment =
         option("--environment", "FILE", "Sky of a scene that is not baked: latitude-longitude .hdr or .exr");
     CLI::Option* edits =
@@ -201,7 +230,17 @@ void addRenderCommand(CLI::App& app) {
         onlyFor({photons, neighbors}, options.method.readsPhotons);
         onlyFor({gatherRays}, name == "photons-gather");
         onlyFor({radius, traceVisibility}, name == "phat-gather");
-        onlyFor({quality, countReads, reflections}, name == "phat");
+        onlyFor({quality, countReads, reflections, animate}, name == "phat");
+        if (*animate) {
+            AnimatedFrames& frames = options.animated.emplace();
+            parseTimes(animate, frames);
+            if (*fps) frames.perSecond = fps->as<double>();
+            if (*animation) frames.animation = animation->as<std::string>();
+            if (*workPerFrame)
+                frames.workPerFrame = double(parseCount(workPerFrame, 0, 1e15));
+            else
+                frames.secondsPerFrame = *secondsPerFrame ? secondsPerFrame->as<double>() : 1.0;
+        }
         options.quality = valueOf(kQualityNames, quality->as<std::string>());
         options.countReads = countReads->count() > 0;
         options.samplesPerPixel = *spp ? spp->as<int>() : options.method.samplesPerPixel;

@@ -9,9 +9,10 @@
 
 namespace phat {
 
-/// Both draw every view, write the pictures and return what --json prints of each. Nothing is written once
+/// They draw every view, write the pictures and return what --json prints of each. Nothing is written once
 /// `progress` was asked to stop.
 std::vector<nlohmann::json> renderDrawn(const RenderOptions& options, Progress& progress);
+std::vector<nlohmann::json> renderAnimated(const RenderOptions& options, Progress& progress);
 std::vector<nlohmann::json> renderTraced(const RenderOptions& options, Progress& progress);
 
 }  // namespace phat

@@ -35,6 +35,15 @@ inline constexpr RenderMethod kRenderMethods[] = {
     {.name = "path", .traced = true, .needsBake = false, .samplesPerPixel = 64},
 };
 
+/// Pictures of a scene that moves, and what its light may cost between them.
+struct AnimatedFrames {
+    double start = 0, end = 0;  // seconds of the animation
+    double perSecond = 24;
+    double workPerFrame = 0;     // see LiveEngine::advance; or
+    double secondsPerFrame = 0;  // of all cores
+    std::string animation;       // name or index; empty: the first
+};
+
 struct RenderOptions {
     RenderMethod method = kRenderMethods[0];
     std::string input;
@@ -57,6 +66,7 @@ struct RenderOptions {
     PhatGatherSettings gather;                         // phat-gather
     Reflections reflections = Reflections::automatic;  // phat
     Component component = Component::all;
+    std::optional<AnimatedFrames> animated;  // phat
     std::vector<std::string> edits;
     float exposureStops = 0;
     ToneMap toneMap = ToneMap::agx;

@@ -49,16 +49,18 @@ std::vector<uint8_t> irradianceTexels(const Atlas& atlas, const TexelPoints& poi
 }
 
 IrradianceMap filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
-                                   const TexelPoints& points, const std::vector<uint8_t>& wanted) {
+                                   const TexelPoints& points, const std::vector<uint8_t>& wanted,
+                                   const ChartSet& charts) {
     const size_t width = atlas.sizeTexels.x;
     IrradianceMap filtered(estimates.size(), glm::vec3(0));
     std::vector<Guide3x3> guide(estimates.size());
     std::vector<uint8_t> known(estimates.size(), 0);
+    const auto isOther = [&](size_t i) { return !hasChart(charts, atlas.chartAt({i % width, i / width})); };
     SilentProgress silent;
     const auto forValid = [&](const auto& body) {
         parallelRanges(estimates.size(), 8192, silent, [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; ++i)
-                if (wanted[i]) body(i, glm::ivec2(i % width, i / width));
+                if (wanted[i] && !isOther(i)) body(i, glm::ivec2(i % width, i / width));
         });
     };
     forValid([&](size_t i, glm::ivec2 texel) {
@@ -87,6 +89,8 @@ IrradianceMap filterAreaIrradiance(const std::vector<IrradianceEstimate>& estima
         filtered[i] = sum / weights;
         known[i] = 1;
     });
+    for (size_t i = 0; i < known.size() && !charts.empty(); ++i)
+        if (isOther(i)) known[i] = 1;  // nothing to fill
     fillWithinCharts(filtered, known, atlas);
     return filtered;
 }

@@ -155,6 +155,20 @@ uint32_t checkResolutionFor(const MeshTopology& topology, double texelSizeMeters
 
 }  // namespace
 
+std::vector<BlockPlace> blockPlaces(const Atlas& atlas) {
+    std::vector<BlockPlace> places(atlas.blockCount);
+    for (const Chart& chart : atlas.charts) {
+        for (uint32_t y = 0; y < chart.blocksHigh(); ++y)
+            for (uint32_t x = 0; x < chart.blocksWide(); ++x) {
+                const glm::uvec2 offset = glm::uvec2(x, y) * kBlockSize;
+                places[chart.firstBlock + y * chart.blocksWide() + x] = {
+                    chart.originTexel() + offset,
+                    glm::min(glm::uvec2(kBlockSize), chart.sizeTexels() - offset)};
+            }
+    }
+    return places;
+}
+
 void numberBlocks(Atlas& atlas) {
     atlas.blockCount = 0;
     for (Chart& chart : atlas.charts) {

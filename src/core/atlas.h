@@ -95,6 +95,14 @@ std::vector<uint32_t> connectedComponents(const Scene& scene);
 Atlas buildAtlas(const Scene& scene, const std::vector<Sides>& componentSides, const AtlasSettings& settings,
                  Progress& progress, AtlasStats* stats = nullptr);
 
+/// The texels of a block that its chart has.
+struct BlockPlace {
+    glm::uvec2 origin;  // texel
+    glm::uvec2 size;    // texels, at most kBlockSize
+};
+/// [block]
+std::vector<BlockPlace> blockPlaces(const Atlas& atlas);
+
 /// Recomputes firstBlock and blockCount from the charts' sizes (after loading).
 void numberBlocks(Atlas& atlas);
 
@@ -128,6 +136,8 @@ TexelPoints buildTexelPoints(const Scene& scene, const Atlas& atlas);
 /// a triangle without texels), those that something is pressed against, and the gutters that reach through
 /// geometry. `rays` must be of the atlas's scene.
 void markCoveredTexels(TexelPoints& points, const Atlas& atlas, const RayScene& rays, Progress& progress);
+/// Whether it would mark one texel, which must be valid in `points`.
+bool isCoveredTexel(const TexelPoints& points, const Atlas& atlas, const RayScene& rays, size_t texel);
 
 /// Frame of each block: mean normal and tangent of its texels. Directions of a block's PHATexels are stored
 /// in it, so that they follow the surface when it moves.

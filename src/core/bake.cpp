@@ -6,20 +6,16 @@
 #include "core/directions.h"
 #include "core/gather.h"
 #include "core/glossy_density.h"
-#include "core/irradiance.h"
+#include "core/irradiance_finish.h"
 #include "core/irradiance_ray.h"
 #include "core/lights.h"
 #include "core/lookup_tables.h"
-#include "core/seam_stitch.h"
 
 namespace phat {
 namespace {
 
 // A side that gets less than this share of the other side's photons is a leak or an outside that nobody sees.
 constexpr double kLeastSideShare = 0.02;
-// Indirect irradiance is smoothed over up to 32 texels, and at borders from one side: where the charts of a
-// curved surface disagree, they do so over some texels. With 6 the changes reach too far.
-constexpr float kIndirectSpreadTexels = 3;
 
 /// Sides that light reaches, per connected component; only they get texels.
 std::vector<Sides> litSides(const Scene& scene, const PhotonMap& map) {
@@ -60,13 +56,6 @@ ChosenDirections directionsFor(const GatherInput& input, const std::vector<Guide
                             settings, progress);
 }
 
-std::vector<uint32_t> packIrradiance(const IrradianceMap& map) {
-    std::vector<uint32_t> packed;
-    packed.reserve(map.size());
-    for (const glm::vec3 value : map) packed.push_back(packRgb9e5(value));
-    return packed;
-}
-
 void bakeIndirect(const GatherInput& input, const BakeSettings& settings, Progress& progress,
                   BakeJournal* journal, std::atomic<uint64_t>& rays, Phatexture& out) {
     out.indirectGuides = guidesFor(input, settings.directions, isIndirectPhoton, progress);
@@ -99,14 +88,26 @@ void bakeAreaLight(const GatherInput& input, const std::vector<SeamPoint>& seams
     }
     ProgressStage stage(progress, "soft shadows",
                         2 * input.atlas.texelCount());  // all texels, then the hard ones
-    IrradianceMap irradiance =
+    out.areaIrradiance = finishAreaIrradiance(
         filterAreaIrradiance(gatherAreaIrradiance(input, settings, progress, journal, rays), input.atlas,
-                             input.points, input.irradianceTexels);
-    stitchSeams(irradiance, seams, input.atlas, input.points, input.irradianceTexels, 0, progress);
-    out.areaIrradiance = packIrradiance(irradiance);
+                             input.points, input.irradianceTexels),
+        input, seams, progress);
 }
 
 }  // namespace
+
+Phatexture gatherLight(const GatherInput& input, const BakeSettings& settings, Progress& progress,
+                       BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
+    Phatexture result;
+    const std::vector<SeamPoint> seams = findSeams(input.rays.scene(), input.atlas);
+    bakeAreaLight(input, seams, settings, progress, journal, rayCount, result);
+    result.indirectIrradiance = finishIndirectIrradiance(
+        gatherIndirectIrradiance(input, result.areaIrradiance, settings, progress, journal, rayCount), input,
+        seams, progress);
+    bakeIndirect(input, settings, progress, journal, rayCount, result);
+    prepareLookup(result, input.atlas, input.points, input.frames, input.rays, progress);
+    return result;
+}
 
 Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, BakeJournal* journal) {
     if (settings.radiance == RadianceSource::splat && !choosesPhotons(settings.directions))
@@ -125,15 +126,8 @@ Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, 
     const std::vector<uint8_t> wanted = irradianceTexels(result.atlas, result.points);
     const GatherInput input{rays, lights, result.atlas, result.points, frames, photons, index, wanted};
 
-    const std::vector<SeamPoint> seams = findSeams(scene, result.atlas);
     std::atomic<uint64_t> rayCount = 0;
-    bakeAreaLight(input, seams, settings, progress, journal, rayCount, result.phatexture);
-    IrradianceMap irradiance = gatherIndirectIrradiance(input, result.phatexture.areaIrradiance, settings,
-                                                        progress, journal, rayCount);
-    stitchSeams(irradiance, seams, result.atlas, result.points, wanted, kIndirectSpreadTexels, progress);
-    result.phatexture.indirectIrradiance = packIrradiance(irradiance);
-    bakeIndirect(input, settings, progress, journal, rayCount, result.phatexture);
-    prepareLookup(result.phatexture, result.atlas, result.points, frames, rays, progress);
+    result.phatexture = gatherLight(input, settings, progress, journal, rayCount);
 
     result.stats.photons = photons.stats;
     result.stats.texels = result.atlas.texelCount();

@@ -57,22 +57,6 @@ Cells blur3x3(const Cells& cells) {
     return blurred;
 }
 
-struct BlockSphere {
-    Bounds bounds;
-    bool used() const { return !bounds.empty(); }
-};
-
-std::vector<BlockSphere> blockSpheres(const Atlas& atlas, const TexelPoints& points) {
-    std::vector<BlockSphere> spheres(atlas.blockCount);
-    for (uint32_t y = 0; y < atlas.sizeTexels.y; ++y) {
-        for (uint32_t x = 0; x < atlas.sizeTexels.x; ++x) {
-            const size_t texel = size_t(y) * atlas.sizeTexels.x + x;
-            if (points.valid(texel)) spheres[atlas.blockAt({x, y})].bounds.add(points.position[texel]);
-        }
-    }
-    return spheres;
-}
-
 struct Candidates {
     std::vector<PhotonIndex::Neighbor> neighbors;
     std::vector<float> weights;
@@ -154,38 +138,68 @@ bool isAreaPhoton(const Photon& photon) {
     return photon.firstHit && !photon.punctual;
 }
 
+Bounds blockBounds(const Atlas& atlas, const TexelPoints& points, const BlockPlace& place) {
+    Bounds bounds;
+    for (uint32_t y = 0; y < place.size.y; ++y)
+        for (uint32_t x = 0; x < place.size.x; ++x) {
+            const size_t texel = size_t(place.origin.y + y) * atlas.sizeTexels.x + place.origin.x + x;
+            if (points.valid(texel)) bounds.add(points.position[texel]);
+        }
+    return bounds;
+}
+
+Guide buildGuide(const Bounds& bounds, const Frame& frame, std::span<const PhotonSet> photonSets,
+                 PhotonFilter keep, std::vector<PhotonIndex::Neighbor>& near) {
+    if (bounds.empty()) return uniformGuide();
+    const float radius = std::max(kGuideRadiusMeters, kGuideRadiusOverBlock * 0.5f * bounds.diagonal());
+    Cells cells{};
+    float count = 0, sum = 0;
+    for (const PhotonSet& set : photonSets) {
+        set.index.within(bounds.center(), radius, near);
+        for (const PhotonIndex::Neighbor& neighbor : near) {
+            const Photon& photon = set.photons.photons[neighbor.photon];
+            if (!keep(photon) || glm::dot(photon.normal, frame.normal) < kLeastNormalCosine) continue;
+            const glm::vec3 direction = frame.toLocal(photon.towardOrigin);
+            if (direction.z <= 0.0f) continue;
+            const float weight = luminance(photon.fluxWatts) / std::max(direction.z, kLeastGuideCosine);
+            cells[cellOfDirection(direction)] += weight;
+            sum += weight;
+            count += 1;
+        }
+    }
+    if (sum <= 0.0f) return uniformGuide();
+    const float trust = count / (count + kPriorPhotons);
+    return makeGuide(blur3x3(cells), 1.0f - (1.0f - kUniformShare) * trust);
+}
+
 std::vector<Guide> buildGuides(const Atlas& atlas, const TexelPoints& points, const std::vector<Frame>& frames,
                                const PhotonMap& photons, const PhotonIndex& index, PhotonFilter keep,
                                Progress& progress) {
-    const std::vector<BlockSphere> spheres = blockSpheres(atlas, points);
-    std::vector<Guide> guides(atlas.blockCount, uniformGuide());
+    const std::vector<BlockPlace> places = blockPlaces(atlas);
+    const PhotonSet all{photons, index};
+    std::vector<Guide> guides(atlas.blockCount);
     parallelRanges(atlas.blockCount, 16, progress, [&](size_t begin, size_t end) {
         std::vector<PhotonIndex::Neighbor> near;
-        for (size_t block = begin; block < end; ++block) {
-            if (!spheres[block].used()) continue;
-            const Bounds& bounds = spheres[block].bounds;
-            const float radius = std::max(kGuideRadiusMeters, kGuideRadiusOverBlock * 0.5f * bounds.diagonal());
-            index.within(bounds.center(), radius, near);
-
-            Cells cells{};
-            float count = 0, sum = 0;
-            for (const PhotonIndex::Neighbor& neighbor : near) {
-                const Photon& photon = photons.photons[neighbor.photon];
-                if (!keep(photon) || glm::dot(photon.normal, frames[block].normal) < kLeastNormalCosine) continue;
-                const glm::vec3 direction = frames[block].toLocal(photon.towardOrigin);
-                if (direction.z <= 0.0f) continue;
-                const float weight = luminance(photon.fluxWatts) / std::max(direction.z, kLeastGuideCosine);
-                cells[cellOfDirection(direction)] += weight;
-                sum += weight;
-                count += 1;
-            }
-            if (sum <= 0.0f) continue;
-            cells = blur3x3(cells);
-            const float trust = count / (count + kPriorPhotons);
-            guides[block] = makeGuide(cells, 1.0f - (1.0f - kUniformShare) * trust);
-        }
+        for (size_t block = begin; block < end; ++block)
+            guides[block] = buildGuide(blockBounds(atlas, points, places[block]), frames[block],
+                                       std::span(&all, 1), keep, near);
     });
     return guides;
+}
+
+uint16_t scrambleOf(const DirectionSettings& settings, uint32_t block) {
+    return uint16_t(hashOf(settings.seed, uint64_t(settings.layer) + 1, block) & kScrambleMask);
+}
+
+TexelDirection chooseDirection(const Atlas& atlas, const Guide& guide, glm::uvec2 texel,
+                               const DirectionSettings& settings) {
+    const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
+    const glm::vec2 jitter = Rng(hashOf(settings.seed, uint64_t(settings.layer), index)).uniform2();
+    const uint32_t scramble = scrambleOf(settings, atlas.blockAt(texel));
+    const glm::uvec2 inBlock = (texel - atlas.charts[atlas.chartAt(texel)].originTexel()) % kBlockSize;
+    const glm::vec3 direction =
+        storableDirection(squareToGuide(guide, stratifiedSquare(inBlock, scramble, jitter)));
+    return {direction, squareToGuidePdf(guide, direction), glm::vec3(0)};
 }
 
 ChosenDirections chooseDirections(const Atlas& atlas, const TexelPoints& points,
@@ -198,8 +212,7 @@ ChosenDirections chooseDirections(const Atlas& atlas, const TexelPoints& points,
     chosen.pdf.assign(atlas.texelCount(), 0.0f);
     if (fromPhotons) chosen.splatRadiance.assign(atlas.texelCount(), glm::vec3(0));
     for (uint32_t block = 0; !fromPhotons && block < atlas.blockCount; ++block)
-        chosen.scrambles.push_back(
-            uint16_t(hashOf(settings.seed, uint64_t(settings.layer) + 1, block) & kScrambleMask));
+        chosen.scrambles.push_back(scrambleOf(settings, block));
 
     parallelRanges(atlas.texelCount(), 4096, progress, [&](size_t begin, size_t end) {
         Candidates candidates;
@@ -207,18 +220,15 @@ ChosenDirections chooseDirections(const Atlas& atlas, const TexelPoints& points,
             if (!points.valid(texel)) continue;
             const glm::uvec2 xy(texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x);
             const uint32_t block = atlas.blockAt(xy);
-            const uint64_t stream = hashOf(settings.seed, uint64_t(settings.layer), texel);
-            const glm::vec2 jitter = Rng(stream).uniform2();
-
             if (!fromPhotons) {
-                const glm::uvec2 inBlock = (xy - atlas.charts[atlas.chartAt(xy)].originTexel()) % kBlockSize;
                 const Guide& guide = guides.size() == 1 ? guides[0] : guides[block];
-                const glm::vec3 direction =
-                    storableDirection(squareToGuide(guide, stratifiedSquare(inBlock, chosen.scrambles[block], jitter)));
-                chosen.directionBlock[texel] = direction;
-                chosen.pdf[texel] = squareToGuidePdf(guide, direction);
+                const TexelDirection direction = chooseDirection(atlas, guide, xy, settings);
+                chosen.directionBlock[texel] = direction.directionBlock;
+                chosen.pdf[texel] = direction.pdf;
                 continue;
             }
+            const uint64_t stream = hashOf(settings.seed, uint64_t(settings.layer), texel);
+            const glm::vec2 jitter = Rng(stream).uniform2();
             const Choice choice = choosePhoton(photons, index, points.position[texel], frames[block], settings,
                                                keep, stream, candidates);
             if (choice.photon < 0) continue;

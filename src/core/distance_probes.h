@@ -23,6 +23,11 @@ struct DistanceProbe {
 /// Metres, or kFarDistance. twin: levelDistance in shaders/lib/lookup.glsl.
 float probeDistance(const DistanceProbe& probe, uint32_t level);
 
+/// Of one tile; of an empty one all levels are far.
+DistanceProbe traceDistanceProbe(const Atlas& atlas, const TexelPoints& points,
+                                 const std::vector<Frame>& frames, const TilePatch& patch, size_t tile,
+                                 const RayScene& rays);
+
 /// One a tile, [tileY][tileX].
 std::vector<DistanceProbe> traceDistanceProbes(const Atlas& atlas, const TexelPoints& points,
                                                const std::vector<Frame>& frames,

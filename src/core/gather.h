@@ -27,6 +27,18 @@ struct GatherInput {
 /// Unit normal of a valid texel's flat triangle, on the chart's side.
 glm::vec3 flatNormalOf(const GatherInput& input, size_t texel);
 
+/// All that a bake gathers for the texels of an atlas, whatever they are in the scene by now.
+Phatexture gatherLight(const GatherInput& input, const BakeSettings& settings, Progress& progress,
+                       BakeJournal* journal, std::atomic<uint64_t>& rayCount);
+
+/// PHATexel `texel` of light that was reflected at least once, as gatherIndirect makes it.
+PackedPhatexel indirectPhatexel(const GatherInput& input, const TexelDirection& direction,
+                                const TexelIrradiance& irradiance, size_t texel, int layer,
+                                const BakeSettings& settings, uint64_t& rays);
+/// The same of light straight from emissive surfaces and the environment.
+PackedPhatexel areaPhatexel(const GatherInput& input, const TexelDirection& direction, size_t texel,
+                            uint64_t& rays);
+
 /// PHATexels of light that was reflected at least once: one ray each, its value by `settings.radiance`.
 /// A direction below its own texel's horizon (the block's frame is a mean) gives an invalid PHATexel.
 /// `irradiance` is what RadianceSource::texels reads.
@@ -42,6 +54,10 @@ PhatexelLayer gatherArea(const GatherInput& input, const ChosenDirections& chose
 std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, const BakeSettings& settings,
                                                      Progress& progress, BakeJournal* journal,
                                                      std::atomic<uint64_t>& rayCount);
+
+/// The same for a rectangle of texels inside the atlas, into their places of `estimates`.
+void renewAreaIrradiance(const GatherInput& input, const BakeSettings& settings, glm::uvec2 corner,
+                         glm::uvec2 size, std::vector<IrradianceEstimate>& estimates, uint64_t& rays);
 
 /// Irradiance of all light that was reflected at least once, [y][x], everywhere in the charts, by rays of its
 /// own and smooth: the PHATexels have no part in it. `areaIrradiance`: as Phatexture's, what the walls are

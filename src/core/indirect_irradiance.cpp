@@ -1,30 +1,20 @@
 // Diffuse indirect light by rays that end in the irradiance of the texels themselves.
 
-#include <array>
+#include "core/indirect_irradiance.h"
 
 #include "core/gather_parts.h"
-#include "core/irradiance_levels.h"
 #include "core/irradiance_ray.h"
 
 namespace phat {
 namespace {
 
-// Rays of a node of the coarsest level, and of the finer ones, which lie closer.
-constexpr uint32_t kRays = 64, kFineRays = 32;
+// Rays of a node of the finer levels, which lie closer.
+constexpr uint32_t kFineRays = 32;
 // Between nodes s texels apart the irradiance is a plane to within some (s / distance)^2 / 8: 1 %, with as
 // much again by the smoothing, where the distance of what is seen is this many steps.
 constexpr float kSplitBelowSteps = 6.0f;
 // Bounces of a closed room of albedo .8 converge to a thousandth in thirty; the setting is mostly lower.
 constexpr float kConverged = 1e-4f;
-
-/// A node's rays: what they know, and in which texels' irradiance they end.
-struct NodeRays {
-    glm::vec3 light{0};  // sum over the rays
-    float nearness = 0;  // mean of 1 / metres
-    uint32_t count = 0;  // rays above the surface
-    std::array<uint32_t, kRays> texel;
-    std::array<uint32_t, kRays> weight;  // RGB9E5
-};
 
 /// What is left of a node's rays once irradiance is known everywhere.
 struct NodeSum {
@@ -75,7 +65,7 @@ struct Gatherer {
         NodeRays kept;
         kept.texel.fill(kNoTexel);
         kept.weight.fill(0);
-        kept.count = trace(level, node, kRays, rays, [&](uint32_t i, const IrradianceRay& ray) {
+        kept.count = trace(level, node, kNodeRays, rays, [&](uint32_t i, const IrradianceRay& ray) {
             kept.light += ray.light;
             kept.nearness += 1.0f / ray.distance;
             kept.texel[i] = ray.texel;
@@ -99,6 +89,14 @@ struct Gatherer {
     }
 };
 
+template <typename IrradianceOf>
+glm::vec3 bounced(const NodeRays& node, const IrradianceOf& irradianceOf) {
+    glm::vec3 sum = node.light;
+    for (uint32_t i = 0; i < node.count; ++i)
+        if (node.texel[i] != kNoTexel) sum += unpackRgb9e5(node.weight[i]) * irradianceOf(node.texel[i]);
+    return sum * (kPi / float(std::max(node.count, 1u)));
+}
+
 /// Irradiance at the nodes when the texels have that which `irradianceOf` says.
 template <typename IrradianceOf>
 std::vector<glm::vec3> bounce(const std::vector<NodeRays>& nodes, Progress& progress,
@@ -107,13 +105,7 @@ std::vector<glm::vec3> bounce(const std::vector<NodeRays>& nodes, Progress& prog
     SilentProgress silent;
     parallelRanges(nodes.size(), 1024, silent, [&](size_t begin, size_t end) {
         progress.throwIfStopped();
-        for (size_t n = begin; n < end; ++n) {
-            glm::vec3 sum = nodes[n].light;
-            for (uint32_t i = 0; i < nodes[n].count; ++i)
-                if (nodes[n].texel[i] != kNoTexel)
-                    sum += unpackRgb9e5(nodes[n].weight[i]) * irradianceOf(nodes[n].texel[i]);
-            next[n] = sum * (kPi / float(std::max(nodes[n].count, 1u)));
-        }
+        for (size_t n = begin; n < end; ++n) next[n] = bounced(nodes[n], irradianceOf);
     });
     return next;
 }
@@ -166,15 +158,16 @@ std::vector<uint8_t> groupsToSplit(const IrradianceLevel& level, const Atlas& at
 }
 
 IrradianceLevel refine(const Gatherer& gatherer, const IrradianceLevel& coarse, uint32_t step,
-                       const IrradianceMap& map, Progress& progress, BakeJournal* journal,
-                       std::atomic<uint64_t>& rayCount) {
+                       const IrradianceMap& map, const ChartSet& charts, Progress& progress,
+                       BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
     const Atlas& atlas = gatherer.input.atlas;
     const std::vector<uint8_t> split = groupsToSplit(coarse, atlas);
     const uint32_t ratio = coarse.step / step;
     IrradianceLevel level = makeLevel(atlas, gatherer.input.irradianceTexels, step, [&](glm::uvec2 group) {
         const glm::uvec2 around = group / ratio;
         const size_t index = size_t(around.y) * coarse.size.x + around.x;
-        return coarse.node[index] != kNoNode && split[index] != 0;
+        return coarse.node[index] != kNoNode && split[index] != 0 &&
+               hasChart(charts, atlas.chartAt(group * step));
     });
     std::vector<NodeSum> sums(level.texel.size());
     const ProgressStage stage(progress, "diffuse contacts", sums.size());
@@ -191,33 +184,81 @@ IrradianceLevel refine(const Gatherer& gatherer, const IrradianceLevel& coarse, 
 
 }  // namespace
 
-IrradianceMap gatherIndirectIrradiance(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
-                                       const BakeSettings& settings, Progress& progress, BakeJournal* journal,
-                                       std::atomic<uint64_t>& rayCount) {
+IrradianceLevel coarseLevel(const GatherInput& input) {
+    return makeLevel(input.atlas, input.irradianceTexels, kLevelSteps[0], [](glm::uvec2) { return true; });
+}
+
+NodeRays traceNode(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
+                   const BakeSettings& settings, const IrradianceLevel& level, size_t node, uint64_t& rays) {
+    return Gatherer{input, areaIrradiance, settings}.keepRays(level, node, rays);
+}
+
+IrradianceMap irradianceFromNodes(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
+                                  const BakeSettings& settings, IrradianceLevel coarse,
+                                  const std::vector<NodeRays>& nodes, Progress& progress,
+                                  BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
     const Gatherer gatherer{input, areaIrradiance, settings};
-    const uint32_t width = input.atlas.sizeTexels.x;
+    std::vector<float> nearness;
+    for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
+    setDistances(coarse, input.atlas, nearness);
+    solve(coarse, nodes, input.atlas.sizeTexels.x, settings.maxBounces - 1, progress);
+
     std::vector<IrradianceLevel> levels;
-    levels.push_back(
-        makeLevel(input.atlas, input.irradianceTexels, kLevelSteps[0], [](glm::uvec2) { return true; }));
-    IrradianceLevel& coarse = levels.front();
+    levels.push_back(std::move(coarse));
     {
-        std::vector<NodeRays> nodes(coarse.texel.size());
-        const ProgressStage stage(progress, "diffuse light", nodes.size());
-        fillParts(nodes, hashOf(uint64_t(GatherStage::indirectIrradiance), coarse.step), progress, journal,
-                  rayCount,
-                  [&](size_t node, uint64_t& rays) { nodes[node] = gatherer.keepRays(coarse, node, rays); });
-        std::vector<float> nearness;
-        for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
-        setDistances(coarse, input.atlas, nearness);
-        solve(coarse, nodes, width, settings.maxBounces - 1, progress);
         // The last bounce takes the irradiance of the very texel that is hit.
         const IrradianceMap map = interpolateLevels(levels, input.atlas, input.points);
-        coarse.value = bounce(nodes, progress, [&](uint32_t texel) { return map[texel]; });
+        levels[0].value = bounce(nodes, progress, [&](uint32_t texel) { return map[texel]; });
     }
     const IrradianceMap map = interpolateLevels(levels, input.atlas, input.points);
     for (size_t i = 1; i < std::size(kLevelSteps); ++i)
-        levels.push_back(refine(gatherer, levels.back(), kLevelSteps[i], map, progress, journal, rayCount));
+        levels.push_back(
+            refine(gatherer, levels.back(), kLevelSteps[i], map, {}, progress, journal, rayCount));
     return interpolateLevels(levels, input.atlas, input.points);
+}
+
+IrradianceMap irradianceOfCharts(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
+                                 const std::vector<uint32_t>& indirectIrradiance,
+                                 const BakeSettings& settings, IrradianceLevel coarse,
+                                 const std::vector<NodeRays>& nodes, const ChartSet& charts,
+                                 Progress& progress, std::atomic<uint64_t>& rayCount) {
+    const Gatherer gatherer{input, areaIrradiance, settings};
+    const uint32_t width = input.atlas.sizeTexels.x;
+    const auto chartOf = [&](size_t texel) { return input.atlas.chartAt({texel % width, texel / width}); };
+    std::vector<float> nearness;
+    for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
+    setDistances(coarse, input.atlas, nearness);
+    coarse.value.assign(nodes.size(), glm::vec3(0));
+    for (size_t n = 0; n < nodes.size(); ++n)
+        if (hasChart(charts, chartOf(coarse.texel[n])))
+            coarse.value[n] =
+                bounced(nodes[n], [&](uint32_t texel) { return unpackRgb9e5(indirectIrradiance[texel]); });
+
+    std::vector<IrradianceLevel> levels;
+    levels.push_back(std::move(coarse));
+    IrradianceMap map = interpolateLevels(levels, input.atlas, input.points, charts);
+    for (size_t texel = 0; texel < map.size(); ++texel)
+        if (!hasChart(charts, chartOf(texel))) map[texel] = unpackRgb9e5(indirectIrradiance[texel]);
+    for (size_t i = 1; i < std::size(kLevelSteps); ++i)
+        levels.push_back(
+            refine(gatherer, levels.back(), kLevelSteps[i], map, charts, progress, nullptr, rayCount));
+    return interpolateLevels(levels, input.atlas, input.points, charts);
+}
+
+IrradianceMap gatherIndirectIrradiance(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
+                                       const BakeSettings& settings, Progress& progress, BakeJournal* journal,
+                                       std::atomic<uint64_t>& rayCount) {
+    IrradianceLevel coarse = coarseLevel(input);
+    std::vector<NodeRays> nodes(coarse.texel.size());
+    {
+        const ProgressStage stage(progress, "diffuse light", nodes.size());
+        fillParts(nodes, hashOf(uint64_t(GatherStage::indirectIrradiance), coarse.step), progress, journal,
+                  rayCount, [&](size_t node, uint64_t& rays) {
+                      nodes[node] = traceNode(input, areaIrradiance, settings, coarse, node, rays);
+                  });
+    }
+    return irradianceFromNodes(input, areaIrradiance, settings, std::move(coarse), nodes, progress, journal,
+                               rayCount);
 }
 
 }  // namespace phat

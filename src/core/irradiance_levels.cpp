@@ -79,8 +79,9 @@ class PlaneFit {
 
 class Interpolator {
   public:
-    Interpolator(const std::vector<IrradianceLevel>& levels, const Atlas& atlas, const TexelPoints& points)
-        : levels_(levels), atlas_(atlas), points_(points) {
+    Interpolator(const std::vector<IrradianceLevel>& levels, const Atlas& atlas, const TexelPoints& points,
+                 const ChartSet& charts)
+        : levels_(levels), atlas_(atlas), points_(points), charts_(charts) {
         noise_ = forNodes<float>([&](const IrradianceLevel& level, uint32_t node) {
             return fitAround(level, node, kMinRadiusSteps * float(level.step)).atOrigin().residual;
         });
@@ -114,7 +115,9 @@ class Interpolator {
         for (const IrradianceLevel& level : levels_) {
             std::vector<Value>& values = made.emplace_back(level.texel.size());
             parallelRanges(values.size(), 256, silent, [&](size_t begin, size_t end) {
-                for (size_t i = begin; i < end; ++i) values[i] = make(level, uint32_t(i));
+                for (size_t i = begin; i < end; ++i)
+                    if (hasChart(charts_, atlas_.chartAt(placeOf(level.texel[i]))))
+                        values[i] = make(level, uint32_t(i));
             });
         }
         return made;
@@ -218,6 +221,7 @@ class Interpolator {
     const std::vector<IrradianceLevel>& levels_;
     const Atlas& atlas_;
     const TexelPoints& points_;
+    const ChartSet& charts_;
     std::vector<std::vector<float>> noise_;       // [level][node], variance of the luminance
     std::vector<std::vector<glm::vec3>> smooth_;  // [level][node]
 };
@@ -254,13 +258,17 @@ IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradi
 }
 
 IrradianceMap interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
-                                const TexelPoints& points) {
-    const Interpolator interpolator(levels, atlas, points);
+                                const TexelPoints& points, const ChartSet& charts) {
+    const Interpolator interpolator(levels, atlas, points, charts);
     IrradianceMap map(atlas.texelCount(), glm::vec3(0));
     std::vector<uint8_t> known(map.size(), 0);
     SilentProgress silent;
     parallelRanges(map.size(), 4096, silent, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
+            if (!hasChart(charts, atlas.chartAt({i % atlas.sizeTexels.x, i / atlas.sizeTexels.x}))) {
+                known[i] = 1;  // nothing to fill
+                continue;
+            }
             if (!points.valid(i) || !interpolator.hasNode(uint32_t(i))) continue;
             map[i] = interpolator.at(uint32_t(i));
             known[i] = 1;

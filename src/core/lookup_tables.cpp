@@ -34,11 +34,20 @@ bool canLookUp(const std::vector<PhatexelLayer>& layers, const std::vector<Guide
                         [](const PhatexelLayer& layer) { return layer.scrambles.empty(); });
 }
 
+PackedTile packedTileOf(const Phatexture& phatexture, const Atlas& atlas, const TilePatch& patch,
+                        const Frame& frame, const DistanceProbe& probe, size_t tile) {
+    const glm::uvec2 place(tile % atlas.sizeTiles().x, tile / atlas.sizeTiles().x);
+    const bool indirect = canLookUp(phatexture.indirect, phatexture.indirectGuides);
+    return packTile(patch, frame, atlas.charts[atlas.tileChart[tile]].texelSizeMeters,
+                    indirect ? phatexture.indirect[0].scrambles[atlas.blockAt(place * kTileSize)] : 0,
+                    {probe.low, probe.high});
+}
+
 void prepareLookup(Phatexture& phatexture, const Atlas& atlas, const TexelPoints& points,
                    const std::vector<Frame>& frames, const RayScene& rays, Progress& progress) {
     const std::vector<TilePatch> patches = fitTilePatches(atlas, points, frames);
-    const bool indirect = canLookUp(phatexture.indirect, phatexture.indirectGuides);
-    if (indirect || canLookUp(phatexture.area, phatexture.areaGuides)) {
+    if (canLookUp(phatexture.indirect, phatexture.indirectGuides) ||
+        canLookUp(phatexture.area, phatexture.areaGuides)) {
         ProgressStage stage(progress, "distances", patches.size());
         phatexture.probes = traceDistanceProbes(atlas, points, frames, patches, rays, progress);
     }
@@ -48,9 +57,7 @@ void prepareLookup(Phatexture& phatexture, const Atlas& atlas, const TexelPoints
         if (atlas.tileChart[i] == kNoChart) continue;
         const uint32_t block = atlas.blockAt(glm::uvec2(i % tiles.x, i / tiles.x) * kTileSize);
         const DistanceProbe probe = phatexture.probes.empty() ? DistanceProbe{} : phatexture.probes[i];
-        phatexture.tilePlaces[i] =
-            packTile(patches[i], frames[block], atlas.charts[atlas.tileChart[i]].texelSizeMeters,
-                     indirect ? phatexture.indirect[0].scrambles[block] : 0, {probe.low, probe.high});
+        phatexture.tilePlaces[i] = packedTileOf(phatexture, atlas, patches[i], frames[block], probe, i);
     }
 }
 

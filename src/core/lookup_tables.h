@@ -27,6 +27,10 @@ Warp warpOf(const Guide& guide);
 /// Whether the direction that a texel looks in follows from its place, in every layer.
 bool canLookUp(const std::vector<PhatexelLayer>& layers, const std::vector<Guide>& guides);
 
+/// What `tilePlaces` holds of a tile that has a chart. `probe`: the tile's, or of zeros.
+PackedTile packedTileOf(const Phatexture& phatexture, const Atlas& atlas, const TilePatch& patch,
+                        const Frame& frame, const DistanceProbe& probe, size_t tile);
+
 /// Fills `tilePlaces`, and `probes` where anything can be looked up. `frames`: blockFrames of the atlas;
 /// `rays`: of its scene.
 void prepareLookup(Phatexture& phatexture, const Atlas& atlas, const TexelPoints& points,

@@ -93,16 +93,21 @@ void addStats(PhotonStats& sum, const PhotonStats& more) {
 
 PhotonMap tracePhotons(const RayScene& rays, const LightSampler& lights, const PhotonSettings& settings,
                        Progress& progress) {
+    return tracePhotonPart(rays, lights, settings, 0, settings.count, progress);
+}
+
+PhotonMap tracePhotonPart(const RayScene& rays, const LightSampler& lights, const PhotonSettings& settings,
+                          uint64_t begin, uint64_t end, Progress& progress) {
     PhotonMap map;
     if (!(maxComponent(lights.powerPunctual() + lights.powerArea()) > 0)) return map;
 
-    progress.begin("photons", settings.count);
-    std::vector<Batch> batches((settings.count + kBatchSize - 1) / kBatchSize);
+    progress.begin("photons", end - begin);
+    std::vector<Batch> batches((end - begin + kBatchSize - 1) / kBatchSize);
     tbb::parallel_for(size_t(0), batches.size(), [&](size_t i) {
         progress.throwIfStopped();
-        const uint64_t first = i * kBatchSize, end = std::min(first + kBatchSize, settings.count);
+        const uint64_t first = begin + i * kBatchSize, last = std::min(first + kBatchSize, end);
         Batch& batch = batches[i];
-        for (uint64_t photon = first; photon < end; ++photon) {
+        for (uint64_t photon = first; photon < last; ++photon) {
             const EmittedPhoton emitted = lights.emitPhoton(photon, settings.count, settings.seed);
             batch.stats.emittedWatts += glm::dvec3(emitted.fluxWatts);
             trace(rays, emitted, Rng(hashOf(settings.seed, kBounceStream, photon)), settings.maxBounces,
@@ -110,13 +115,13 @@ PhotonMap tracePhotons(const RayScene& rays, const LightSampler& lights, const P
         }
         batch.stats.stored = batch.photons.size();
         batch.photons.shrink_to_fit();
-        progress.advance(end - first);
+        progress.advance(last - first);
     });
 
     // In batch order, so that neither the photons nor the sums depend on who traced them.
     for (const Batch& batch : batches) addStats(map.stats, batch.stats);
     if (map.stats.stored > std::numeric_limits<uint32_t>::max()) throw std::length_error("too many photons");
-    map.stats.emitted = settings.count;
+    map.stats.emitted = end - begin;
     map.photons.reserve(map.stats.stored);
     for (Batch& batch : batches) {
         map.photons.insert(map.photons.end(), batch.photons.begin(), batch.photons.end());

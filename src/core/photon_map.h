@@ -51,6 +51,11 @@ struct PhotonMap {
 PhotonMap tracePhotons(const RayScene& rays, const LightSampler& lights, const PhotonSettings& settings,
                        Progress& progress);
 
+/// Those of the emitted photons [begin, end) alone; the parts in order make the whole map.
+/// pre: begin <= end <= settings.count.
+PhotonMap tracePhotonPart(const RayScene& rays, const LightSampler& lights, const PhotonSettings& settings,
+                          uint64_t begin, uint64_t end, Progress& progress);
+
 /// k nearest photons within a radius. A kd-tree over positions; the photons must outlive it.
 class PhotonIndex {
   public:

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/animation.h"
 #include "core/image.h"
 #include "core/math.h"
 
@@ -31,6 +32,8 @@ struct TextureSlot {
     Wrap wrapV = Wrap::repeat;
     bool nearest = false;
     glm::mat3x2 uvTransform{1, 0, 0, 1, 0, 0};  // KHR_texture_transform: uv' = uvTransform * (u, v, 1)
+
+    bool operator==(const TextureSlot&) const = default;
 };
 
 enum class AlphaMode : uint8_t { opaque, mask, blend };
@@ -62,6 +65,8 @@ struct Material {
     float alphaCutoff = 0.5f;
     bool doubleSided = false;
     bool unlit = false;  // radiance is `emission`, nothing is reflected
+
+    bool operator==(const Material&) const = default;
 };
 
 /// One primitive of one node's mesh: a contiguous range of triangles and of vertices.
@@ -88,6 +93,8 @@ struct PunctualLight {
     float cosOuterCone = 0.70710678f;
     float rangeMeters = 0;  // 0: unlimited
     uint32_t node = 0;      // glTF index, to find the way back into the file
+
+    bool operator==(const PunctualLight&) const = default;
 };
 
 struct Camera {
@@ -122,6 +129,8 @@ struct Scene {
     std::vector<PunctualLight> lights;
     std::vector<Camera> cameras;
     std::optional<Environment> environment;
+    std::vector<SceneNode> nodes;  // [glTF index]; the arrays above are in world space and need them not
+    std::vector<Animation> animations;
 
     const Material& materialOf(uint32_t triangle) const {
         return materials[surfaces[triangleSurface[triangle]].material];

@@ -74,17 +74,21 @@ bool behindGeometry(const TexelPoints& points, float texelSizeMeters, const RayS
 
 }  // namespace
 
+bool isCoveredTexel(const TexelPoints& points, const Atlas& atlas, const RayScene& rays, size_t texel) {
+    const uint32_t chart = atlas.chartAt({texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x});
+    const float texelSize = atlas.charts[chart].texelSizeMeters;
+    const bool gutter = points.state[texel] == TexelState::gutter;
+    return (gutter && behindGeometry(points, texelSize, rays, texel)) ||
+           surroundedByDark(points, atlas, texelSize, rays, texel);
+}
+
 void markCoveredTexels(TexelPoints& points, const Atlas& atlas, const RayScene& rays, Progress& progress) {
     progress.begin("find covered texels", points.sizeTexels.y);
     tbb::parallel_for(uint32_t(0), points.sizeTexels.y, [&](uint32_t y) {
         progress.throwIfStopped();
         for (uint32_t x = 0; x < points.sizeTexels.x; ++x) {
             const size_t i = size_t(y) * points.sizeTexels.x + x;
-            if (!points.valid(i)) continue;
-            const float texelSize = atlas.charts[atlas.chartAt({x, y})].texelSizeMeters;
-            const bool gutter = points.state[i] == TexelState::gutter;
-            if ((gutter && behindGeometry(points, texelSize, rays, i)) ||
-                surroundedByDark(points, atlas, texelSize, rays, i))
+            if (points.valid(i) && isCoveredTexel(points, atlas, rays, i))
                 points.state[i] = TexelState::covered;
         }
         progress.advance(1);

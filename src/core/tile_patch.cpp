@@ -181,16 +181,21 @@ glm::uvec2 packFrame(const Frame& frame) {
 
 }  // namespace
 
+TilePatch fitTilePatch(const Atlas& atlas, const TexelPoints& points, const std::vector<Frame>& frames,
+                       size_t tile) {
+    const glm::uvec2 place(tile % atlas.sizeTiles().x, tile / atlas.sizeTiles().x);
+    return fitTile({atlas, points, place}, atlas.charts[atlas.tileChart[tile]],
+                   frames[atlas.blockAt(place * kTileSize)]);
+}
+
 std::vector<TilePatch> fitTilePatches(const Atlas& atlas, const TexelPoints& points,
                                       const std::vector<Frame>& frames) {
     const glm::uvec2 tiles = atlas.sizeTiles();
     std::vector<TilePatch> patches(size_t(tiles.x) * tiles.y);
     oneapi::tbb::parallel_for(uint32_t(0), tiles.y, [&](uint32_t y) {
         for (uint32_t x = 0; x < tiles.x; ++x) {
-            const uint32_t chart = atlas.tileChart[size_t(y) * tiles.x + x];
-            if (chart == kNoChart) continue;
-            const Frame& frame = frames[atlas.blockAt(glm::uvec2(x, y) * kTileSize)];
-            patches[size_t(y) * tiles.x + x] = fitTile({atlas, points, {x, y}}, atlas.charts[chart], frame);
+            const size_t tile = size_t(y) * tiles.x + x;
+            if (atlas.tileChart[tile] != kNoChart) patches[tile] = fitTilePatch(atlas, points, frames, tile);
         }
     });
     return patches;

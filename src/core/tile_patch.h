@@ -28,6 +28,10 @@ struct TilePatch {
     }
 };
 
+/// Of one tile that has a chart.
+TilePatch fitTilePatch(const Atlas& atlas, const TexelPoints& points, const std::vector<Frame>& frames,
+                       size_t tile);
+
 /// One a tile, [tileY][tileX], least squares over its texels, already rounded to what packTile holds.
 /// `frames`: blockFrames of the atlas.
 std::vector<TilePatch> fitTilePatches(const Atlas& atlas, const TexelPoints& points,

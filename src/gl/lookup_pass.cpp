@@ -40,18 +40,29 @@ GlTexture uploadTables(GLenum internal, GLenum format, const std::vector<Table>&
 }
 
 // A probe's 16x16 levels as 2x4 texels of 8x4 levels, so that neighbouring directions come in one read.
+constexpr glm::uvec2 kLevels(8, 4), kProbeTexels = uint32_t(kProbeSize) / kLevels;
+using ProbeTexels = std::array<glm::uvec4, kProbeTexels.x * kProbeTexels.y>;
+
+ProbeTexels packProbe(const DistanceProbe& probe) {
+    ProbeTexels texels;
+    texels.fill(glm::uvec4(0));
+    for (uint32_t i = 0; i < kProbeSize * kProbeSize; ++i) {
+        const glm::uvec2 cell(i % kProbeSize, i / kProbeSize), at = cell / kLevels;
+        texels[at.y * kProbeTexels.x + at.x][int(cell.y % 4)] |= uint32_t(probe.level[i])
+                                                                 << (4 * (cell.x % 8));
+    }
+    return texels;
+}
+
 GlTexture uploadProbes(const std::vector<DistanceProbe>& probes, glm::uvec2 tiles) {
-    constexpr glm::uvec2 kLevels(8, 4);
-    const glm::uvec2 groups = uint32_t(kProbeSize) / kLevels, size = tiles * groups;
+    const glm::uvec2 size = tiles * kProbeTexels;
     std::vector<glm::uvec4> texels(size_t(size.x) * size.y, glm::uvec4(0));
     for (uint32_t tile = 0; tile < probes.size(); ++tile) {
-        const glm::uvec2 corner = glm::uvec2(tile % tiles.x, tile / tiles.x) * groups;
-        for (uint32_t i = 0; i < kProbeSize * kProbeSize; ++i) {
-            const glm::uvec2 cell(i % kProbeSize, i / kProbeSize);
-            const glm::uvec2 at = corner + cell / kLevels;
-            texels[size_t(at.y) * size.x + at.x][int(cell.y % 4)] |= uint32_t(probes[tile].level[i])
-                                                                     << (4 * (cell.x % 8));
-        }
+        const glm::uvec2 corner = glm::uvec2(tile % tiles.x, tile / tiles.x) * kProbeTexels;
+        const ProbeTexels packed = packProbe(probes[tile]);
+        for (uint32_t y = 0; y < kProbeTexels.y; ++y)
+            std::copy_n(&packed[y * kProbeTexels.x], kProbeTexels.x,
+                        &texels[size_t(corner.y + y) * size.x + corner.x]);
     }
     GlTexture texture = createTexture2D(GL_RGBA32UI, size);
     glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(size.x), GLsizei(size.y), GL_RGBA_INTEGER,
@@ -112,6 +123,25 @@ GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas) {
     gpu.probes = uploadProbes(phatexture.probes, atlas.sizeTiles());
     checkGl("uploading the lookup tables");
     return gpu;
+}
+
+void updateLookupGuides(const GpuLookup& gpu, const LiveUpdate::Guides& block) {
+    const auto upload = [&](uint32_t table, const Guide& guide) {
+        const Warp warp = warpOf(guide);
+        const glm::uvec2 corner = glm::uvec2(table % kTablesWide, table / kTablesWide) * kTableSide;
+        glTextureSubImage2D(gpu.warps.name(), 0, GLint(corner.x), GLint(corner.y), kTableSide, kTableSide,
+                            GL_RGBA, GL_UNSIGNED_BYTE, warp.data());
+    };
+    // Where there is one guide for all blocks, it stays.
+    if (int(block.block) < gpu.guideCount) upload(block.block, block.indirect);
+    if (int(block.block) < gpu.areaGuideCount) upload(uint32_t(gpu.guideCount) + block.block, block.area);
+}
+
+void updateProbe(const GpuLookup& gpu, const LiveUpdate::Place& tile, glm::uvec2 sizeTiles) {
+    const glm::uvec2 corner = glm::uvec2(tile.tile % sizeTiles.x, tile.tile / sizeTiles.x) * kProbeTexels;
+    const ProbeTexels packed = packProbe(tile.probe);
+    glTextureSubImage2D(gpu.probes.name(), 0, GLint(corner.x), GLint(corner.y), kProbeTexels.x,
+                        kProbeTexels.y, GL_RGBA_INTEGER, GL_UNSIGNED_INT, packed.data());
 }
 
 LookupPass createLookupPass(const std::string& folder, const GpuLookup& lookup, bool clearcoat,

@@ -21,6 +21,10 @@ struct GpuLookup {
 /// Throws GlError.
 GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas);
 
+/// Parts of it anew.
+void updateLookupGuides(const GpuLookup& gpu, const LiveUpdate::Guides& block);
+void updateProbe(const GpuLookup& gpu, const LiveUpdate::Place& tile, glm::uvec2 sizeTiles);
+
 /// Pictures between the passes, of the frame's size.
 struct LookupTargets {
     GlTexture seen;    // RGBA32UI [layer], see shaders/lib/draws_out.glsl; then what rays see, see display.frag

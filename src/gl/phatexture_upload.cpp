@@ -16,19 +16,30 @@ namespace {
 // Tiles of 16x16 densities, this many side by side: 2048 texels wide.
 constexpr uint32_t kGuidesWide = 128;
 
+using GuidePdf = std::array<float, kGuideCells>;
+
+GuidePdf guidePdf(const Guide& guide) {
+    uint32_t total = 0;
+    for (uint16_t weight : guide.weight) total += weight;
+    const float scale = float(kGuideCells) / (2.0f * kPi * float(std::max(total, 1u)));
+    GuidePdf pdf;
+    for (size_t i = 0; i < pdf.size(); ++i) pdf[i] = float(guide.weight[i]) * scale;
+    return pdf;
+}
+
+glm::uvec2 guideCorner(uint32_t guide) {
+    return glm::uvec2(guide % kGuidesWide, guide / kGuidesWide) * uint32_t(kGuideSize);
+}
+
 GlTexture uploadGuides(const std::vector<Guide>& guides) {
     const uint32_t count = std::max<uint32_t>(1, uint32_t(guides.size()));
     const glm::uvec2 size(kGuidesWide * kGuideSize, (count + kGuidesWide - 1) / kGuidesWide * kGuideSize);
     std::vector<float> pdf(size_t(size.x) * size.y, 0.0f);
     for (uint32_t g = 0; g < guides.size(); ++g) {
-        uint32_t total = 0;
-        for (uint16_t weight : guides[g].weight) total += weight;
-        const float scale = float(kGuideSize * kGuideSize) / (2.0f * kPi * float(std::max(total, 1u)));
-        const glm::uvec2 corner = glm::uvec2(g % kGuidesWide, g / kGuidesWide) * uint32_t(kGuideSize);
+        const GuidePdf cells = guidePdf(guides[g]);
+        const glm::uvec2 corner = guideCorner(g);
         for (uint32_t y = 0; y < kGuideSize; ++y)
-            for (uint32_t x = 0; x < kGuideSize; ++x)
-                pdf[size_t(corner.y + y) * size.x + corner.x + x] =
-                    float(guides[g].weight[y * kGuideSize + x]) * scale;
+            std::copy_n(&cells[y * kGuideSize], kGuideSize, &pdf[size_t(corner.y + y) * size.x + corner.x]);
     }
     GlTexture texture = createTexture2D(GL_R32F, size);
     glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(size.x), GLsizei(size.y), GL_RED, GL_FLOAT,
@@ -148,7 +159,7 @@ TexelArrays sampleTexels(const Scene& scene, const Atlas& atlas, const TexelPoin
         for (uint32_t x = 0; x < atlas.sizeTexels.x; ++x) {
             const size_t texel = size_t(y) * atlas.sizeTexels.x + x;
             const uint32_t triangle = points.triangle[texel];
-            if (!points.valid(texel) || triangle == kNoTriangle) continue;
+            if (triangle == kNoTriangle) continue;  // covered ones may be bare one day
             const bool back = atlas.charts[atlas.chartAt({x, y})].back;
             const SurfacePoint at = surfaceAt(scene, triangle, points.barycentric[texel], back);
             const glm::vec3 coat = at.shading.toWorld(at.brdf.clearcoatNormal);
@@ -162,9 +173,10 @@ TexelArrays sampleTexels(const Scene& scene, const Atlas& atlas, const TexelPoin
     return arrays;
 }
 
+// Half floats end there: brighter irradiance is clamped.
+constexpr float kLargestHalf = 65504.0f;
+
 GlTexture uploadIrradiance(const Phatexture& phatexture, glm::uvec2 size) {
-    // Half floats end there: brighter irradiance is clamped.
-    constexpr float kLargestHalf = 65504.0f;
     GlTexture texture = createTextureArray(GL_RGB16F, size, 2);
     const auto upload = [&](int index, const std::vector<uint32_t>& packed) {
         std::vector<glm::vec3> layer(size_t(size.x) * size.y, glm::vec3(0));
@@ -223,6 +235,63 @@ GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& 
         addSource(gpu, phatexture.area, phatexture.areaGuides);
     checkGl("uploading the PHATexels");
     return gpu;
+}
+
+namespace {
+
+glm::ivec2 tileCorner(const GpuAtlas& gpu, uint32_t tile) {
+    const uint32_t wide = gpu.sizeTexels.x / kTileSize;
+    return glm::ivec2(tile % wide, tile / wide) * int(kTileSize);
+}
+
+}  // namespace
+
+void updatePhatexels(const GpuAtlas& gpu, const LiveUpdate::Phatexels& tile) {
+    const glm::ivec2 corner = tileCorner(gpu, tile.tile);
+    size_t next = 0;
+    for (const GpuPhatexels& source : gpu.sources)
+        for (int layer = 0; layer < source.layerCount; ++layer, next += kTileTexels)
+            glTextureSubImage3D(gpu.phatexels.name(), 0, corner.x, corner.y, source.firstLayer + layer,
+                                kTileSize, kTileSize, 1, GL_RG_INTEGER, GL_UNSIGNED_INT, &tile.texels[next]);
+}
+
+void updateIrradiance(const GpuAtlas& gpu, const LiveUpdate::Irradiance& tile) {
+    const glm::ivec2 corner = tileCorner(gpu, tile.tile);
+    std::array<glm::vec3, 2 * kTileTexels> values;
+    for (size_t i = 0; i < kTileTexels; ++i) {
+        values[i] = glm::min(unpackRgb9e5(tile.indirect[i]), glm::vec3(kLargestHalf));
+        values[kTileTexels + i] = glm::min(unpackRgb9e5(tile.area[i]), glm::vec3(kLargestHalf));
+    }
+    glTextureSubImage3D(gpu.irradiance.name(), 0, corner.x, corner.y, 0, kTileSize, kTileSize, 2, GL_RGB,
+                        GL_FLOAT, values.data());
+}
+
+void updatePlace(const GpuAtlas& gpu, const LiveUpdate::Place& tile) {
+    const uint32_t wide = gpu.sizeTexels.x / kTileSize;
+    glTextureSubImage2D(gpu.tilePatches.name(), 0, GLint(2 * (tile.tile % wide)), GLint(tile.tile / wide), 2,
+                        1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, tile.packed.data());
+}
+
+void updateGuides(const GpuAtlas& gpu, const LiveUpdate::Guides& block) {
+    const Guide* guides[] = {&block.indirect, &block.area};
+    for (size_t s = 0; s < gpu.sources.size(); ++s) {
+        if (int(block.block) >= gpu.sources[s].guideCount) continue;  // one for all, which stays
+        const GuidePdf pdf = guidePdf(*guides[s]);
+        const glm::uvec2 corner = guideCorner(block.block);
+        glTextureSubImage2D(gpu.sources[s].guidePdf.name(), 0, GLint(corner.x), GLint(corner.y), kGuideSize,
+                            kGuideSize, GL_RED, GL_FLOAT, pdf.data());
+    }
+}
+
+void updateTileLight(const GpuAtlas& gpu, const std::vector<glm::vec4>& light) {
+    glTextureSubImage2D(gpu.tileLight.name(), 0, 0, 0, GLsizei(gpu.sizeTexels.x / kTileSize),
+                        GLsizei(gpu.sizeTexels.y / kTileSize), GL_RGBA, GL_FLOAT, light.data());
+}
+
+void updateNormals(const GpuAtlas& gpu, const Scene& scene, const Atlas& atlas, const TexelPoints& points) {
+    const TexelArrays arrays = sampleTexels(scene, atlas, points);
+    glTextureSubImage2D(gpu.normals.name(), 0, 0, 0, GLsizei(gpu.sizeTexels.x), GLsizei(gpu.sizeTexels.y),
+                        GL_RGBA, GL_SHORT, arrays.normals.data());
 }
 
 }  // namespace phat

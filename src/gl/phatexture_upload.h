@@ -2,6 +2,7 @@
 // The atlas, its texels' surfaces and the PHATexels on the GPU.
 
 #include "core/atlas.h"
+#include "core/live_update.h"
 #include "core/phatexture.h"
 #include "core/scene.h"
 #include "gl/gl_objects.h"
@@ -36,5 +37,14 @@ struct GpuAtlas {
 /// Texels' surfaces by core/shading, so that relighting sees what the bake saw. Throws GlError.
 GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
                      const Phatexture& phatexture);
+
+/// Parts of it anew. `block`: of LiveUpdate::Guides.
+void updatePhatexels(const GpuAtlas& gpu, const LiveUpdate::Phatexels& tile);
+void updateIrradiance(const GpuAtlas& gpu, const LiveUpdate::Irradiance& tile);
+void updatePlace(const GpuAtlas& gpu, const LiveUpdate::Place& tile);
+void updateGuides(const GpuAtlas& gpu, const LiveUpdate::Guides& block);
+void updateTileLight(const GpuAtlas& gpu, const std::vector<glm::vec4>& light);
+/// Normals of the texels, where charts have turned or texels are bare now.
+void updateNormals(const GpuAtlas& gpu, const Scene& scene, const Atlas& atlas, const TexelPoints& points);
 
 }  // namespace phat

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <optional>
 
 #include "core/lookup_tables.h"
@@ -78,6 +79,11 @@ struct Renderer::State {
         if (!made)
             made.emplace().pass = createRelightPass(shaderFolder, atlas, anyClearcoat(materials), paper);
         return *made;
+    }
+    /// What the pyramids are made of has changed.
+    void texelsChanged() {
+        for (auto* made : {&relit, &relitPaper})
+            if (*made) (*made)->materialsChanged = true;
     }
     /// The pyramid as it is seen from `from`, if it is not that already.
     void renew(Relit& of, const Eye& from) {
@@ -217,14 +223,62 @@ void Renderer::setMaterials(const std::vector<Material>& materials) {
         throw GlError("materials may be changed, not added or removed");
     const bool coatAppears = anyClearcoat(materials) && !anyClearcoat(s.materials);
     s.materials = materials;
-    for (auto* relit : {&s.relit, &s.relitPaper})
-        if (*relit) (*relit)->materialsChanged = true;
+    s.texelsChanged();
     if (coatAppears) s.dropPasses();
 }
 
 void Renderer::setLights(const std::vector<PunctualLight>& lights) {
     state_->lights = lights;
     state_->shadows = {};
+}
+
+void Renderer::moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points) {
+    State& s = *state_;
+    phat::moveScene(s.scene, scene, atlas);
+    // The passes over all texels read their normals; the lookup does not.
+    if (anyBlended(s.materials)) updateNormals(s.atlas, scene, atlas, points);
+    s.lights = scene.lights;
+    s.shadows = {};
+    s.texelsChanged();
+}
+
+bool Renderer::takeUpdate(LiveUpdate& update, double seconds) {
+    State& s = *state_;
+    const auto start = std::chrono::steady_clock::now();
+    const auto late = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > seconds;
+    };
+    if (!update.empty()) s.texelsChanged();
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    const glm::uvec2 tiles = s.atlas.sizeTexels / kTileSize;
+    for (const LiveUpdate::Place& place : update.places) {
+        updatePlace(s.atlas, place);
+        if (s.lookup.guideCount > 0) updateProbe(s.lookup, place, tiles);
+    }
+    update.places.clear();
+    if (!update.tileLight.empty()) updateTileLight(s.atlas, update.tileLight);
+    update.tileLight.clear();
+
+    // One portion at least, so that however little time there is, all is done one day.
+    size_t tile = 0, block = 0;
+    while (tile < update.phatexels.size() && (tile == 0 || !late())) {
+        const uint32_t now = update.phatexels[tile].block;
+        if (block < update.guides.size() && update.guides[block].block == now) {
+            updateGuides(s.atlas, update.guides[block]);
+            updateLookupGuides(s.lookup, update.guides[block]);
+            ++block;
+        }
+        for (; tile < update.phatexels.size() && update.phatexels[tile].block == now; ++tile)
+            updatePhatexels(s.atlas, update.phatexels[tile]);
+    }
+    update.phatexels.erase(update.phatexels.begin(), update.phatexels.begin() + ptrdiff_t(tile));
+    update.guides.erase(update.guides.begin(), update.guides.begin() + ptrdiff_t(block));
+    size_t done = 0;
+    for (; done < update.irradiance.size() && ((tile == 0 && done < 64) || done % 64 != 0 || !late()); ++done)
+        updateIrradiance(s.atlas, update.irradiance[done]);
+    update.irradiance.erase(update.irradiance.begin(), update.irradiance.begin() + ptrdiff_t(done));
+    checkGl("taking over renewed PHATexels");
+    return update.empty();
 }
 
 void Renderer::turnEnvironment(int columns) {

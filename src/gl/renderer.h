@@ -11,6 +11,7 @@
 
 #include "core/atlas.h"
 #include "core/image.h"
+#include "core/live_update.h"
 #include "core/phatexture.h"
 #include "core/picture.h"
 #include "core/scene.h"
@@ -147,6 +148,14 @@ class Renderer {
     void setLights(const std::vector<PunctualLight>& lights);
     /// The sky behind the scene as turned() of the one that was given; what it lit stays as it was baked.
     void turnEnvironment(int columns);
+
+    /// Everything is where it is in `scene` now, which has the triangles of the one that was uploaded;
+    /// shadows follow at the next frame. `points`: of the same scene.
+    void moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points);
+    /// Takes over parts of a bake that were renewed, for at most about `seconds`. Places go first, because
+    /// moveScene has moved what is there already; a block's tiles are never parted. What is done is taken out
+    /// of `update`; returns whether all is.
+    bool takeUpdate(LiveUpdate& update, double seconds);
 
   private:
     struct State;

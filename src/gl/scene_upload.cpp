@@ -175,7 +175,8 @@ GpuScene uploadScene(const Scene& scene, const Atlas& atlas) {
     gpu.vertices = GlBuffer(name);
     const std::vector<Vertex> vertices = expandTriangles(scene, atlas);
     if (!vertices.empty())
-        glNamedBufferStorage(name, GLsizeiptr(vertices.size() * sizeof(Vertex)), vertices.data(), 0);
+        glNamedBufferStorage(name, GLsizeiptr(vertices.size() * sizeof(Vertex)), vertices.data(),
+                             GL_DYNAMIC_STORAGE_BIT);
     describeVertices(gpu.vertexArray.name(), name);
     gpu.draws = drawRanges(scene);
     gpu.bounds = boundsOf(scene);
@@ -192,6 +193,16 @@ GpuScene uploadScene(const Scene& scene, const Atlas& atlas) {
     }
     checkGl("uploading the scene");
     return gpu;
+}
+
+void moveScene(GpuScene& gpu, const Scene& scene, const Atlas& atlas) {
+    const std::vector<Vertex> vertices = expandTriangles(scene, atlas);
+    if (!vertices.empty())
+        glNamedBufferSubData(gpu.vertices.name(), 0, GLsizeiptr(vertices.size() * sizeof(Vertex)),
+                             vertices.data());
+    gpu.draws = drawRanges(scene);
+    gpu.bounds = boundsOf(scene);
+    checkGl("moving the scene");
 }
 
 void bindMaterial(const GpuScene& gpu, const ShaderProgram& program, const Material& material, int firstUnit,

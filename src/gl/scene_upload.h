@@ -35,6 +35,9 @@ struct GpuScene {
 /// Throws GlError.
 GpuScene uploadScene(const Scene& scene, const Atlas& atlas);
 
+/// Moves everything to where it is in `scene`, which has the triangles of the one that was uploaded.
+void moveScene(GpuScene& gpu, const Scene& scene, const Atlas& atlas);
+
 /// Binds a material's uniforms; textures from unit `firstUnit` on when `allSlots`, else the base colour
 /// alone.
 void bindMaterial(const GpuScene& gpu, const ShaderProgram& program, const Material& material, int firstUnit,

@@ -54,4 +54,33 @@ BakeRecord recordOf(const BakeSettings& s, const std::string& source, const std:
             line.dump(-1, ' ', false, json::error_handler_t::replace), s.seed};
 }
 
+BakeSettings settingsOf(const BakeRecord& record) {
+    using nlohmann::json;
+    BakeSettings s;
+    s.seed = s.photons.seed = record.seed;
+    const json line = json::parse(record.settings, nullptr, false);
+    if (!line.is_object()) return s;
+    const auto number = [&](const char* key, auto& value, uint64_t low, uint64_t high) {
+        const auto it = line.find(key);
+        if (it == line.end() || !it->is_number_unsigned()) return;
+        if (const uint64_t found = it->get<uint64_t>(); found >= low && found <= high)
+            value = static_cast<std::remove_reference_t<decltype(value)>>(found);
+    };
+    const auto name = [&](const char* key, const auto& names, auto& value) {
+        const auto it = line.find(key);
+        if (it == line.end() || !it->is_string()) return;
+        if (const auto found = names.find(it->template get<std::string>()); found != names.end())
+            value = found->second;
+    };
+    number("samples", s.layers, 1, 64);
+    number("photons", s.photons.count, 1, uint64_t(1) << 32);
+    number("bounces", s.maxBounces, 1, 1000);
+    number("paths", s.pathsPerPhatexel, 1, 65'536);
+    // Photons follow the flag, not its default.
+    if (s.maxBounces != BakeSettings().maxBounces) s.photons.maxBounces = s.maxBounces;
+    name("directions", directionNames(), s.directions);
+    name("radiance", radianceNames(), s.radiance);
+    return s;
+}
+
 }  // namespace phat

@@ -16,4 +16,7 @@ const std::map<std::string, RadianceSource>& radianceNames();
 /// `environment`: the sky's file, empty if none was given.
 BakeRecord recordOf(const BakeSettings& settings, const std::string& source, const std::string& environment);
 
+/// The settings that a record tells of; what it does not tell, or tells wrongly, is as by default.
+BakeSettings settingsOf(const BakeRecord& record);
+
 }  // namespace phat

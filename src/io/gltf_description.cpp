@@ -199,6 +199,38 @@ std::vector<ImageEntry> takeImages(Json& root) {
     return images;
 }
 
+int64_t indexOf(const Json& object, const char* key) {
+    const auto it = object.find(key);
+    return it != object.end() && it->is_number_integer() ? it->get<int64_t>() : -1;
+}
+
+// Every element of `channels` and `samplers` is looked at once, however often one is referred to.
+std::vector<AnimationEntry> takeAnimations(Json& root, MemoryBudget& budget) {
+    std::vector<AnimationEntry> animations;
+    for (const Json& animation : section(root, "animations")) {
+        const Json &samplers = section(animation, "samplers"), &channels = section(animation, "channels");
+        budget.charge((channels.size() + 1) * (sizeof(ChannelEntry) + sizeof(AnimationEntry)),
+                      "its animations");
+        AnimationEntry entry{textOf(animation, "name"), {}};
+        for (const Json& channel : channels) {
+            const int64_t sampler = indexOf(channel, "sampler");
+            const auto target = channel.find("target");
+            if (target == channel.end() || !target->is_object() || sampler < 0 ||
+                sampler >= int64_t(samplers.size()) || !samplers[size_t(sampler)].is_object()) {
+                entry.channels.emplace_back();
+                continue;
+            }
+            const Json& from = samplers[size_t(sampler)];
+            entry.channels.push_back({indexOf(*target, "node"), indexOf(from, "input"),
+                                      indexOf(from, "output"), textOf(*target, "path"),
+                                      textOf(from, "interpolation")});
+        }
+        animations.push_back(std::move(entry));
+    }
+    root.erase("animations");
+    return animations;
+}
+
 // tinygltf's structs are large ({} is a material of two kilobytes), so their number is charged first.
 void chargeModel(const Json& root, MemoryBudget& budget) {
     constexpr uint64_t kGrowth = 3;  // a std::vector that grows holds old and new elements for a moment
@@ -229,13 +261,7 @@ Description parseDescription(std::string_view text, MemoryBudget& budget, Notes&
             throw Problem(fmt::format("it requires the extension {}, which is not supported", name));
     }
 
-    const size_t animations = section(root, "animations").size();
-    if (animations > 0) {
-        notes.lines.push_back(fmt::format("{} {} not played: the scene is shown in its rest pose", animations,
-                                          animations == 1 ? "animation is" : "animations are"));
-    }
-    root.erase("animations");
-
+    std::vector<AnimationEntry> animations = takeAnimations(root, budget);
     std::set<std::string> unknown;
     for (const std::string& name : extensionList(root, "extensionsUsed")) {
         if (!isSupported(name)) unknown.insert(name);
@@ -246,6 +272,7 @@ Description parseDescription(std::string_view text, MemoryBudget& budget, Notes&
     }
 
     Description description;
+    description.animations = std::move(animations);
     description.buffers = takeBuffers(root);
     description.images = takeImages(root);
     chargeModel(root, budget);

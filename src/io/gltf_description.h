@@ -29,8 +29,20 @@ struct ImageEntry {
     int bufferView = -1;  // when there is no URI
 };
 
+/// A channel of an animation with its sampler, as the file has it: nothing is checked but the types.
+struct ChannelEntry {
+    int64_t node = -1, input = -1, output = -1;
+    std::string path, interpolation;
+};
+
+struct AnimationEntry {
+    std::string name;
+    std::vector<ChannelEntry> channels;
+};
+
 struct Description {
     tinygltf::Model model;  // without buffers, images, animations, extras
+    std::vector<AnimationEntry> animations;
     std::vector<BufferEntry> buffers;
     std::vector<ImageEntry> images;
 };

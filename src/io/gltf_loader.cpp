@@ -1,6 +1,7 @@
 #include "io/gltf_loader.h"
 
 #include "io/file_error.h"
+#include "io/gltf_animations.h"
 #include "io/gltf_flatten.h"
 #include "io/gltf_images.h"
 #include "io/gltf_lights_cameras.h"
@@ -21,6 +22,7 @@ LoadedScene loadGltf(const std::string& path) {
                          notes);  // a normal map that is missing needs no tangents
         gltf::flattenMeshes(document, nodes, loaded.scene, budget, notes);
         gltf::readLightsAndCameras(document, nodes, loaded.scene, notes);
+        gltf::readAnimations(document, nodes, loaded.scene, budget, notes);
         loaded.notes = gltf::linesOf(notes);
         return loaded;
     } catch (const gltf::Problem& problem) {

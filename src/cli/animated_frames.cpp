@@ -1,0 +1,142 @@
+// Frames of a scene that moves: its PHATexels are renewed while it does.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+
+#include "cli/render_camera.h"
+#include "cli/render_files.h"
+#include "cli/render_methods.h"
+#include "cli/data_folders.h"
+#include "core/live_engine.h"
+#include "gl/gl_context.h"
+#include "io/bake_record.h"
+
+namespace phat {
+namespace {
+
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+// Rays between two looks at the clock: some milliseconds.
+constexpr uint64_t kWorkAtOnce = 20'000;
+
+double secondsSince(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+const Animation& animationOf(const RenderOptions& options, const Scene& scene) {
+    if (scene.animations.empty())
+        throw CLI::ValidationError("--animate", "the file has no animation that moves a node");
+    const std::string& wanted = options.animated->animation;
+    if (wanted.empty()) return scene.animations.front();
+    for (const Animation& animation : scene.animations)
+        if (animation.name == wanted) return animation;
+    char* end = nullptr;
+    const unsigned long index = std::strtoul(wanted.c_str(), &end, 10);
+    if (*end == 0 && index < scene.animations.size()) return scene.animations[index];
+    throw CLI::ValidationError("--animation", fmt::format("there is no animation \"{}\"", wanted));
+}
+
+/// Lets the light follow for a frame; returns the work that was done.
+uint64_t follow(LiveEngine& engine, const AnimatedFrames& frames, Progress& progress) {
+    if (frames.secondsPerFrame <= 0) return engine.advance(uint64_t(frames.workPerFrame), progress);
+    const Clock::time_point start = Clock::now();
+    uint64_t work = 0;
+    while (secondsSince(start) < frames.secondsPerFrame) {
+        if (engine.settled()) break;
+        work += engine.advance(kWorkAtOnce, progress);
+    }
+    return work;
+}
+
+void settle(LiveEngine& engine, Progress& progress) {
+    while (!engine.settled()) engine.advance(kWorkAtOnce, progress);
+}
+
+}  // namespace
+
+std::vector<json> renderAnimated(const RenderOptions& options, Progress& progress) {
+    const AnimatedFrames& frames = *options.animated;
+    const BakedScene baked = loadBaked(options, progress);
+    const Scene& rest = baked.loaded.scene;
+    const Animation& animation = animationOf(options, rest);
+    const std::vector<View> views = chooseViews(options, rest);
+    const auto poseAt = [&](double seconds) {
+        return LivePose{worldFromRest(rest.nodes, animation, seconds), rest.lights, rest.materials};
+    };
+
+    LiveEngine engine(rest, baked.atlas, baked.points, baked.phatexture, settingsOf(baked.record));
+    engine.setEye(&views.front().camera);
+    engine.setPose(poseAt(frames.start));
+    settle(engine, progress);  // the film begins with the right light
+    engine.takeUpdate();
+
+    const HeadlessContext context;
+    Renderer renderer({engine.scene().scene(), baked.atlas, engine.scene().points(), engine.phatexture()},
+                      shaderFolder());
+    std::vector<json> reports;
+    // A frame at the very end, whatever rounding makes of it.
+    const int count = int(std::floor((frames.end - frames.start) * frames.perSecond + 1e-6)) + 1;
+    uint64_t renewed = engine.stats().phatexels;
+    for (int i = 0; i < count; ++i) {
+        progress.throwIfStopped();
+        const double seconds = frames.start + double(i) / frames.perSecond;
+        const Clock::time_point begin = Clock::now();
+        if (engine.setPose(poseAt(seconds)))
+            renderer.moveScene(engine.scene().scene(), baked.atlas, engine.scene().points());
+        const double moving = secondsSince(begin);
+        const Clock::time_point following = Clock::now();
+        const uint64_t work = follow(engine, frames, progress);
+        const double followed = secondsSince(following);
+        const Clock::time_point uploading = Clock::now();
+        LiveUpdate update = engine.takeUpdate();
+        renderer.takeUpdate(update, std::numeric_limits<double>::infinity());
+        const double uploaded = secondsSince(uploading);
+
+        const ReflectionScene reflectionScene(engine.rays(), engine.lights(), baked.atlas,
+                                              engine.scene().points(), engine.phatexture());
+        const TracedReflections traced{reflectionScene, options.reflections, progress};
+        for (const View& view : views) {
+            FrameSettings frameSettings;
+            frameSettings.width = view.width;
+            frameSettings.height = view.height;
+            frameSettings.camera = view.camera;
+            frameSettings.quality = options.quality;
+            frameSettings.component = options.component;
+            frameSettings.samplesPerPixel = options.samplesPerPixel;
+            frameSettings.traced = &traced;
+            const Image picture = renderer.render(frameSettings);
+            progress.throwIfStopped();
+            View frame = view;
+            frame.label += fmt::format("{}{:04}", view.label.empty() ? "" : ".", i);
+            writePicture(options, frame, picture);
+            const FrameTimes times = renderer.lastFrameTimes();
+            reports.push_back({{"output", pathFor(frame, options.output)},
+                               {"method", options.method.name},
+                               {"width", view.width},
+                               {"height", view.height},
+                               {"samplesPerPixel", options.samplesPerPixel},
+                               {"gpu", context.rendererName()},
+                               {"animationSeconds", seconds},
+                               {"work", work},
+                               {"phatexels", engine.stats().phatexels - renewed},
+                               {"settled", engine.settled()},
+                               {"seconds",
+                                {{"move", moving},
+                                 {"follow", followed},
+                                 {"upload", uploaded},
+                                 {"relight", times.relight},
+                                 {"pyramid", times.pyramid},
+                                 {"shadows", times.shadows},
+                                 {"display", times.display},
+                                 {"reflections", times.reflections}}},
+                               {"reflectionRays", times.reflectionRays}});
+        }
+        renewed = engine.stats().phatexels;
+    }
+    return reports;
+}
+
+}  // namespace phat

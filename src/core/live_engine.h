@@ -1,0 +1,102 @@
+#pragma once
+// Dynamic light: a bake that follows a scene. source: Hensley et al. 2003, section 8 (PHATexels renewed one
+// by one while the picture keeps moving); how is ours (docs/pipeline.md).
+//
+// The engine keeps the intermediate results of a bake and renews them piece by piece, by the bake's own
+// functions and random numbers. Every piece knows which scene it was made from; once all are of the present
+// one, the PHATexels are those that a bake of it on this atlas makes, bit by bit.
+
+#include <string>
+
+#include "core/live_priority.h"
+#include "core/live_renewal.h"
+
+namespace phat {
+
+/// What has been done so far, by LiveTask.
+struct LiveStats {
+    struct Task {
+        uint64_t items = 0;  // tiles, parts of the photon map, regions, nodes, blocks
+        uint64_t work = 0;
+        double seconds = 0;
+    };
+    std::array<Task, kLiveTasks> tasks;
+    Task areaMaps, indirectMaps;  // filtered, bounced and stitched
+    uint64_t phatexels = 0;       // renewed
+};
+
+class LiveEngine {
+  public:
+    /// `points`: of the scene at rest, covered ones marked. `baked`: its bake by these settings, or empty:
+    /// then the engine makes it. Throws std::invalid_argument for directions or radiance from single photons.
+    LiveEngine(const Scene& rest, const Atlas& atlas, const TexelPoints& points, const Phatexture& baked,
+               const BakeSettings& settings);
+
+    /// The scene as it is from now on. Its geometry is in place at once, its light follows by advance().
+    /// Returns whether anything is different.
+    bool setPose(const LivePose& pose);
+    /// Whose picture comes first; null: nobody looks.
+    void setEye(const Camera* eye);
+
+    /// Goes on for about `work`, counted in rays or what takes as long; a piece that takes more is made up
+    /// for by the next calls. The state depends on the calls alone, not on threads or time. Returns what was
+    /// done: nothing while earlier pieces are made up for, or when all is settled. Throws Interrupted when
+    /// `progress` asks, between pieces.
+    uint64_t advance(uint64_t work, const Progress& progress);
+    bool settled();
+
+    /// All that has changed since the last call.
+    LiveUpdate takeUpdate();
+
+    const LiveScene& scene() const { return state_.scene; }
+    const RayScene& rays() const { return *state_.rays; }
+    const LightSampler& lights() const { return *state_.lights; }
+    const Phatexture& phatexture() const { return state_.phatexture; }
+    const LiveStats& stats() const { return stats_; }
+
+  private:
+    struct Queue {
+        std::vector<uint32_t> items;  // the most urgent first
+        size_t next = 0;
+        uint64_t planned = 0;  // plan_ that it was made for
+        // All of what has moved is among its first items: irradiance that is out of place is shown first.
+        size_t movedItems = 0;
+        uint64_t movedWork = 0;  // since their maps were last made
+        bool movedDone = false;
+    };
+    bool hasWork(LiveTask task);
+    std::span<const uint32_t> takeItems(LiveTask task, size_t most);
+    void runPiece(LiveTask task, Progress& progress);
+    uint64_t respond();
+    uint64_t tracePhotonPart(Progress& progress);
+    uint64_t renewRegions();
+    uint64_t traceNodes();
+    uint64_t renewBlocks();
+    void finishArea(const ChartSet& charts, Progress& progress);
+    void finishIndirect(const ChartSet& charts, Progress& progress);
+    bool areaIsDue();
+    bool indirectIsDue();
+    bool movedIsDue(LiveTask task);
+    void forgetMoved(LiveTask task);
+    ChartSet movedSince(uint64_t version) const;
+    uint64_t mapWork(uint64_t workATexel, const ChartSet& charts) const;
+    void count(LiveStats::Task& task, uint64_t work, double seconds);
+
+    LiveState state_;
+    std::optional<Camera> eye_;
+    std::vector<float> tileValue_;
+    uint64_t valuesFor_ = 0;  // version
+    std::array<Queue, kLiveTasks> queues_;
+    uint64_t plan_ = 1;  // grows when something may have become stale
+    LiveShares shares_;
+    int64_t credit_ = 0;
+    uint64_t clock_ = 0;  // all work so far
+    bool areaDirty_ = false, indirectDirty_ = false;
+    uint64_t areaWork_ = 0, nodeWork_ = 0;              // since the maps were last made
+    uint64_t areaMapScene_ = 1, indirectMapScene_ = 1;  // versions that they were made in
+    bool tileLightStale_ = false;
+    uint64_t tileLightClock_ = 0;  // of the next one
+    LiveStats stats_;
+};
+
+}  // namespace phat
