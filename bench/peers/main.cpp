@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <glm/gtc/matrix_transform.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/lights.h"
@@ -31,6 +32,8 @@ struct Options {
     float exposureStops = 0;
     int shrink = 1;
     int zoom = 1;
+    std::vector<float> eye, target;  // empty: the file's camera
+    uint32_t count = 0;
 };
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
@@ -137,11 +140,26 @@ void renderPeer(const Options& options) {
     fmt::print("{}\n", report.dump());
 }
 
+/// The first camera, moved as `phat render --eye --target` would.
+Camera cameraOf(const Options& options, const Scene& scene) {
+    Camera camera = firstCamera(scene, options.input);
+    if (options.eye.empty()) return camera;
+    const glm::vec3 eye(options.eye[0], options.eye[1], options.eye[2]);
+    const glm::vec3 target(options.target[0], options.target[1], options.target[2]);
+    camera.worldFromCamera = glm::inverse(glm::lookAt(eye, target, glm::vec3(0, 1, 0)));
+    camera.aspect = 0;
+    return camera;
+}
+
 void writeMask(const Options& options) {
     const Scene scene = loadGltf(options.input).scene;
     const RayScene rays(scene);
     writeExr(options.output, materialMask(rays, materialNamed(scene, options.material),
-                                          firstCamera(scene, options.input), options.width, options.height));
+                                          cameraOf(options, scene), options.width, options.height));
+}
+
+void writeThinned(const Options& options) {
+    writeExr(options.output, thinned(readPicture(options.input), options.count));
 }
 
 /// The chart of a material that the camera sees most of.
@@ -236,7 +254,14 @@ int run(int argc, char** argv) {
     CLI::App* mask = files(app.add_subcommand("mask", "Where the first camera sees a material"));
     mask->add_option("--material", options.material)->required();
     mask->add_option("--size", size, "WxH");
+    CLI::Option* eye = mask->add_option("--eye", options.eye, "x y z")->expected(3);
+    CLI::Option* target = mask->add_option("--target", options.target, "x y z")->expected(3)->needs(eye);
+    eye->needs(target);
     mask->callback([&] { parseSize(), writeMask(options); });
+
+    CLI::App* thin = files(app.add_subcommand("thin", "So many pixels of a mask, scattered at random"));
+    thin->add_option("--count", options.count)->required()->check(CLI::PositiveNumber);
+    thin->callback([&] { writeThinned(options); });
 
     CLI::App* chart = files(app.add_subcommand(
         "chart", "Radiance of the PHATexels of a material, of the chart that is seen most"));

@@ -58,6 +58,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
                                                .quality = options.quality,
                                                .component = options.component,
                                                .samplesPerPixel = options.samplesPerPixel,
+                                               .filter = options.filter,
                                                .traced = &traced});
         progress.throwIfStopped();
         writePicture(options, view, picture);

@@ -30,6 +30,8 @@ const std::map<std::string, Quality> kQualities = {
 const std::map<std::string, ToneMap> kToneMaps = {
     {"linear", ToneMap::linear}, {"agx", ToneMap::agx}, {"aces", ToneMap::aces}};
 
+const std::map<std::string, PixelFilter> kFilters = {{"box", PixelFilter::box},
+                                                     {"center", PixelFilter::center}};
 const std::map<std::string, Reflections> kReflections = {
     {"auto", Reflections::automatic}, {"rays", Reflections::rays}, {"lookup", Reflections::lookup}};
 
@@ -127,11 +129,17 @@ void addRenderCommand(CLI::App& app) {
         option("--time", "SECONDS", "Traced methods: as many samples as fit, instead of --spp")
             ->check(CLI::Range(0.001, 1e6))
             ->excludes(spp);
+    CLI::Option* filter =
+        option("--pixel-filter", "NAME", "What samples show: box, all of a pixel; center, its middle")
+            ->check(CLI::IsMember(kFilters))
+            ->default_val("box");
     CLI::Option* seed = option("--seed", "S", "Traced methods: of all random numbers; default: 1")
                             ->check(CLI::NonNegativeNumber);
     CLI::Option* threads = option("--threads", "T", "Default: all cores")->check(CLI::Range(1, 1024));
     CLI::Option* variance =
         option("--variance", "FILE", "Traced methods: the variance of each pixel's mean, .exr");
+    CLI::Option* pixelMask =
+        option("--pixels", "FILE", "Traced methods: only those above 0.5 in this picture, the rest black");
     CLI::Option* photons =
         option("--photons", "N", "photons-direct, photons-gather: photons to emit; default: 500k");
     CLI::Option* neighbors = option("--gather-neighbors", "K", "The same: photons in a density estimate")
@@ -166,6 +174,10 @@ void addRenderCommand(CLI::App& app) {
     CLI::Option* edits =
         option("--set", "MATERIAL.PROPERTY=VALUE", "Changes a material, e.g. floor.roughness=0.3")
             ->expected(1, -1);
+    CLI::Option* keepLight =
+        command->add_flag("--keep-light")
+            ->description(
+                "path: --set changes what the eye meets, not the light that falls on it, as a bake");
     CLI::Option* exposure =
         option("--exposure", "EV", "Stops, for .png")->check(CLI::Range(-40.0, 40.0))->default_val("0");
     CLI::Option* toneMapping = option("--tonemap", "NAME", "linear, agx or aces, for .png")
@@ -189,7 +201,7 @@ void addRenderCommand(CLI::App& app) {
             options.height = pixels.y;
         }
         if (!options.method.traced) {
-            for (const CLI::Option* traced : {time, seed, variance})
+            for (const CLI::Option* traced : {time, seed, variance, pixelMask})
                 if (*traced)
                     throw CLI::ValidationError(
                         traced->get_name(),
@@ -206,6 +218,7 @@ void addRenderCommand(CLI::App& app) {
         };
         onlyFor({photons, neighbors}, options.method.readsPhotons);
         onlyFor({gatherRays}, name == "photons-gather");
+        onlyFor({keepLight}, name == "path");
         onlyFor({radius, traceVisibility}, name == "phat-gather");
         onlyFor({quality, countReads, reflections}, name == "phat");
         options.quality = kQualities.at(quality->as<std::string>());
@@ -222,6 +235,9 @@ void addRenderCommand(CLI::App& app) {
         options.reflections = kReflections.at(reflections->as<std::string>());
         options.gather.traceVisibility = traceVisibility->count() > 0;
         if (*variance) options.varianceOutput = variance->as<std::string>();
+        if (*pixelMask) options.pixels = pixelMask->as<std::string>();
+        options.filter = kFilters.at(filter->as<std::string>());
+        options.keepLight = keepLight->count() > 0;
         options.component = kComponents.at(component->as<std::string>());
         if (*environment) options.environment = environment->as<std::string>();
         if (*edits) options.edits = edits->results();

@@ -15,6 +15,13 @@ BakedScene load(const RenderOptions& options, Progress& progress) {
     return plain;
 }
 
+Scene seenScene(const RenderOptions& options, const Scene& scene) {
+    if (!options.keepLight) return {};
+    Scene seen = scene;
+    editScene(options, seen);
+    return seen;
+}
+
 PhotonMap photonsFor(const TracedScene& traced, const RenderOptions& options, Progress& progress) {
     if (!options.method.readsPhotons) return {};
     const PhotonSettings settings{.count = options.photons, .seed = options.seed};
@@ -36,7 +43,8 @@ Integrator integratorFor(const TracedScene& traced, const RenderOptions& options
         const PhotonScene scene{traced.rays, traced.lights, traced.photons, traced.index};
         return name == "photons-direct" ? photonsDirect(scene, settings) : photonsGather(scene, settings);
     }
-    return pathTracer(traced.rays, traced.lights, options.component);
+    return pathTracer(traced.rays, traced.lights, options.component,
+                      options.keepLight ? traced.seen : traced.scene);
 }
 
 }  // namespace
@@ -44,6 +52,7 @@ Integrator integratorFor(const TracedScene& traced, const RenderOptions& options
 TracedScene::TracedScene(const RenderOptions& options, Progress& progress)
     : baked(load(options, progress)),
       scene(baked.loaded.scene),
+      seen(seenScene(options, scene)),
       rays(scene),
       lights(scene),
       photons(photonsFor(*this, options, progress)),

@@ -190,18 +190,22 @@ IrradianceRound irradianceRound(const RayScene& rays, const LightSampler& lights
 }  // namespace
 
 ReflectedRadiance tracePath(const RayScene& rays, const LightSampler& lights, const SurfacePoint& start,
-                            glm::vec3 towardEye, int maxBounces, PathNumbers& numbers, uint64_t& rayCount) {
+                            glm::vec3 towardEye, int maxBounces, PathNumbers& numbers, uint64_t& rayCount,
+                            FirstReflection first) {
     SurfacePoint point = start;
     ReflectedRadiance reflected;
     glm::vec3 indirect(0), throughput(1), diffuseShare(0);
     for (int bounce = 0; bounce < maxBounces; ++bounce) {
         const glm::vec4 lightNumbers = numbers.next4(), brdfNumbers = numbers.next4();
-        const PathVertex vertex(point, towardEye);
+        PathVertex vertex(point, towardEye);
+        if (bounce == 0 && first.lobes != Lobes::all) vertex.brdf = only(first.lobes, vertex.brdf);
         if (!reflects(vertex.brdf)) break;
         glm::vec3& radiance = bounce == 0 ? reflected.direct : indirect;
-        radiance += throughput * punctualLight(rays, lights, vertex, lightNumbers.w, rayCount);
-        if (lights.hasArea())
-            radiance += throughput * areaLight(rays, lights, vertex, glm::vec3(lightNumbers), rayCount);
+        if (bounce > 0 || first.direct) {
+            radiance += throughput * punctualLight(rays, lights, vertex, lightNumbers.w, rayCount);
+            if (lights.hasArea())
+                radiance += throughput * areaLight(rays, lights, vertex, glm::vec3(lightNumbers), rayCount);
+        }
 
         const BrdfSample sample = sampleBrdf(vertex.brdf, brdfNumbers.x, {brdfNumbers.y, brdfNumbers.z});
         if (sample.pdf <= 0.0f) break;

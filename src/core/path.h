@@ -38,9 +38,16 @@ struct ReflectedRadiance {
     glm::vec3 sum() const { return direct + indirectDiffuse + indirectGlossy; }
 };
 
+/// What is asked for of a path's first reflection; the rest costs neither rays nor noise.
+struct FirstReflection {
+    bool direct = true;  // false: ReflectedRadiance::direct is not complete
+    Lobes lobes = Lobes::all;
+};
+
 /// One path that starts at `point` and leaves toward `towardEye`, in at most `maxBounces` reflections.
 ReflectedRadiance tracePath(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
-                            glm::vec3 towardEye, int maxBounces, PathNumbers& numbers, uint64_t& rayCount);
+                            glm::vec3 towardEye, int maxBounces, PathNumbers& numbers, uint64_t& rayCount,
+                            FirstReflection first = {});
 
 /// The sum of one with independent numbers.
 glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,

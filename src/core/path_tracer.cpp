@@ -21,18 +21,32 @@ glm::vec3 partOf(const ReflectedRadiance& reflected, Component component) {
     return glm::vec3(0);
 }
 
+FirstReflection firstReflectionOf(Component component) {
+    FirstReflection first;
+    first.direct = component == Component::all || component == Component::direct;
+    if (component == Component::glossyIndirect) first.lobes = Lobes::glossy;
+    if (component == Component::diffuseIndirect) first.lobes = Lobes::diffuse;
+    return first;
+}
+
 }  // namespace
 
 Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Component component) {
+    return pathTracer(rays, lights, component, rays.scene());
+}
+
+Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Component component,
+                      const Scene& seen) {
     splitSumTable();  // integrated now, rather than on the clock of the first sample
     const bool showsLights = component == Component::all || component == Component::direct;
     const int maxBounces = component == Component::direct ? 1 : kMaxPathBounces;
-    return [&rays, &lights, component, showsLights, maxBounces](const CameraRay& ray, PixelSample& sample) {
+    const FirstReflection first = firstReflectionOf(component);
+    return [&, component, showsLights, maxBounces, first](const CameraRay& ray, PixelSample& sample) {
         const Hit hit = visibleHit(rays, ray, sample.rays);
         if (!hit) return showsLights ? lights.environmentRadiance(ray.direction) : glm::vec3(0);
-        const SurfacePoint point = surfaceAt(rays.scene(), hit, ray.direction);
+        const SurfacePoint point = surfaceAt(seen, hit, ray.direction);
         const ReflectedRadiance reflected =
-            tracePath(rays, lights, point, -ray.direction, maxBounces, sample.numbers, sample.rays);
+            tracePath(rays, lights, point, -ray.direction, maxBounces, sample.numbers, sample.rays, first);
         return (showsLights ? point.emission : glm::vec3(0)) + partOf(reflected, component);
     };
 }

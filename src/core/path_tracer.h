@@ -12,6 +12,12 @@ namespace phat {
 /// `rays` and `lights` must outlive it.
 Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Component component);
 
+/// The same with the materials of `seen` where the eye meets a surface, and those of the ray scene wherever
+/// light goes from there: materials that were changed after a bake, in the light of before.
+/// pre: `seen` is the ray scene's but for materials, and outlives the integrator.
+Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Component component,
+                      const Scene& seen);
+
 inline constexpr int kMaxPathBounces = 256;
 
 }  // namespace phat
