@@ -55,7 +55,7 @@ def run(program, *arguments):
     """What the program prints; a failure ends the script with the program's own words."""
     done = subprocess.run([str(program), *map(str, arguments)], capture_output=True, text=True)
     if done.returncode != 0:
-        sys.exit(f"{program.name} {' '.join(map(str, arguments))}\n{done.stderr.strip()}")
+        sys.exit(f"{pathlib.Path(program).name} {' '.join(map(str, arguments))}\n{done.stderr.strip()}")
     return done.stdout
 
 
@@ -63,3 +63,9 @@ def compare(picture, reference, mask=None, exposure=0, variance=None):
     """relMse, maeOverMean, bias, flip of a picture; with the reference's variance also the noise that it has."""
     masked = (["--mask", mask] if mask else []) + (["--variance", variance] if variance else [])
     return json.loads(run(PHAT, "compare", picture, reference, *masked, "--exposure", exposure, "--json"))
+
+
+def table(header, rows):
+    """As Markdown."""
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])

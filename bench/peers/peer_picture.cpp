@@ -39,6 +39,12 @@ Image materialMask(const RayScene& rays, uint32_t material, const Camera& camera
     return mask;
 }
 
+void keepWindow(Image& mask, int left, int top, int width, int height) {
+    for (int y = 0; y < mask.height; ++y)
+        for (int x = 0; x < mask.width; ++x)
+            if (x < left || y < top || x >= left + width || y >= top + height) mask.at(x, y) = glm::vec3(0);
+}
+
 Image thinned(const Image& mask, size_t count) {
     std::vector<size_t> kept;
     for (size_t i = 0; i < mask.pixels.size(); ++i)

@@ -216,6 +216,11 @@ TEST(PeerPicture, ThinnedMasksAreScatteredPartsOfTheMask) {
     // 25 expected, sigma 3.8.
     for (const int quarter : quarters) EXPECT_NEAR(quarter, 25, 4 * 3.8);
     EXPECT_EQ(thinned(mask, 1000).pixels, mask.pixels);
+
+    keepWindow(mask, 15, 18, 10, 10);
+    kept = 0;
+    for (const glm::vec3& pixel : mask.pixels) kept += pixel.x > 0.5f;
+    EXPECT_EQ(kept, 5 * 2);
 }
 
 }  // namespace

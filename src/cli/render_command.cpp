@@ -176,8 +176,7 @@ void addRenderCommand(CLI::App& app) {
             ->expected(1, -1);
     CLI::Option* keepLight =
         command->add_flag("--keep-light")
-            ->description(
-                "path: --set changes what the eye meets, not the light that falls on it, as a bake");
+            ->description("Methods without a bake: --set changes what the eye meets, not the light on it");
     CLI::Option* exposure =
         option("--exposure", "EV", "Stops, for .png")->check(CLI::Range(-40.0, 40.0))->default_val("0");
     CLI::Option* toneMapping = option("--tonemap", "NAME", "linear, agx or aces, for .png")
@@ -218,7 +217,7 @@ void addRenderCommand(CLI::App& app) {
         };
         onlyFor({photons, neighbors}, options.method.readsPhotons);
         onlyFor({gatherRays}, name == "photons-gather");
-        onlyFor({keepLight}, name == "path");
+        onlyFor({keepLight}, !options.method.needsBake);
         onlyFor({radius, traceVisibility}, name == "phat-gather");
         onlyFor({quality, countReads, reflections}, name == "phat");
         options.quality = kQualities.at(quality->as<std::string>());

@@ -60,7 +60,7 @@ struct RenderOptions {
     Reflections reflections = Reflections::automatic;  // phat
     Component component = Component::all;
     std::vector<std::string> edits;
-    bool keepLight = false;  // path: the edits are for the eye alone
+    bool keepLight = false;  // methods without a bake: the edits are for the eye alone
     float exposureStops = 0;
     ToneMap toneMap = ToneMap::agx;
     bool quiet = false;

@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "cli/render_files.h"
+#include "core/path_guide.h"
 #include "core/path_tracer.h"
 
 namespace phat {
@@ -28,6 +29,16 @@ PhotonMap photonsFor(const TracedScene& traced, const RenderOptions& options, Pr
     return tracePhotons(traced.rays, traced.lights, settings, progress);
 }
 
+PathGuide guideFor(const TracedScene& traced, const RenderOptions& options, Progress& progress) {
+    if (std::string_view(options.method.name) != "path" || options.component == Component::direct) return {};
+    // What a core or two trace in a second; the height where the camera decides it is about this.
+    constexpr double kPathsPerSecond = 500'000, kHeightPerWidth = 9.0 / 16;
+    const double height = options.height > 0 ? options.height : kHeightPerWidth * options.width;
+    const double paths = options.seconds > 0 ? options.seconds * kPathsPerSecond
+                                             : options.width * height * options.samplesPerPixel;
+    return learnGuide(traced.rays, traced.lights, paths, options.seed, progress);
+}
+
 Integrator integratorFor(const TracedScene& traced, const RenderOptions& options) {
     const std::string_view name = options.method.name;
     if (name == "phat-gather") {
@@ -40,11 +51,12 @@ Integrator integratorFor(const TracedScene& traced, const RenderOptions& options
     if (options.method.readsPhotons) {
         PhotonRendererSettings settings = options.photonRenderer;
         settings.component = options.component;
-        const PhotonScene scene{traced.rays, traced.lights, traced.photons, traced.index};
+        const PhotonScene scene{traced.rays, traced.lights, traced.photons, traced.index,
+                                options.keepLight ? &traced.seen : nullptr};
         return name == "photons-direct" ? photonsDirect(scene, settings) : photonsGather(scene, settings);
     }
     return pathTracer(traced.rays, traced.lights, options.component,
-                      options.keepLight ? traced.seen : traced.scene);
+                      options.keepLight ? traced.seen : traced.scene, &traced.guide);
 }
 
 }  // namespace
@@ -56,7 +68,8 @@ TracedScene::TracedScene(const RenderOptions& options, Progress& progress)
       rays(scene),
       lights(scene),
       photons(photonsFor(*this, options, progress)),
-      index(photons.photons) {
+      index(photons.photons),
+      guide(guideFor(*this, options, progress)) {
     integrator = integratorFor(*this, options);
 }
 

@@ -23,6 +23,7 @@ struct TracedScene {
     LightSampler lights;
     PhotonMap photons;
     PhotonIndex index;
+    PathGuide guide;  // path
     Integrator integrator;
 };
 

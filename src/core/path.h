@@ -2,6 +2,7 @@
 // Path tracing: the radiance that a PHATexel's ray brings back, and irradiance of area lights.
 
 #include "core/lights.h"
+#include "core/path_guide.h"
 #include "core/path_numbers.h"
 #include "core/phatexture.h"
 #include "core/random.h"
@@ -44,10 +45,11 @@ struct FirstReflection {
     Lobes lobes = Lobes::all;
 };
 
-/// One path that starts at `point` and leaves toward `towardEye`, in at most `maxBounces` reflections.
+/// One path that starts at `point` and leaves toward `towardEye`, in at most `maxBounces` reflections. `guide`:
+/// directions of most of what diffuse surfaces reflect; null: by the cosine.
 ReflectedRadiance tracePath(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
                             glm::vec3 towardEye, int maxBounces, PathNumbers& numbers, uint64_t& rayCount,
-                            FirstReflection first = {});
+                            FirstReflection first = {}, const PathGuide* guide = nullptr);
 
 /// The sum of one with independent numbers.
 glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
