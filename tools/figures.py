@@ -19,7 +19,8 @@ from figures_page import write_page
 from figures_plot import line_plot, slope
 from figures_profile import pyramid_profile
 from figures_run import PEERS, PHAT, ROOT, Workshop, compare, run
-from figures_surfaces import DATA, ROUGHNESS, SEEDS, TABLE, Reference, Surface, Surfaces, scene_surfaces, table_surfaces
+from figures_surfaces import (DATA, DEFAULT_TEXELS, ROUGHNESS, SEEDS, TABLE, Reference, Surface, Surfaces, default_bake,
+                              scene_surfaces, table_surfaces)
 
 SHOWN_ROUGHNESS = 0.25  # of the figures, of the convergence and of equal times
 EXPOSURE = 1  # of every picture and of FLIP
@@ -55,8 +56,6 @@ QUICK = Plan(
     "quick", Reference(400, 1024), 64, 32, 8, (1, 4, 16), ("30k", "125k", "500k"), (4, 16), ("64k", "256k", "1048576"), 16,
     128, 8, (("tabletop-3.9-file-metal-.*", goals.FRAMES, SEEDS[:1]),),
 )
-DEFAULT_TEXELS = "1048576"
-
 WHOLE = {  # scene: (size, Cycles' picture, mask, what the mask keeps)
     "tabletop": ("480x270", "tabletop-spec", "tabletop.mask-table", "table top"),
     "cornell-glossy": ("360x360", "cornell-glossy", "cornell-glossy.mask-glossy", "floor and box"),
@@ -96,11 +95,6 @@ def seconds_of(said):
 def pixels_of(size):
     width, height = size.split("x")
     return int(width) * int(height)
-
-
-def default_bake(scene, texels=DEFAULT_TEXELS):
-    """(flags, name)"""
-    return ("--resolution", texels), f"{scene}-{texels}"
 
 
 class Figures:

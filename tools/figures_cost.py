@@ -120,5 +120,5 @@ def path_speed(figures):
     said = figures.picture("whole-tabletop-path.exr", "path", "--spp", spp, "--size", "480x270", keep=True)
     found = compare(figures.shop.path("whole-tabletop-path.exr"), DATA / "tabletop-spec.exr")["relMse"]
     samples = spp * found / 0.01
-    return {"spp": spp, "relMse": found, "seconds": said["seconds"], "samples": samples,
-            "secondsToError": samples * said["seconds"] / spp}
+    return {"spp": spp, "relMse": found, "seconds": said["seconds"], "guideSeconds": said["guideSeconds"], "samples": samples,
+            "secondsToError": said["guideSeconds"] + samples * said["seconds"] / spp}

@@ -20,6 +20,7 @@ SEEDS = (1, 2, 3)
 TEXELS = {"3.9": ("--texel-size", 0.0117, "--glossy-density", 3), "1.95": ("--texel-size", 0.0070, "--glossy-density", 8)}
 CAMERAS = {"file": (), "steep": ((0.3, 2.2, 0.75), (0.0, 0.75, -0.05))}  # eye, target
 MATERIALS = {"metal": (), "dielectric": (f"{TABLE}.metallic=0",)}
+DEFAULT_TEXELS = "1048576"
 DATA = ROOT / "tests/data/references"
 
 
@@ -56,13 +57,16 @@ def table_surfaces():
             for material, edits in MATERIALS.items() for roughness in ROUGHNESS]
 
 
+def default_bake(scene, texels=DEFAULT_TEXELS):
+    """(flags, name)"""
+    return ("--resolution", texels), f"{scene}-{texels}"
+
+
 def scene_surfaces():
     """The others', from bakes with default settings."""
-    return [
-        Surface("cornell-glossy-glossy", "cornell-glossy", "360x360", (), "cornell-glossy", mask="cornell-glossy.mask-glossy"),
-        Surface("gallery-floor", "gallery", "480x270", (), "gallery", mask="gallery.mask-floor"),
-        Surface("gallery-curved", "gallery", "480x270", (), "gallery", mask="gallery.mask-curved", traced=True),
-    ]
+    return [Surface(f"{scene}-{part}", scene, size, *default_bake(scene), mask=f"{mask}.mask-{part}", traced=part == "curved")
+            for scene, size, mask, part in (("cornell-glossy", "360x360", "cornell-glossy", "glossy"),
+                                            ("gallery", "480x270", "gallery", "floor"), ("gallery", "480x270", "gallery", "curved"))]
 
 
 @dataclasses.dataclass(frozen=True)

@@ -61,6 +61,7 @@ std::vector<json> renderTraced(const RenderOptions& options, Progress& progress)
                            {"height", view.height},
                            {"samplesPerPixel", picture.samplesPerPixel},
                            {"seconds", seconds},
+                           {"guideSeconds", traced.guideSeconds},
                            {"raysPerSecond", double(picture.rays) / std::max(seconds, 1e-9)}});
     }
     return reports;

@@ -1,5 +1,6 @@
 #include "cli/traced_scene.h"
 
+#include <chrono>
 #include <string_view>
 
 #include "cli/render_files.h"
@@ -29,14 +30,17 @@ PhotonMap photonsFor(const TracedScene& traced, const RenderOptions& options, Pr
     return tracePhotons(traced.rays, traced.lights, settings, progress);
 }
 
-PathGuide guideFor(const TracedScene& traced, const RenderOptions& options, Progress& progress) {
+PathGuide guideFor(TracedScene& traced, const RenderOptions& options, Progress& progress) {
     if (std::string_view(options.method.name) != "path" || options.component == Component::direct) return {};
     // What a core or two trace in a second; the height where the camera decides it is about this.
     constexpr double kPathsPerSecond = 500'000, kHeightPerWidth = 9.0 / 16;
     const double height = options.height > 0 ? options.height : kHeightPerWidth * options.width;
     const double paths = options.seconds > 0 ? options.seconds * kPathsPerSecond
                                              : options.width * height * options.samplesPerPixel;
-    return learnGuide(traced.rays, traced.lights, paths, options.seed, progress);
+    const auto start = std::chrono::steady_clock::now();
+    PathGuide guide = learnGuide(traced.rays, traced.lights, paths, options.seed, progress);
+    traced.guideSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return guide;
 }
 
 Integrator integratorFor(const TracedScene& traced, const RenderOptions& options) {

@@ -23,7 +23,8 @@ struct TracedScene {
     LightSampler lights;
     PhotonMap photons;
     PhotonIndex index;
-    PathGuide guide;  // path
+    double guideSeconds = 0;  // what it took to learn:
+    PathGuide guide;          // path
     Integrator integrator;
 };
 
