@@ -92,7 +92,7 @@ def pan(figures):
     surface = Surface("pan", "tabletop", PAN_SIZE, (), "")
     # Pixels in the middle of the table, which show it in all frames.
     mask = shop.path("pan-mask.exr")
-    window = (150, 95, 70, 60)
+    window = (195, 105, 70, 25)
     thin = shop.path("pan-thin.exr")
     shop.make(mask.name, PEERS, "mask", ROOT / "scenes/tabletop.glb", "--material", TABLE, "--size", PAN_SIZE, "--window", *window,
               keep=True)

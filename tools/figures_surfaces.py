@@ -44,7 +44,7 @@ class Surface:
         return "-".join((self.mask or f"{self.scene}-{self.material}", "steep" if self.view else "file", *self.edits))
 
     def flags(self):
-        edits = ("--set", *self.edits) if self.edits else ()
+        edits = sum((("--set", edit) for edit in self.edits), ())
         view = sum(((flag, ",".join(map(str, place))) for flag, place in zip(("--eye", "--target"), self.view)), ())
         return ("--component", "glossy-indirect", "--pixel-filter", "center", "--size", self.size, *view, *edits)
 
