@@ -332,9 +332,11 @@ def plot_results(docs, rows, series):
 
 
 def equal_error(series, equal_time, method, error):
-    """{seconds, work, how}: what a whole frame of a traced method takes to this error."""
+    """{seconds, work, how}, or None: what a whole frame of a traced method takes to this error."""
     points = [(point["work"], point["clean"]) for point in series[method]]
     exponent = slope(points)
+    if exponent > -0.1:
+        return None
     nearest = min(points, key=lambda point: abs(point[1] - error))
     work = nearest[0] * (error / nearest[1]) ** (1 / exponent)
     inside = min(p[1] for p in points) <= error <= max(p[1] for p in points)

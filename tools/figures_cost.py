@@ -9,12 +9,13 @@ import struct
 from figures_run import PEERS, PHAT, ROOT, SHADERS, compare, run
 from figures_surfaces import DATA, TABLE, Surface
 
-# Of the indirect light: pass -> (file, defines). src/gl has the same lists.
+# Passes of a frame of tabletop, which has area lights: method -> [(name, file, defines)]. src/gl has the same lists.
 PASSES = {
-    "phat": [("lookup", "lookup.frag", ()), ("pool", "pool.frag", ()), ("display", "display.frag", ("LOOKUP",))],
+    "phat": [("lookup", "lookup.frag", ("AREA", "SCRAMBLES")), ("pool", "pool.frag", ("AREA",)),
+             ("display", "display.frag", ("LOOKUP", "AREA"))],
     "phat-pyramid": [("relight", "relight.frag", ()), ("pyramid", "pyramid.frag", ()), ("radius", "radius.frag", ()),
-                     ("display", "display.frag", ())],
-    "phat-paper": [("relight", "relight_paper.frag", ()), ("pyramid", "pyramid.frag", ()), ("display", "display.frag", ("PAPER",))],
+                     ("display", "display.frag", ("AREA",))],
+    "phat-paper": [("relight", "relight_paper.frag", ()), ("pyramid", "pyramid.frag", ()), ("display", "display.frag", ("PAPER", "AREA"))],
 }
 FRAME = "640x360"
 

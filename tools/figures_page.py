@@ -24,8 +24,8 @@ def signed(value):
     return f"{value:+.3f}"
 
 
-def milliseconds(value):
-    return f"{value:.1f}" if value < 100 else f"{value:.0f}"
+def decimal(value):
+    return f"{value:.1f}" if value < 100 else f"{value:,.0f}"
 
 
 def name_of(method, figures):
@@ -59,7 +59,7 @@ def roughness_summary(figures, rows):
 
 
 def roughness_details(figures, rows):
-    body = [[f"{row['roughness']:g}", name_of(row["method"], figures), "" if row["microseconds"] is None else f"{row['microseconds']:.3g}",
+    body = [[f"{row['roughness']:g}", name_of(row["method"], figures), "" if row["microseconds"] is None else decimal(row["microseconds"]),
              *three(row), f"{row['flip']:.3f}"] for row in rows]
     return table(["roughness", "method", "us a pixel", "relMSE", "MAE/mean", "bias", "FLIP"], body)
 
@@ -70,7 +70,7 @@ def convergence_table(figures, series):
         exponent = f"{slope([(p['work'], p['relMse']) for p in points]):+.2f}"
         for point in points:
             work = f"{point['work']:,.0f} {point['unit']}"
-            body.append([name_of(method, figures), work, f"{point['microseconds']:.3g}", *three(point),
+            body.append([name_of(method, figures), work, decimal(point["microseconds"]), *three(point),
                          exponent if point is points[-1] else ""])
     return table(["method", "work", "us a pixel", "relMSE", "MAE/mean", "bias", "slope"], body)
 
@@ -81,6 +81,9 @@ def equal_tables(figures, results):
     time_rows += [[f"`{row['method']}`", seconds(row["seconds"]), row["spp"], *three(row)] for row in results["equal_time"]]
     error_rows = [[f"`{best}`", "", seconds(took), "1", "measured"]]
     for method, found in results["equal_error"].items():
+        if not found:
+            error_rows.append([f"`{method}`", "", "", "", "its error does not fall with more rays"])
+            continue
         error_rows.append([f"`{method}`", f"{found['work']:.0f} {found['unit']}", seconds(found["seconds"]),
                            f"{found['seconds'] / took:.1f}", found["how"]])
     return (table(["equal time", "s", "samples a pixel", "relMSE", "MAE/mean", "bias"], time_rows),
@@ -119,7 +122,7 @@ def cost_table(rows):
         ms, counts = row["milliseconds"], row["instructions"]
         label = f"`{row['method']}`" + (f", `--quality {row['quality']}`" if row["quality"] else "")
         total = sum(value for key, value in ms.items() if key != "shadows")
-        body.append([label, *(milliseconds(ms[key]) for key in ("relight", "pyramid", "display", "reflections")), milliseconds(total),
+        body.append([label, *(decimal(ms[key]) for key in ("relight", "pyramid", "display", "reflections")), decimal(total),
                      "" if row["reads"] is None else f"{row['reads']['mean']:.0f} / {row['reads']['max']:.0f}",
                      ", ".join(f"{name} {count}" for name, count in counts.items())])
     return table(["frame", "relight, ms", "pyramid, ms", "lookup and display, ms", "rays, ms", "all, ms", "reads a pixel, mean / most",
