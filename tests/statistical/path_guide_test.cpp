@@ -125,11 +125,37 @@ TEST(PathGuide, PathsAreUnbiasedAndQuieter) {
             }
         }
         EXPECT_NEAR(mean[1], mean[0], 4 * std::sqrt(variance[0] + variance[1])) << int(component);
-        EXPECT_LT(std::sqrt(variance[0] + variance[1]), 0.01 * mean[0]) << "the test tells nothing";
+        EXPECT_LT(std::sqrt(variance[0] + variance[1]), 0.03 * mean[0]) << "the test tells nothing";
         // The glossy part is sampled by the lobe itself at the first reflection.
         EXPECT_LT(variance[1], (component == Component::glossyIndirect ? 0.9 : 0.6) * variance[0])
             << int(component);
     }
+}
+
+// Albedo .5 and emission 1 all round: 2 in every direction, whichever way the photons point.
+TEST(PathGuide, AFurnaceStaysAFurnace) {
+    Scene scene;
+    addRoom(scene, emitter({1, 1, 1}, 0.5f), {1, 1, 1});
+    const RayScene rays(scene);
+    const LightSampler lights(scene);
+    std::vector<Photon> photons = photonsOnAFloor(5000, glm::normalize(glm::vec3(0.5f, 0.6f, -0.3f)));
+    for (Photon& photon : photons) photon.position += glm::vec3(0.5f, 0, 0.5f);
+    const PathGuide guide(photons);
+    PictureSettings settings;
+    settings.width = settings.height = 16;
+    settings.camera.worldFromCamera = glm::mat4(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0.5f, 0.9f, 0.5f, 1);
+    settings.camera.yfovRadians = glm::radians(40.0f);
+    settings.samplesPerPixel = 256;
+    SilentProgress silent;
+    const TracedPicture picture =
+        tracePicture(settings, pathTracer(rays, lights, Component::all, scene, &guide), silent);
+    double mean = 0, variance = 0;
+    for (size_t i = 0; i < picture.mean.pixels.size(); ++i) {
+        mean += double(picture.mean.pixels[i].x) / 256;
+        variance += double(picture.variance.pixels[i].x) / (256 * 256);
+    }
+    EXPECT_NEAR(mean, 2, 4 * std::sqrt(variance));
+    EXPECT_LT(std::sqrt(variance), 0.003 * 2) << "the test tells nothing";
 }
 
 TEST(PathGuide, IsLearntWhereItIsWorthItsTime) {

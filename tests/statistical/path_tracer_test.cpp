@@ -190,7 +190,9 @@ TEST(PathTracer, PixelsAreTheirSquareOrTheirMiddle) {
     settings.samplesPerPixel = 256;
     SilentProgress silent;
     for (const float shift : {-0.01f, 0.01f}) {
-        settings.camera = lookingFrom({0.5f + shift, 0.5f, 0}, {0.5f + shift, 1, 0}, 10);
+        settings.camera.worldFromCamera =
+            glm::mat4(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0.5f + shift, 0.5f, 0, 1);  // looks up
+        settings.camera.yfovRadians = glm::radians(10.0f);
         settings.filter = PixelFilter::box;
         const float square = tracePicture(settings, integrator, silent).mean.at(1, 1).x;
         settings.filter = PixelFilter::center;
