@@ -31,6 +31,9 @@ const float kFarther = 5.0;         // a sample that lies so many times farther 
 // Radians between a sample's own direction and the one it gets when it is reconnected: what it saw of a glossy thing
 // holds near its own direction alone.
 const float kMostTurn = 0.5;
+// Radians: beyond, what is close is another thing, however large cells and parallax are.
+const float kMostMiss = 0.4;
+const float kMostParallax = 0.35;
 const float kSlackMeters = 0.05;
 // Samples that the neighbourhood must hold under a lobe. With fewer a sharp lobe shows single samples; more widen lobes
 // at contacts, where places are drawn from a small one, until they see bright things far off; what does not aim has more
@@ -132,9 +135,9 @@ Found ask(Receiver r, ChartPlace chart, LookupTile tile, ivec2 q, vec3 wi, float
     if (aimed) {
         vec3 asStored = found.direction;
         reconnect(found, r, chart, tile, q, texel, bits);
-        float parallax = 0.408 * float(side) * chart.texelMeters / d;
+        float parallax = min(0.408 * float(side) * chart.texelMeters / d, kMostParallax);
         found.spread2 += parallax * parallax;
-        found.valid = 2.0 * (1.0 - dot(found.direction, wi)) <= 4.0 * found.spread2 &&
+        found.valid = 2.0 * (1.0 - dot(found.direction, wi)) <= min(4.0 * found.spread2, kMostMiss * kMostMiss) &&
                       2.0 * (1.0 - dot(found.direction, asStored)) <= kMostTurn * kMostTurn;
     }
     found.valid = found.valid && found.distance <= kFarther * d + kSlackMeters;
@@ -244,7 +247,9 @@ SeenLight lookUp(Receiver r, Lobe lobe, int rank, out float drawnAlpha) {
     vec3 wo = r.towardEye * worldFromLocal;
     if (wo.z <= 0.0) return seen;
     ChartPlace chart = chartPlace(r.chart);
-    ivec2 hereTexel = texelInChart(chart, r.texel, r.texel);
+    // Between tiles, a group's pixels are shared out to both.
+    vec2 within = (vec2(rank & 3, rank >> 2) - 1.5) * (float(kTileSize) / 4.0);
+    ivec2 hereTexel = texelInChart(chart, r.texel + within, r.texel);
     LookupTile here = lookupTileAt(chart, hereTexel);
     mat3 worldFromBlock = here.tilePatch.worldFromBlock;
     Probe probe = probeAt(here, hereTexel, r.position);
