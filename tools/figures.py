@@ -174,7 +174,7 @@ class Figures:
             output = self.shop.path(stem + ("-{}.exr" if edited else ".exr"))
             self.peer_facts[surface.scene, name] = self.shop.make(
                 stem, PEERS, "render", self.surfaces.bake(surface)[0], "--material", surface.material, *flags, "--size", surface.size,
-                "--center", *edited, output=output)
+                "--center", "--spp", 1, *edited, output=output)
             value = surface.edits[0].split("=")[1] if edited else ""
             pictures.append((name, output.with_name(output.name.format(value))))
         return pictures
