@@ -32,8 +32,9 @@ bench: setup
 	build/release/bench/phat_bench --benchmark_out=build/bench.json --benchmark_out_format=json
 	@echo "The figures are in build/bench.json; bench/README.md explains them"
 
-# QUICK=1: small pictures, a few minutes.
+# QUICK=1: few pixels and samples, a few minutes.
 figures: release
+	tools/setup figures
 	cmake --build build/release --target phat_peers -j $(BUILD_JOBS)
 	tools/figures.py $(if $(QUICK),--quick)
 

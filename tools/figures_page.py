@@ -1,13 +1,10 @@
 """docs/results.md, from what figures.py measured."""
 
 from figures_plot import slope
+from figures_run import table
+from goals import goals_table
 
 MADE_BY = "make figures"
-
-
-def table(header, rows):
-    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
 
 
 def pictures(shown, columns=3):
@@ -27,12 +24,25 @@ def signed(value):
     return f"{value:+.3f}"
 
 
+def decimal(value):
+    return f"{value:.1f}" if value < 100 else f"{value:,.0f}"
+
+
 def name_of(method, figures):
     return f"`{method}`" if method in figures.methods or method == "path" else method
 
 
+def three(row):
+    """Of scattered pixels, which FLIP cannot see."""
+    return [f"{row['relMse']:.3g}", f"{row['clean']:.3f}", signed(row["bias"])]
+
+
 def four(row):
     return [f"{row['relMse']:.3g}", f"{row['maeOverMean']:.3f}", signed(row["bias"]), f"{row['flip']:.3f}"]
+
+
+def phatexel_bytes(figures):
+    return next(facts["phatexelBytes"] for (scene, _), facts in figures.peer_facts.items() if scene == "tabletop")
 
 
 def roughness_summary(figures, rows):
@@ -40,66 +50,44 @@ def roughness_summary(figures, rows):
     values = sorted({row["roughness"] for row in rows})
     found = {(row["method"], row["roughness"]): row for row in rows}
     body = []
-    for name in names[1:] + names[:1]:
-        label = "noise of the reference" if name == "path" else name_of(name, figures)
-        facts = figures.peer_facts.get(name)
-        size = f"{(facts['bytes'] if facts else found_bytes(figures)) / 1e6:.2f}" if facts or name.startswith("phat-") or name == "phat" else ""
-        body.append([label, size] + [f"{found[name, value]['maeOverMean']:.3f}" for value in values])
+    for name in names:
+        facts = figures.peer_facts.get(("tabletop", name))
+        used = facts["bytes"] if facts else phatexel_bytes(figures) if name.startswith("phat") else None
+        body.append([name_of(name, figures), f"{used / 1e6:.2f}" if used else "", *(f"{found[name, value]['clean']:.3f}" for value in values)])
+    body.append(["noise of the reference, taken off", "", *(f"{found[names[0], value]['noise']:.3f}" for value in values)])
     return table(["MAE/mean at roughness", "MB on the table"] + [f"{value:g}" for value in values], body)
 
 
-def found_bytes(figures):
-    return next(iter(figures.peer_facts.values()))["phatexelBytes"]
-
-
 def roughness_details(figures, rows):
-    body = []
-    for row in rows:
-        noise = row["method"] == "path"
-        label = "`path` against itself" if noise else name_of(row["method"], figures)
-        body.append([f"{row['roughness']:g}", label, seconds(row["seconds"]), *four(row)])
-    return table(["roughness", "method", "s", "relMSE", "MAE/mean", "bias", "FLIP"], body)
+    body = [[f"{row['roughness']:g}", name_of(row["method"], figures), "" if row["microseconds"] is None else decimal(row["microseconds"]),
+             *three(row), f"{row['flip']:.3f}"] for row in rows]
+    return table(["roughness", "method", "us a pixel", "relMSE", "MAE/mean", "bias", "FLIP"], body)
 
 
 def convergence_table(figures, series):
     body = []
     for method, points in series.items():
-        kept = [point for point in points if point["relMse"] > 0]
-        exponent = f"{slope([(p['work'], p['relMse']) for p in kept]):+.2f}" if len(kept) > 1 else ""
+        exponent = f"{slope([(p['work'], p['relMse']) for p in points]):+.2f}"
         for point in points:
             work = f"{point['work']:,.0f} {point['unit']}"
-            last = exponent if point is points[-1] else ""
-            body.append([name_of(method, figures), work, seconds(point["seconds"]), *four(point), last])
-    return table(["method", "work", "s", "relMSE", "MAE/mean", "bias", "FLIP", "slope"], body)
-
-
-def equal_error(series, method, error, pixels):
-    """(seconds, how they were found) in which a method reaches an error, for `pixels` times the series' picture."""
-    points = [(pixels * point["seconds"], point["maeOverMean"]) for point in series[method]]
-    exponent = slope(points)
-    if exponent > -0.1:
-        return "", "its error does not fall with more rays"
-    nearest = min(points, key=lambda point: abs(point[1] - error))
-    found = nearest[0] * (error / nearest[1]) ** (1 / exponent)
-    inside = min(p[1] for p in points) <= error <= max(p[1] for p in points)
-    return seconds(found), "between measured points" if inside else f"extrapolated with slope {exponent:.2f}"
-
-
-def pixels_of(size):
-    width, height = size.split("x")
-    return int(width) * int(height)
+            body.append([name_of(method, figures), work, decimal(point["microseconds"]), *three(point),
+                         exponent if point is points[-1] else ""])
+    return table(["method", "work", "us a pixel", "relMSE", "MAE/mean", "bias", "slope"], body)
 
 
 def equal_tables(figures, results):
-    pixels = pixels_of(figures.plan.table_size) / pixels_of(figures.plan.series_size)
-    best, frame = figures.methods[0], results["frame"]
-    time_rows = [[f"`{best}`", seconds(frame["seconds"]), "", *four(frame)]]
-    time_rows += [[f"`{row['method']}`", seconds(row["seconds"]), row["spp"], *four(row)] for row in results["equal_time"]]
-    error_rows = [[f"`{best}`", seconds(frame["seconds"]), "measured"]]
-    for method in ("path", "photons-gather"):
-        error_rows.append([f"`{method}`", *equal_error(results["series"], method, frame["maeOverMean"], pixels)])
-    return (table(["equal time", "s", "samples a pixel", "relMSE", "MAE/mean", "bias", "FLIP"], time_rows),
-            table([f"equal error: MAE/mean {frame['maeOverMean']:.3f}", "s", "how found"], error_rows))
+    best, frame, took = figures.methods[0], results["frame"], results["frame_seconds"]
+    time_rows = [[f"`{best}`", seconds(took), "", *three(frame)]]
+    time_rows += [[f"`{row['method']}`", seconds(row["seconds"]), row["spp"], *three(row)] for row in results["equal_time"]]
+    error_rows = [[f"`{best}`", "", seconds(took), "1", "measured"]]
+    for method, found in results["equal_error"].items():
+        if not found:
+            error_rows.append([f"`{method}`", "", "", "", "its error does not fall with more rays"])
+            continue
+        error_rows.append([f"`{method}`", f"{found['work']:.0f} {found['unit']}", seconds(found["seconds"]),
+                           f"{found['seconds'] / took:.1f}", found["how"]])
+    return (table(["equal time", "s", "samples a pixel", "relMSE", "MAE/mean", "bias"], time_rows),
+            table([f"equal error: MAE/mean {frame['clean']:.3f}", "work", "s", "times a frame", "how found"], error_rows))
 
 
 def whole_table(figures, rows):
@@ -109,22 +97,68 @@ def whole_table(figures, rows):
     return table(["scene", "", *head, "glossy part", *head], body)
 
 
-def write_page(path, plan, figures, results):
-    best = figures.methods[0]
-    noise = results["series_noise"]
-    equal_time, equal_error_table = equal_tables(figures, results)
-    paper = results["paper"]
+def elsewhere_table(figures, rows):
+    return table(["scene", "surface", "method", "MB", "relMSE", "MAE/mean", "bias", "reference's noise"],
+                 [[f"`{row['scene']}`", row["material"], name_of(row["method"], figures), f"{row['bytes'] / 1e6:.2f}", *three(row),
+                   f"{row['noise']:.3f}"] for row in rows])
+
+
+def bakes_table(bakes):
+    """Of the first seed's."""
+    body = []
+    for one in bakes:
+        bake, drawn = one["bake"], one["drawn"]
+        body.append([one["name"], f"{bake['atlas']['finestTexelSize'] * 1e3:.2f} to {bake['atlas']['texelSize'] * 1e3:.1f}",
+                     f"{bake['atlas']['width'] * bake['atlas']['height'] / 1e6:.2f} M", seconds(bake["seconds"]),
+                     f"{one['fileBytes'] / 1e6:.1f}", seconds(drawn["seconds"]["prepareLookup"]), f"{drawn['bytesPerPhatexel']:.1f}",
+                     f"{one['reads']['mean']:.0f} / {one['reads']['max']:.0f}"])
+    return table(["bake", "texels, mm", "texels in the atlas", "bake, s", "file, MB", "prepare the lookup, s", "bytes a PHATexel",
+                  "reads a pixel, mean / most"], body)
+
+
+def cost_table(rows):
+    body = []
+    for row in rows:
+        ms, counts = row["milliseconds"], row["instructions"]
+        label = f"`{row['method']}`" + (f", `--quality {row['quality']}`" if row["quality"] else "")
+        total = sum(value for key, value in ms.items() if key != "shadows")
+        body.append([label, *(decimal(ms[key]) for key in ("relight", "pyramid", "display", "reflections")), decimal(total),
+                     "" if row["reads"] is None else f"{row['reads']['mean']:.0f} / {row['reads']['max']:.0f}",
+                     ", ".join(f"{name} {count}" for name, count in counts.items())])
+    return table(["frame", "relight, ms", "pyramid, ms", "lookup and display, ms", "rays, ms", "all, ms", "reads a pixel, mean / most",
+                  "SPIR-V instructions"], body)
+
+
+def pan_table(result):
+    path = result["path"]
+    return table(["method", "change from frame to frame, mean", "most", "times that of `path`"],
+                 [[f"`{name}`", f"{result[name]['mean']:.4f}", f"{result[name]['worst']:.4f}", f"{result[name]['mean'] / path['mean']:.2f}"]
+                  for name in ("path", "phat", "phat-pyramid")])
+
+
+def write_page(path, figures, results):
+    plan, best = figures.plan, figures.methods[0]
     quick = plan.name == "quick"
-    size = plan.table_size
+    equal_time, equal_error_table = equal_tables(figures, results)
+    paper, frame, speed, pan = results["paper"], results["frame"], results["path_speed"], results["pan"]
+    rays_a_texel = next(facts["raysPerTexel"] for facts in figures.peer_facts.values() if "raysPerTexel" in facts)
+    pixels, spp = plan.reference.pixels, plan.reference.spp
     body = f"""# Results in detail
 
 This page, its tables and its pictures are written by `{MADE_BY}{' QUICK=1' if quick else ''}` (`tools/figures.py`); nothing
-on it is typed. {'**It is from a quick run: small pictures, few samples, noisy references. `make figures` makes the whole one.**' if quick else '`make figures QUICK=1` makes a smaller one in five minutes.'}
+on it is typed. {'**It is from a quick run: few pixels, few samples, noisy references. `make figures` makes the whole one.**' if quick else '`make figures QUICK=1` makes a smaller one.'}
 What a run made is kept in `out/figures/` and used again by the next.
 
 All times are of a machine with **2 cores and no GPU**: OpenGL is Mesa's software driver. The bake (and the tracing of
 photons) is not counted. Pictures are shown one stop brighter than they are. The metrics are those of `phat compare`
-([pipeline.md](pipeline.md), section 12), FLIP with the same exposure. Paper: Hensley et al. 2003.
+([pipeline.md](pipeline.md), section 12). Paper: Hensley et al. 2003.
+
+**How errors are measured.** But for whole pictures, of glossy indirect light alone, against `path` with {spp:,} samples in each of {pixels:,}
+pixels that are scattered over the surface at random. All show the middles of pixels (`--pixel-filter center`): one
+frame, no anti-aliasing. Where a material is changed after the bake, the reference's light is that of the file's materials, too
+(`--keep-light`), since a bake can know no other. The reference's noise is known from its variance and taken off:
+MAE/mean is `sqrt(MAE^2 - noise^2)`, as squares of independent errors add up. FLIP, which looks at neighbourhoods, is measured in a
+window of 180x60 pixels where objects touch the table, against {plan.window_spp} samples a pixel.
 
 ## The paper's figures
 
@@ -143,8 +177,8 @@ A small one has too few samples, which is noise; a large one blurs and smears wh
 
 {pictures(paper["5"])}
 
-**Figure 6.** The paper's two photon-map solutions, {size}: photons gathered at the visible point, and at the first bounce
-({plan.gather_rays} rays a pixel). The third is `path` with {plan.whole_spp} samples a pixel.
+**Figure 6.** The paper's two photon-map solutions: photons gathered at the visible point, and at the first bounce
+({plan.gather_rays} rays a pixel). The third is `path` with {plan.shown_spp} samples a pixel.
 
 {pictures(paper["6"])}
 
@@ -155,41 +189,74 @@ and by the taps of one level that `phat-pyramid` weighs by the cone. The levels'
 
 ## Methods by roughness
 
-The table top's glossy indirect light, on the pixels that show the table top and nothing else, {size}. The bake was made
-with the file's roughness; the material is changed when the picture is made (`--set`). The reference is `path` at the same roughness,
-{plan.reference_spp} samples a pixel; its noise is estimated from a second picture with other random numbers, and is part of every figure. `photons-gather` has {plan.gather_rays} rays a pixel.
+The table top in the file's view, 480x270, from a bake with default settings. `photons-gather` has {plan.gather_rays} rays a pixel.
 
 The last rows are **peers** (`bench/peers`): a box-projected, prefiltered reflection probe, and a lightmap of 9 spherical gaussians. Each
 may use as many bytes as the PHATexels of the table have, and is baked with the same path tracing. Both are given more than
-engines give them: the probe a prefiltered level for exactly this roughness, the gaussians {next(f['raysPerTexel'] for f in figures.peer_facts.values() if 'raysPerTexel' in f)} rays a texel. "Exact BRDF" reads the gaussians
+engines give them: the probe a prefiltered level for exactly this roughness, the gaussians {rays_a_texel} rays a texel. "Exact BRDF" reads the gaussians
 by sampling instead of engines' closed form. Their times would say nothing: they are not drawn by OpenGL.
 
 {roughness_summary(figures, results["rows"])}
 
 ![](figures/roughness.svg)
 
-At roughness .25:
+At roughness .25, 240x135 (`path` with {plan.shown_spp} samples a pixel):
 
 {pictures(results["shown"])}
 
 {roughness_details(figures, results["rows"])}
 
+The default bakes of the other scenes against peers of as many bytes, on their floors:
+
+{elsewhere_table(figures, results["peers_elsewhere"])}
+
+## Goals
+
+`{best}` in a single frame and in the mean of eight frames of a still view, and `phat-gather`, by the size of the table's texels (mm), view,
+material and roughness. Errors are two standard errors over bakes with different seeds, where there are several.
+"Lookup alone" is without rays for lobes below a roughness of .2 (`--reflections lookup`). "Met" is judged without the reference's noise.
+
+{goals_table(results["goals"])}
+
+What these bakes take and hold; reads of a single frame at the size above, for the indirect glossy light:
+
+{bakes_table(results["bakes"])}
+
 ## Equal time, equal error
 
-A frame of `{best}` against what tracing reaches in its time, and the time that tracing takes to its error: glossy indirect light of the table
-top at roughness .25, {size}. At equal time `photons-gather` has one ray a sample; one sample is the least that either takes. The times to
-an equal error are those of the convergence below, by the number of pixels. Both cost by the pixel, but for the lamps' light,
-which a frame of `{best}` first shades on all texels.
+A frame of `{best}` against what tracing reaches in its time, and the time that tracing takes to its error: the table top at roughness .25,
+480x270. At equal time `photons-gather` has one ray a sample; one sample is the least that either takes. The work to
+an equal error is read off the convergence below, its time is that of the same samples in the whole frame.
 
 {equal_time}
 
 {equal_error_table}
 
+## Cost of a frame
+
+`scenes/tabletop.glb` with all its light, 640x360, one sample a pixel. `phat-paper` is the paper's three passes. Instructions are those of the
+fragment shaders as SPIR-V (`glslangValidator`, `spirv-opt -O`), with all functions inlined and loops counted once. `relight` and `pyramid` are
+drawn by the texel, the others by the pixel. Reads are those of the indirect glossy light.
+
+{cost_table(results["cost"])}
+
+## A pan
+
+The camera turns by {pan['degrees']:g} degrees in {pan['frames']} frames; mean change of a pixel from one frame to the next over the mean, of 300 pixels
+in the middle of the table, one sample each; `path` has {pan['spp']} samples a pixel in every frame. Most of it is the picture's own motion.
+
+{pan_table(pan)}
+
+## The path tracer
+
+On `scenes/tabletop.glb`, 480x270, all light, `path` with {speed['spp']} samples a pixel has a relMSE of {speed['relMse']:.4f} against Cycles' picture in {speed['seconds']:.1f} s.
+The error of independent samples falls with their number: .01 takes about **{speed['samples']:.0f} samples and {speed['secondsToError']:.0f} s**, {speed['guideSeconds']:.1f} s of them to learn the guide.
+Cycles takes .22 s a sample on 2 such cores and about 145 samples: 32 s.
+
 ## Convergence
 
-The same light while each method is given more: photons, gather rays, texels, samples. The slope is a least-squares fit
-of log relMSE over log work; -1 is that of independent samples, 0 that of a method whose error is not noise. The reference has
-{noise['spp']} samples a pixel and a noise of {noise['relMse']:.3g} (relMSE), which is taken off, and {noise['maeOverMean']:.3f} (MAE/mean), which is not.
+The table top at roughness .25 while each method is given more: photons, gather rays, texels, samples. The slope is a least-squares fit
+of log relMSE over log work; -1 is that of independent samples, 0 that of a method whose error is not noise.
 
 ![](figures/convergence.svg)
 
@@ -197,8 +264,8 @@ of log relMSE over log work; -1 is that of independent samples, 0 that of a meth
 
 ## Whole pictures
 
-All light, at the size of the references in `tests/data/references/`, which are Blender Cycles'; `path` has {plan.whole_spp} samples a pixel,
-whose noise is part of every comparison with it. Shown at half size.
+All light, 4 samples a pixel, at the size of the references in `tests/data/references/`, which are Blender Cycles'; `path` has {plan.whole_spp} samples a pixel,
+whose noise is part of every comparison with it. FLIP with an exposure of one stop. Shown at half size.
 
 {whole_table(figures, results["whole"])}
 

@@ -9,6 +9,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PHAT = ROOT / "build/release/phat"
 PEERS = ROOT / "build/release/bench/peers/phat_peers"
+SHADERS = ROOT / "shaders"
 
 
 class Workshop:
@@ -25,14 +26,15 @@ class Workshop:
     def make(self, name, program, *arguments, keep=False, output=None):
         """Runs `program arguments -o NAME` unless the same command has made it; the command's JSON, or {}.
 
-        Pictures older than the program are made anew, but for those to `keep`: references, which take long.
+        Pictures older than the program or its shaders are made anew, but for those to `keep`: references, which
+        take long.
         `output`: for commands that make several files of a pattern, NAME being the record's.
         """
         target, record = self.path(name), self.path(name + ".json")
         command = [str(word) for word in arguments] + ["-o", str(output or target)]
         if record.exists():
             old = json.loads(record.read_text())
-            fresh = keep or record.stat().st_mtime >= program.stat().st_mtime
+            fresh = keep or record.stat().st_mtime >= self.changed(program, arguments[0])
             if old["command"] == command and fresh and (output or target.exists()):
                 return old["said"]
         self.say(name)
@@ -40,6 +42,10 @@ class Workshop:
         said = json.loads(said) if said.lstrip().startswith(("{", "[")) else {}
         record.write_text(json.dumps({"command": command, "said": said}, indent=1))
         return said
+
+    def changed(self, program, command):
+        files = [program, *(SHADERS.rglob("*.*") if command == "render" else ())]
+        return max(file.stat().st_mtime for file in files)
 
     def say(self, text):
         print(f"{time.monotonic() - self.started:6.0f} s  {text}", flush=True)
@@ -49,11 +55,17 @@ def run(program, *arguments):
     """What the program prints; a failure ends the script with the program's own words."""
     done = subprocess.run([str(program), *map(str, arguments)], capture_output=True, text=True)
     if done.returncode != 0:
-        sys.exit(f"{program.name} {' '.join(map(str, arguments))}\n{done.stderr.strip()}")
+        sys.exit(f"{pathlib.Path(program).name} {' '.join(map(str, arguments))}\n{done.stderr.strip()}")
     return done.stdout
 
 
-def compare(picture, reference, mask=None, exposure=0):
-    """relMse, maeOverMean, bias, flip of a picture."""
-    masked = ["--mask", mask] if mask else []
+def compare(picture, reference, mask=None, exposure=0, variance=None):
+    """relMse, maeOverMean, bias, flip of a picture; with the reference's variance also the noise that it has."""
+    masked = (["--mask", mask] if mask else []) + (["--variance", variance] if variance else [])
     return json.loads(run(PHAT, "compare", picture, reference, *masked, "--exposure", exposure, "--json"))
+
+
+def table(header, rows):
+    """As Markdown."""
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])

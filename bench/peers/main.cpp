@@ -4,11 +4,15 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <glm/gtc/matrix_transform.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/lights.h"
 #include "gaussian_lightmap.h"
 #include "gl/renderer.h"
+#include "gl/shader_loader.h"
 #include "io/baked_file.h"
 #include "io/file_error.h"
 #include "io/image_file.h"
@@ -31,6 +35,12 @@ struct Options {
     float exposureStops = 0;
     int shrink = 1;
     int zoom = 1;
+    std::vector<float> eye, target;  // empty: the file's camera
+    uint32_t count = 0;
+    std::vector<int> window;  // x y width height; empty: all
+    std::string mask;
+    bool center = false;
+    std::vector<std::string> defines;
 };
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
@@ -74,6 +84,7 @@ void writeViews(const Options& options, const RayScene& rays, uint32_t material,
         settings.height = options.height;
         settings.camera = firstCamera(edited, options.input);
         settings.samplesPerPixel = options.samplesPerPixel;
+        if (options.center) settings.filter = PixelFilter::center;
         const auto start = std::chrono::steady_clock::now();
         const TracedPicture picture =
             tracePicture(settings, peerIntegrator(rays, edited, material, shade), progress);
@@ -137,11 +148,48 @@ void renderPeer(const Options& options) {
     fmt::print("{}\n", report.dump());
 }
 
+/// The first camera, moved as `phat render --eye --target` would.
+Camera cameraOf(const Options& options, const Scene& scene) {
+    Camera camera = firstCamera(scene, options.input);
+    if (options.eye.empty()) return camera;
+    const glm::vec3 eye(options.eye[0], options.eye[1], options.eye[2]);
+    const glm::vec3 target(options.target[0], options.target[1], options.target[2]);
+    camera.worldFromCamera = glm::inverse(glm::lookAt(eye, target, glm::vec3(0, 1, 0)));
+    camera.aspect = 0;
+    return camera;
+}
+
 void writeMask(const Options& options) {
     const Scene scene = loadGltf(options.input).scene;
     const RayScene rays(scene);
-    writeExr(options.output, materialMask(rays, materialNamed(scene, options.material),
-                                          firstCamera(scene, options.input), options.width, options.height));
+    Image mask = materialMask(rays, materialNamed(scene, options.material), cameraOf(options, scene),
+                              options.width, options.height);
+    if (!options.window.empty())
+        keepWindow(mask, options.window[0], options.window[1], options.window[2], options.window[3]);
+    writeExr(options.output, mask);
+}
+
+/// A picture that is black outside the mask, for FLIP, which looks at the neighbourhood.
+void writeKept(const Options& options) {
+    Image picture = readPicture(options.input);
+    const Image mask = readPicture(options.mask);
+    if (mask.width != picture.width || mask.height != picture.height)
+        throw FileError(options.mask, "has another size than " + options.input);
+    for (size_t i = 0; i < picture.pixels.size(); ++i)
+        if (!(mask.pixels[i].x > 0.5f)) picture.pixels[i] = glm::vec3(0);
+    writeExr(options.output, picture);
+}
+
+/// A shader as the renderer hands it to the driver, for compilers that count its instructions.
+void writeShader(const Options& options) {
+    const std::filesystem::path path(options.input);
+    const ShaderSource source = assembleShader(path.parent_path().string(), path.filename().string(),
+                                               GlslFlavor::desktop, options.defines);
+    std::ofstream(options.output) << source.text;
+}
+
+void writeThinned(const Options& options) {
+    writeExr(options.output, thinned(readPicture(options.input), options.count));
 }
 
 /// The chart of a material that the camera sees most of.
@@ -229,6 +277,7 @@ int run(int argc, char** argv) {
     peer->add_option("--spp", options.samplesPerPixel)->check(CLI::Range(1, 65536));
     peer->add_option("--at", options.place, "The probe's x y z; default: the middle of the scene")
         ->expected(3);
+    peer->add_flag("--center", options.center, "Show the middles of pixels");
     peer->add_option("--reading", options.reading, "Of gaussians")->check(CLI::IsMember({"warped", "exact"}));
     peer->add_option("--rays", options.raysPerTexel, "A texel of gaussians")->check(CLI::Range(1, 65536));
     peer->callback([&] { parseSize(), renderPeer(options); });
@@ -236,7 +285,23 @@ int run(int argc, char** argv) {
     CLI::App* mask = files(app.add_subcommand("mask", "Where the first camera sees a material"));
     mask->add_option("--material", options.material)->required();
     mask->add_option("--size", size, "WxH");
+    CLI::Option* eye = mask->add_option("--eye", options.eye, "x y z")->expected(3);
+    CLI::Option* target = mask->add_option("--target", options.target, "x y z")->expected(3)->needs(eye);
+    eye->needs(target);
+    mask->add_option("--window", options.window, "x y width height: nothing outside")->expected(4);
     mask->callback([&] { parseSize(), writeMask(options); });
+
+    CLI::App* thin = files(app.add_subcommand("thin", "So many pixels of a mask, scattered at random"));
+    thin->add_option("--count", options.count)->required()->check(CLI::PositiveNumber);
+    thin->callback([&] { writeThinned(options); });
+
+    CLI::App* keep = files(app.add_subcommand("keep", "A picture, black outside a mask"));
+    keep->add_option("--mask", options.mask)->required();
+    keep->callback([&] { writeKept(options); });
+
+    CLI::App* shader = files(app.add_subcommand("shader", "A shader with its includes"));
+    shader->add_option("--define", options.defines);
+    shader->callback([&] { writeShader(options); });
 
     CLI::App* chart = files(app.add_subcommand(
         "chart", "Radiance of the PHATexels of a material, of the chart that is seen most"));

@@ -39,4 +39,21 @@ Image materialMask(const RayScene& rays, uint32_t material, const Camera& camera
     return mask;
 }
 
+void keepWindow(Image& mask, int left, int top, int width, int height) {
+    for (int y = 0; y < mask.height; ++y)
+        for (int x = 0; x < mask.width; ++x)
+            if (x < left || y < top || x >= left + width || y >= top + height) mask.at(x, y) = glm::vec3(0);
+}
+
+Image thinned(const Image& mask, size_t count) {
+    std::vector<size_t> kept;
+    for (size_t i = 0; i < mask.pixels.size(); ++i)
+        if (mask.pixels[i].x > 0.5f) kept.push_back(i);
+    std::sort(kept.begin(), kept.end(), [](size_t a, size_t b) { return hashOf(a) < hashOf(b); });
+    kept.resize(std::min(count, kept.size()));
+    Image thin(mask.width, mask.height);
+    for (const size_t i : kept) thin.pixels[i] = glm::vec3(1);
+    return thin;
+}
+
 }  // namespace phat::peers

@@ -26,4 +26,10 @@ Integrator peerIntegrator(const RayScene& rays, const Scene& materials, uint32_t
 /// 1 where all four corners and the middle of a pixel show `material`: pixels without an edge in them.
 Image materialMask(const RayScene& rays, uint32_t material, const Camera& camera, int width, int height);
 
+/// Black outside so many pixels from (x, y) on.
+void keepWindow(Image& mask, int x, int y, int width, int height);
+
+/// `count` of the mask's pixels, or all if it has fewer, chosen at random and always the same ones.
+Image thinned(const Image& mask, size_t count);
+
 }  // namespace phat::peers

@@ -198,5 +198,30 @@ TEST(PeerPicture, MaskKeepsPixelsWithoutEdges) {
     EXPECT_THROW(materialNamed(scene, "ceiling"), std::invalid_argument);
 }
 
+TEST(PeerPicture, ThinnedMasksAreScatteredPartsOfTheMask) {
+    Image mask(40, 20);
+    for (int y = 0; y < 20; ++y)
+        for (int x = 0; x < 20; ++x) mask.at(x, y) = glm::vec3(1);
+    const Image thin = thinned(mask, 100);
+    int kept = 0, quarters[4] = {};
+    for (int y = 0; y < 20; ++y) {
+        for (int x = 0; x < 40; ++x) {
+            if (thin.at(x, y).x < 0.5f) continue;
+            EXPECT_LT(x, 20);
+            ++kept;
+            ++quarters[x / 10 + 2 * (y / 10)];
+        }
+    }
+    EXPECT_EQ(kept, 100);
+    // 25 expected, sigma 3.8.
+    for (const int quarter : quarters) EXPECT_NEAR(quarter, 25, 4 * 3.8);
+    EXPECT_EQ(thinned(mask, 1000).pixels, mask.pixels);
+
+    keepWindow(mask, 15, 18, 10, 10);
+    kept = 0;
+    for (const glm::vec3& pixel : mask.pixels) kept += pixel.x > 0.5f;
+    EXPECT_EQ(kept, 5 * 2);
+}
+
 }  // namespace
 }  // namespace phat::peers

@@ -22,8 +22,9 @@ enum class Map { flip, signedError };
 struct CompareOptions {
     std::string test;
     std::string reference;
-    std::string mask;  // empty: none
-    std::string out;   // empty: none
+    std::string mask;      // empty: none
+    std::string variance;  // of the reference; empty: not known
+    std::string out;       // empty: none
     Map map = Map::flip;
     float exposureStops = 0;
     bool json = false;
@@ -111,13 +112,15 @@ void expose(Image& image, float stops) {
     for (glm::vec3& pixel : image.pixels) pixel *= scale;
 }
 
-void print(const CompareOptions& options, const Metrics& metrics, size_t allPixels) {
+void print(const CompareOptions& options, const Metrics& metrics, std::optional<double> noise,
+           size_t allPixels) {
     if (options.json) {
         // Infinite figures (a black reference) become null, as JSON has no infinity.
-        const nlohmann::ordered_json report{
+        nlohmann::ordered_json report{
             {"test", options.test},     {"reference", options.reference},     {"pixels", metrics.pixels},
             {"relMse", metrics.relMse}, {"maeOverMean", metrics.maeOverMean}, {"bias", metrics.bias},
             {"flip", metrics.flip}};
+        if (noise) report["noise"] = *noise;
         fmt::print("{}\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
         return;
     }
@@ -125,6 +128,7 @@ void print(const CompareOptions& options, const Metrics& metrics, size_t allPixe
     fmt::print("MAE/mean  {:10.6f}\n", metrics.maeOverMean);
     fmt::print("bias      {:+10.6f}\n", metrics.bias);
     fmt::print("FLIP      {:10.6f}\n", metrics.flip);
+    if (noise) fmt::print("noise     {:10.6f}\n", *noise);
     fmt::print("pixels    {:10} of {}\n", metrics.pixels, allPixels);
 }
 
@@ -136,6 +140,12 @@ void compare(const CompareOptions& options) {
     if (!options.mask.empty()) {
         mask = readPicture(options.mask);
         requireSize(options.mask, *mask, options.reference, reference);
+    }
+    std::optional<double> noise;
+    if (!options.variance.empty()) {
+        const Image variance = readFinite(options.variance);
+        requireSize(options.variance, variance, options.reference, reference);
+        noise = noiseOverMean(reference, variance, mask ? &*mask : nullptr);
     }
     // Only FLIP notices: the other figures are relative.
     expose(test, options.exposureStops);
@@ -149,7 +159,7 @@ void compare(const CompareOptions& options) {
         if (mask) dimOutside(picture, *mask);
         writePng(options.out, picture);
     }
-    print(options, metrics, reference.pixels.size());
+    print(options, metrics, noise, reference.pixels.size());
 }
 
 }  // namespace
@@ -160,6 +170,11 @@ void addCompareCommand(CLI::App& app) {
     CLI::Option* reference = command->add_option("REFERENCE", "What it should be")->required();
     CLI::Option* mask =
         command->add_option("--mask", "Picture; only pixels above 0.5 count")->type_name("FILE");
+    CLI::Option* variance =
+        command
+            ->add_option("--variance",
+                         "The reference's, from phat render: prints the MAE/mean that its noise alone brings")
+            ->type_name("FILE.exr");
     CLI::Option* out = command->add_option("--out", "Write a difference picture")->type_name("FILE.png");
     CLI::Option* map =
         command
@@ -182,6 +197,7 @@ void addCompareCommand(CLI::App& app) {
         options.test = test->as<std::string>();
         options.reference = reference->as<std::string>();
         if (*mask) options.mask = mask->as<std::string>();
+        if (*variance) options.variance = variance->as<std::string>();
         if (*out) options.out = out->as<std::string>();
         options.map = map->as<std::string>() == "flip" ? Map::flip : Map::signedError;
         options.exposureStops = exposure->as<float>();

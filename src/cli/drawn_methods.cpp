@@ -59,6 +59,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
                              .component = options.component,
                              .inspection = {options.countReads ? Inspected::reads : Inspected::nothing},
                              .samplesPerPixel = options.samplesPerPixel,
+                             .filter = options.filter,
                              .traced = tracing ? &tracing->traced : nullptr});
         progress.throwIfStopped();
         writePicture(options, view, picture);

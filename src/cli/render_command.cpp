@@ -21,6 +21,8 @@ namespace {
 using nlohmann::json;
 
 constexpr double kMostAnimationSeconds = 1e6;
+constexpr std::array<FlagName<PixelFilter>, 2> kFilterNames = {
+    {{"box", PixelFilter::box}, {"center", PixelFilter::center}}};
 constexpr int kMaxDrawnSamples = 4096, kMaxTracedSamples = 65536;
 
 std::vector<std::string> methodNames() {
@@ -134,11 +136,17 @@ void addRenderCommand(CLI::App& app) {
         option("--time", "SECONDS", "Traced methods: as many samples as fit, instead of --spp")
             ->check(CLI::Range(0.001, 1e6))
             ->excludes(spp);
+    CLI::Option* filter =
+        option("--pixel-filter", "NAME", "What samples show: box, all of a pixel; center, its middle")
+            ->check(CLI::IsMember(namesOf(kFilterNames)))
+            ->default_val("box");
     CLI::Option* seed = option("--seed", "S", "Traced methods: of all random numbers; default: 1")
                             ->check(CLI::NonNegativeNumber);
     CLI::Option* threads = option("--threads", "T", "Default: all cores")->check(CLI::Range(1, 1024));
     CLI::Option* variance =
         option("--variance", "FILE", "Traced methods: the variance of each pixel's mean, .exr");
+    CLI::Option* pixelMask =
+        option("--pixels", "FILE", "Traced methods: only those above 0.5 in this picture, the rest black");
     CLI::Option* photons =
         option("--photons", "N", "photons-direct, photons-gather: photons to emit; default: 500k");
     CLI::Option* neighbors = option("--gather-neighbors", "K", "The same: photons in a density estimate")
@@ -188,6 +196,9 @@ void addRenderCommand(CLI::App& app) {
     CLI::Option* edits =
         option("--set", "MATERIAL.PROPERTY=VALUE", "Changes a material, e.g. floor.roughness=0.3")
             ->expected(1, -1);
+    CLI::Option* keepLight =
+        command->add_flag("--keep-light")
+            ->description("Methods without a bake: --set changes what the eye meets, not the light on it");
     CLI::Option* exposure = option("--exposure", "EV", "Stops, for .png and .jpg")
                                 ->check(CLI::Range(-40.0, 40.0))
                                 ->default_val("0");
@@ -212,7 +223,7 @@ void addRenderCommand(CLI::App& app) {
             options.height = pixels.y;
         }
         if (!options.method.traced) {
-            for (const CLI::Option* traced : {time, seed, variance})
+            for (const CLI::Option* traced : {time, seed, variance, pixelMask})
                 if (*traced)
                     throw CLI::ValidationError(
                         traced->get_name(),
@@ -229,6 +240,7 @@ void addRenderCommand(CLI::App& app) {
         };
         onlyFor({photons, neighbors}, options.method.readsPhotons);
         onlyFor({gatherRays}, name == "photons-gather");
+        onlyFor({keepLight}, !options.method.needsBake);
         onlyFor({radius, traceVisibility}, name == "phat-gather");
         onlyFor({quality, countReads, reflections, animate}, name == "phat");
         if (*animate) {
@@ -255,6 +267,9 @@ void addRenderCommand(CLI::App& app) {
         options.reflections = valueOf(kReflectionNames, reflections->as<std::string>());
         options.gather.traceVisibility = traceVisibility->count() > 0;
         if (*variance) options.varianceOutput = variance->as<std::string>();
+        if (*pixelMask) options.pixels = pixelMask->as<std::string>();
+        options.filter = valueOf(kFilterNames, filter->as<std::string>());
+        options.keepLight = keepLight->count() > 0;
         options.component = valueOf(kComponentNames, component->as<std::string>());
         if (*environment) options.environment = environment->as<std::string>();
         if (*edits) options.edits = edits->results();

@@ -46,7 +46,7 @@ Scene loadScene(const RenderOptions& options) {
     Scene scene = isBakedFile(options.input) ? std::move(readBakedFile(options.input).loaded.scene)
                                              : std::move(loadGltf(options.input).scene);
     if (!options.environment.empty()) scene.environment = loadEnvironment(options.environment);
-    editScene(options, scene);
+    if (!options.keepLight) editScene(options, scene);
     return scene;
 }
 

@@ -9,7 +9,7 @@
 
 namespace phat {
 
-/// The scene of a plain or a baked file, with the options' environment and edits.
+/// The scene of a plain or a baked file, with the options' environment and, but for --keep-light, edits.
 /// Throws FileError, and CLI::ValidationError for wrong edits.
 Scene loadScene(const RenderOptions& options);
 

@@ -49,6 +49,7 @@ struct RenderOptions {
     std::string input;
     std::string output;
     std::string varianceOutput;  // traced methods; empty: none
+    std::string pixels;          // mask of those to trace; empty: all
     std::string environment;     // empty: the file's own
     std::string camera;          // name, index or kAllCameras; empty: the first
     std::optional<glm::vec3> eye, target;
@@ -59,6 +60,7 @@ struct RenderOptions {
     Quality quality = Quality::standard;  // phat
     bool countReads = false;              // phat
     double seconds = 0;                   // traced methods; > 0: instead of samplesPerPixel
+    PixelFilter filter = PixelFilter::box;
     uint64_t seed = 1;
     std::optional<int> threads;
     uint64_t photons = PhotonSettings().count;         // photons-direct, photons-gather
@@ -68,6 +70,7 @@ struct RenderOptions {
     Component component = Component::all;
     std::optional<AnimatedFrames> animated;  // phat
     std::vector<std::string> edits;
+    bool keepLight = false;  // methods without a bake: the edits are for the eye alone
     float exposureStops = 0;
     ToneMap toneMap = ToneMap::agx;
     bool quiet = false;

@@ -1,16 +1,35 @@
 // The methods of `phat render` that trace rays on the CPU.
 
+#include <fmt/format.h>
+
 #include <chrono>
 
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
 #include "cli/traced_scene.h"
+#include "io/file_error.h"
 #include "io/image_file.h"
 
 namespace phat {
 
 using nlohmann::json;
+
+namespace {
+
+std::vector<uint32_t> pixelsOf(const std::string& path, const View& view) {
+    const Image mask = readPicture(path);
+    if (mask.width != view.width || mask.height != view.height)
+        throw FileError(path, fmt::format("is {} x {} pixels, the picture {} x {}", mask.width, mask.height,
+                                          view.width, view.height));
+    std::vector<uint32_t> kept;
+    for (size_t i = 0; i < mask.pixels.size(); ++i)
+        if (mask.pixels[i].x > 0.5f) kept.push_back(uint32_t(i));
+    if (kept.empty()) throw FileError(path, "keeps no pixel (none exceeds 0.5)");
+    return kept;
+}
+
+}  // namespace
 
 std::vector<json> renderTraced(const RenderOptions& options, Progress& progress) {
     const TracedScene traced(options, progress);
@@ -25,6 +44,8 @@ std::vector<json> renderTraced(const RenderOptions& options, Progress& progress)
         settings.samplesPerPixel = options.samplesPerPixel;
         settings.seconds = options.seconds;
         settings.seed = options.seed;
+        settings.filter = options.filter;
+        if (!options.pixels.empty()) settings.pixels = pixelsOf(options.pixels, view);
         const auto start = std::chrono::steady_clock::now();
         const TracedPicture picture = tracePicture(settings, traced.integrator, progress);
         const double seconds =
@@ -40,6 +61,7 @@ std::vector<json> renderTraced(const RenderOptions& options, Progress& progress)
                            {"height", view.height},
                            {"samplesPerPixel", picture.samplesPerPixel},
                            {"seconds", seconds},
+                           {"guideSeconds", traced.guideSeconds},
                            {"raysPerSecond", double(picture.rays) / std::max(seconds, 1e-9)}});
     }
     return reports;

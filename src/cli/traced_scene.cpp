@@ -1,8 +1,10 @@
 #include "cli/traced_scene.h"
 
+#include <chrono>
 #include <string_view>
 
 #include "cli/render_files.h"
+#include "core/path_guide.h"
 #include "core/path_tracer.h"
 
 namespace phat {
@@ -15,10 +17,30 @@ BakedScene load(const RenderOptions& options, Progress& progress) {
     return plain;
 }
 
+Scene seenScene(const RenderOptions& options, const Scene& scene) {
+    if (!options.keepLight) return {};
+    Scene seen = scene;
+    editScene(options, seen);
+    return seen;
+}
+
 PhotonMap photonsFor(const TracedScene& traced, const RenderOptions& options, Progress& progress) {
     if (!options.method.readsPhotons) return {};
     const PhotonSettings settings{.count = options.photons, .seed = options.seed};
     return tracePhotons(traced.rays, traced.lights, settings, progress);
+}
+
+PathGuide guideFor(TracedScene& traced, const RenderOptions& options, Progress& progress) {
+    if (std::string_view(options.method.name) != "path" || options.component == Component::direct) return {};
+    // What a core or two trace in a second; the height where the camera decides it is about this.
+    constexpr double kPathsPerSecond = 500'000, kHeightPerWidth = 9.0 / 16;
+    const double height = options.height > 0 ? options.height : kHeightPerWidth * options.width;
+    const double paths = options.seconds > 0 ? options.seconds * kPathsPerSecond
+                                             : options.width * height * options.samplesPerPixel;
+    const auto start = std::chrono::steady_clock::now();
+    PathGuide guide = learnGuide(traced.rays, traced.lights, paths, options.seed, progress);
+    traced.guideSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return guide;
 }
 
 Integrator integratorFor(const TracedScene& traced, const RenderOptions& options) {
@@ -33,10 +55,12 @@ Integrator integratorFor(const TracedScene& traced, const RenderOptions& options
     if (options.method.readsPhotons) {
         PhotonRendererSettings settings = options.photonRenderer;
         settings.component = options.component;
-        const PhotonScene scene{traced.rays, traced.lights, traced.photons, traced.index};
+        const PhotonScene scene{traced.rays, traced.lights, traced.photons, traced.index,
+                                options.keepLight ? &traced.seen : nullptr};
         return name == "photons-direct" ? photonsDirect(scene, settings) : photonsGather(scene, settings);
     }
-    return pathTracer(traced.rays, traced.lights, options.component);
+    return pathTracer(traced.rays, traced.lights, options.component,
+                      options.keepLight ? traced.seen : traced.scene, &traced.guide);
 }
 
 }  // namespace
@@ -44,10 +68,12 @@ Integrator integratorFor(const TracedScene& traced, const RenderOptions& options
 TracedScene::TracedScene(const RenderOptions& options, Progress& progress)
     : baked(load(options, progress)),
       scene(baked.loaded.scene),
+      seen(seenScene(options, scene)),
       rays(scene),
       lights(scene),
       photons(photonsFor(*this, options, progress)),
-      index(photons.photons) {
+      index(photons.photons),
+      guide(guideFor(*this, options, progress)) {
     integrator = integratorFor(*this, options);
 }
 

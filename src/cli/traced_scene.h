@@ -18,10 +18,13 @@ struct TracedScene {
 
     BakedScene baked;  // of methods without a bake the scene alone
     const Scene& scene;
+    Scene seen;  // with --keep-light, the scene with the edits that `scene` then lacks; else empty
     RayScene rays;
     LightSampler lights;
     PhotonMap photons;
     PhotonIndex index;
+    double guideSeconds = 0;  // what it took to learn:
+    PathGuide guide;          // path
     Integrator integrator;
 };
 

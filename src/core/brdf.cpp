@@ -157,6 +157,20 @@ SeenBrdf seeBrdf(const Brdf& brdf, glm::vec3 towardEye) {
     return seen;
 }
 
+SeenBrdf only(Lobes lobes, const SeenBrdf& seen) {
+    SeenBrdf part = seen;
+    if (lobes == Lobes::diffuse) {
+        part.brdf.f0 = glm::vec3(0);
+        part.brdf.f90 = part.brdf.clearcoat = 0;
+        part.chances = glm::vec3(seen.chances.x > 0.0f ? 1.0f : 0.0f, 0, 0);
+    } else if (lobes == Lobes::glossy) {
+        part.diffuse = glm::vec3(0);
+        const float glossy = seen.chances.y + seen.chances.z;
+        part.chances = glossy > 0.0f ? glm::vec3(0, seen.chances.y, seen.chances.z) / glossy : glm::vec3(0);
+    }
+    return part;
+}
+
 LobeValues evaluateLobes(const SeenBrdf& seen, glm::vec3 towardLight) {
     LobeValues value;
     const Brdf& brdf = seen.brdf;

@@ -85,6 +85,9 @@ SeenBrdf seeBrdf(const Brdf& brdf, glm::vec3 towardEye);
 inline bool reflects(const SeenBrdf& seen) {
     return seen.chances.x + seen.chances.y + seen.chances.z > 0.0f;
 }
+/// One of its parts alone, to evaluate and to sample: Lambert; or GGX with the coat.
+enum class Lobes : uint8_t { all, diffuse, glossy };
+SeenBrdf only(Lobes lobes, const SeenBrdf& seen);
 LobeValues evaluateLobes(const SeenBrdf& seen, glm::vec3 towardLight);
 inline glm::vec3 evaluateBrdf(const SeenBrdf& seen, glm::vec3 towardLight) {
     const LobeValues value = evaluateLobes(seen, towardLight);

@@ -53,6 +53,18 @@ Metrics compareImages(const Image& test, const Image& reference, const Image* ma
     return metrics;
 }
 
+double noiseOverMean(const Image& reference, const Image& variance, const Image* mask) {
+    double noise = 0, sum = 0;
+    for (size_t i = 0; i < reference.pixels.size(); ++i) {
+        if (mask && !(mask->pixels[i].x > 0.5f)) continue;
+        for (int c = 0; c < 3; ++c) {
+            noise += std::sqrt(2 / double(kPi) * std::max(double(variance.pixels[i][c]), 0.0));
+            sum += reference.pixels[i][c];
+        }
+    }
+    return ratio(noise, sum);
+}
+
 uint64_t countNonFinite(const Image& image) {
     uint64_t count = 0;
     for (const glm::vec3& pixel : image.pixels)

@@ -21,6 +21,10 @@ struct Metrics {
 /// All but FLIP do not change when both pictures are scaled. pre: equal sizes; finite pixels.
 Metrics compareImages(const Image& test, const Image& reference, const Image* mask = nullptr);
 
+/// MAE/mean that noise of this variance alone would bring, were it normal: the mean of sqrt(2 v / pi) over
+/// the reference's. What a reference cannot tell apart. pre: as compareImages.
+double noiseOverMean(const Image& reference, const Image& variance, const Image* mask = nullptr);
+
 /// Pixels with a channel that is infinite or not a number.
 uint64_t countNonFinite(const Image& image);
 

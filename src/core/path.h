@@ -2,6 +2,7 @@
 // Path tracing: the radiance that a PHATexel's ray brings back, and irradiance of area lights.
 
 #include "core/lights.h"
+#include "core/path_guide.h"
 #include "core/path_numbers.h"
 #include "core/phatexture.h"
 #include "core/random.h"
@@ -38,9 +39,17 @@ struct ReflectedRadiance {
     glm::vec3 sum() const { return direct + indirectDiffuse + indirectGlossy; }
 };
 
-/// One path that starts at `point` and leaves toward `towardEye`, in at most `maxBounces` reflections.
+/// What is asked for of a path's first reflection; the rest costs neither rays nor noise.
+struct FirstReflection {
+    bool direct = true;  // false: ReflectedRadiance::direct is not complete
+    Lobes lobes = Lobes::all;
+};
+
+/// One path that starts at `point` and leaves toward `towardEye`, in at most `maxBounces` reflections. `guide`:
+/// directions of most of what diffuse surfaces reflect; null: by the cosine.
 ReflectedRadiance tracePath(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
-                            glm::vec3 towardEye, int maxBounces, PathNumbers& numbers, uint64_t& rayCount);
+                            glm::vec3 towardEye, int maxBounces, PathNumbers& numbers, uint64_t& rayCount,
+                            FirstReflection first = {}, const PathGuide* guide = nullptr);
 
 /// The sum of one with independent numbers.
 glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,

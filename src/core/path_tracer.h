@@ -2,6 +2,7 @@
 // The reference: every other renderer's picture should be this one's, without noise.
 
 #include "core/lights.h"
+#include "core/path_guide.h"
 #include "core/picture.h"
 #include "core/rays.h"
 
@@ -11,6 +12,17 @@ namespace phat {
 /// Russian roulette; the cap of kMaxPathBounces matters only where albedos exceed .97 all round.
 /// `rays` and `lights` must outlive it.
 Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Component component);
+
+/// The same with the materials of `seen` where the eye meets a surface, and those of the ray scene wherever
+/// light goes from there: materials that were changed after a bake, in the light of before.
+/// `guide` takes noise out of indirect light and may be null.
+/// pre: `seen` is the ray scene's but for materials; both outlive the integrator.
+Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Component component,
+                      const Scene& seen, const PathGuide* guide = nullptr);
+
+/// A guide from photons, as many as are worth their time for so many paths; empty where none are.
+PathGuide learnGuide(const RayScene& rays, const LightSampler& lights, double paths, uint64_t seed,
+                     Progress& progress);
 
 inline constexpr int kMaxPathBounces = 256;
 

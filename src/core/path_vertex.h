@@ -2,6 +2,7 @@
 // One vertex of a path: what all that trace paths share.
 
 #include "core/lights.h"
+#include "core/path_guide.h"
 #include "core/random.h"
 #include "core/rays.h"
 #include "core/shading.h"
@@ -23,9 +24,16 @@ struct PathVertex {
     const SurfacePoint& point;
     SeenBrdf brdf;  // in the point's shading frame
 
+    const PathGuide::Density* guide = nullptr;  // for a share of what Lambert reflects
+
     PathVertex(const SurfacePoint& of, glm::vec3 towardEye)
         : point(of), brdf(seeBrdf(of.brdf, of.shading.toLocal(towardEye))) {}
 };
+
+/// sampleBrdf, but for a share of the Lambert lobe's samples that follows the guide.
+BrdfSample sampleDirection(const PathVertex& vertex, float lobe, glm::vec2 square);
+/// Its density, 1/sr.
+float sampleDirectionPdf(const PathVertex& vertex, glm::vec3 local);
 
 /// Radiance that the vertex reflects of the punctual lights, by shadow rays: to each of a few, or to one of
 /// many that is chosen by what it would bring. `choice` in [0, 1).
@@ -36,7 +44,7 @@ inline glm::vec3 punctualLight(const RayScene& rays, const LightSampler& lights,
     return punctualLight(rays, lights, PathVertex(point, towardEye), rng.uniform(), rayCount);
 }
 
-/// The same of one place on the area lights, weighed against sampleBrdf by the balance heuristic (Veach
+/// The same of one place on the area lights, weighed against sampleDirection by the balance heuristic (Veach
 /// 1997). `numbers`: the light, the place.
 glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const PathVertex& vertex,
                     glm::vec3 numbers, uint64_t& rayCount);

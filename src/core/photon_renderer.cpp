@@ -63,7 +63,8 @@ Integrator photonRenderer(const PhotonScene& scene, const PhotonRendererSettings
         const bool direct = showsDirect(settings.component);
         const Hit hit = visibleHit(scene.rays, ray, sample.rays);
         if (!hit) return direct ? scene.lights.environmentRadiance(ray.direction) : glm::vec3(0);
-        SurfacePoint point = surfaceAt(scene.rays.scene(), hit, ray.direction);
+        const Scene& seen = scene.seen ? *scene.seen : scene.rays.scene();
+        SurfacePoint point = surfaceAt(seen, hit, ray.direction);
         glm::vec3 radiance(0);
         if (direct) radiance += point.emission + directLight(scene, point, -ray.direction, sample);
         point.brdf = indirectLobes(point.brdf, point.shading.toLocal(-ray.direction), settings.component);

@@ -13,6 +13,8 @@ struct PhotonScene {
     const LightSampler& lights;
     const PhotonMap& photons;
     const PhotonIndex& index;
+    const Scene* seen =
+        nullptr;  // materials where the eye meets a surface, as in pathTracer; null: the rays'
 };
 
 struct PhotonRendererSettings {

@@ -128,7 +128,9 @@ TracedPicture tracePicture(const PictureSettings& settings, const Integrator& in
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     };
     const size_t pixelCount = size_t(settings.width) * size_t(settings.height);
-    std::vector<PixelSums> sums(pixelCount);
+    const bool all = settings.pixels.empty();
+    std::vector<PixelSums> sums(all ? pixelCount : settings.pixels.size());
+    const auto pixelOf = [&](size_t i) { return all ? i : size_t(settings.pixels[i]); };
     const bool timed = settings.seconds > 0;
     ClockProgress clock(callersProgress, uint64_t(settings.seconds * 1e3));
     Progress& progress = timed ? clock : callersProgress;
@@ -138,23 +140,26 @@ TracedPicture tracePicture(const PictureSettings& settings, const Integrator& in
     const Batches batches(settings);
     std::atomic<uint64_t> rays{0};
 
-    progress.begin("trace", uint64_t(pixelCount) * uint64_t(passes));
+    progress.begin("trace", uint64_t(sums.size()) * uint64_t(passes));
     int done = 0;
     while (timed ? done == 0 || secondsSinceStart() < settings.seconds : done < settings.samplesPerPixel) {
         const int end = timed ? done + 1 : std::min(done + perPass, settings.samplesPerPixel);
-        parallelRanges(pixelCount, kRangePixels, progress, [&](size_t first, size_t last) {
+        parallelRanges(sums.size(), kRangePixels, progress, [&](size_t first, size_t last) {
             uint64_t rangeRays = 0;
-            for (size_t pixel = first; pixel < last; ++pixel) {
+            for (size_t i = first; i < last; ++i) {
+                const size_t pixel = pixelOf(i);
                 const glm::vec2 corner(pixel % size_t(settings.width), pixel / size_t(settings.width));
                 for (int index = done; index < end; ++index) {
                     const int batch = batches.of(index), begin = batches.first(batch);
                     PixelSample sample{
                         Rng(hashOf(settings.seed, pixel, uint64_t(index))),
                         PathNumbers(hashOf(~settings.seed, pixel, uint64_t(batch)), uint32_t(index - begin))};
-                    const glm::vec2 place = corner + glm::vec2(sample.numbers.next4());
-                    sums[pixel].batch += glm::dvec3(integrator(
+                    const glm::vec2 inPixel(sample.numbers.next4());
+                    const glm::vec2 place =
+                        corner + (settings.filter == PixelFilter::box ? inPixel : glm::vec2(0.5f));
+                    sums[i].batch += glm::dvec3(integrator(
                         cameraRay(settings.camera, settings.width, settings.height, place), sample));
-                    if (batches.of(index + 1) != batch) sums[pixel].endBatch(index + 1 - begin);
+                    if (batches.of(index + 1) != batch) sums[i].endBatch(index + 1 - begin);
                     rangeRays += sample.rays;
                 }
             }
@@ -167,11 +172,11 @@ TracedPicture tracePicture(const PictureSettings& settings, const Integrator& in
     TracedPicture picture{Image(settings.width, settings.height), Image(settings.width, settings.height),
                           done, rays};
     const int started = done - batches.first(batches.of(done));  // of a batch that the time limit cut short
-    for (size_t pixel = 0; pixel < pixelCount; ++pixel) {
-        if (started > 0) sums[pixel].endBatch(started);
-        picture.mean.pixels[pixel] = glm::vec3(sums[pixel].value / double(done));
-        picture.variance.pixels[pixel] =
-            glm::vec3(varianceOfMean(sums[pixel], done, batches.of(done - 1) + 1));
+    for (size_t i = 0; i < sums.size(); ++i) {
+        if (started > 0) sums[i].endBatch(started);
+        picture.mean.pixels[pixelOf(i)] = glm::vec3(sums[i].value / double(done));
+        picture.variance.pixels[pixelOf(i)] =
+            glm::vec3(varianceOfMean(sums[i], done, batches.of(done - 1) + 1));
     }
     return picture;
 }

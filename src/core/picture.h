@@ -37,6 +37,8 @@ struct PixelSample {
     uint64_t rays = 0;  // traced for it; the integrator counts
 };
 
+enum class PixelFilter : uint8_t { box, center };
+
 /// Radiance that arrives along a ray.
 using Integrator = std::function<glm::vec3(const CameraRay& ray, PixelSample& sample)>;
 
@@ -47,6 +49,10 @@ struct PictureSettings {
     int samplesPerPixel = 64;  // at most 65536
     double seconds = 0;        // > 0: stop after the pass that ends past this time, however many samples
     uint64_t seed = 1;
+    /// What a pixel is the mean of: its square, or its middle, which is what a drawn frame without
+    /// anti-aliasing shows.
+    PixelFilter filter = PixelFilter::box;
+    std::vector<uint32_t> pixels;  // y * width + x of those to trace; the others stay black. Empty: all
 };
 
 struct TracedPicture {
@@ -56,7 +62,7 @@ struct TracedPicture {
     uint64_t rays = 0;
 };
 
-/// Averages `integrator` over each pixel (a box filter of one pixel), in passes over the whole picture. A
+/// Averages `integrator` over each pixel, in passes over the whole picture. A
 /// pixel's samples come in batches: those of one are stratified together, batches are independent. The same
 /// bytes for any number of threads, unless a time limit decides the number of samples. Throws Interrupted
 /// when `progress` asks.

@@ -352,8 +352,9 @@ ReflectionCost display(DisplayPass& pass, const DisplayInput& input, const Frame
     const int now = settings.samplesPerDraw > 0 ? std::min(settings.samplesPerDraw, left) : left;
     ReflectionCost cost;
     for (int i = 0; i < now; ++i) {
-        drawPicture(pass, input, settings, targets, jitterOf(sum.samples, count), uint32_t(sum.samples),
-                    cost);
+        const glm::vec2 jitter =
+            settings.filter == PixelFilter::box ? jitterOf(sum.samples, count) : glm::vec2(0);
+        drawPicture(pass, input, settings, targets, jitter, uint32_t(sum.samples), cost);
         accumulate(pass, targets, sum);
         ++sum.samples;
     }

@@ -99,13 +99,14 @@ TEST(ConductPath, WrongCombinationsAreOneLineAndLeaveNothing) {
                                                                    {"--time", "-1"},
                                                                    {"--variance", folder.file("v.png")},
                                                                    {"--variance", out},
+                                                                   {"--pixel-filter", "cone"},
                                                                    {"--camera", "nobody"}}) {
         const auto result = trace(out, wrong);
         EXPECT_EQ(result.exitCode, 2) << wrong[0] << result.err;
         EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     }
     for (const auto& traced : std::vector<std::vector<std::string>>{
-             {"--variance", folder.file("v.exr")}, {"--time", "1"}, {"--seed", "3"}}) {
+             {"--variance", folder.file("v.exr")}, {"--time", "1"}, {"--seed", "3"}, {"--pixels", "m.exr"}}) {
         std::vector<std::string> arguments = {"render", kScene, "-o", out, "--method", "phat"};
         arguments.insert(arguments.end(), traced.begin(), traced.end());
         const auto result = runPhat(arguments);
@@ -113,8 +114,49 @@ TEST(ConductPath, WrongCombinationsAreOneLineAndLeaveNothing) {
         EXPECT_NE(result.err.find(traced[0] + ": --method phat is drawn, not traced"), std::string::npos)
             << result.err;
     }
+    const auto drawn = runPhat({"render", kScene, "-o", out, "--keep-light"});
+    EXPECT_EQ(drawn.exitCode, 2);
+    EXPECT_NE(drawn.err.find("--keep-light: means nothing to --method phat"), std::string::npos) << drawn.err;
     EXPECT_EQ(trace(folder.file("none/a.exr"), {}).exitCode, 1);
     EXPECT_EQ(folder.fileCount(), 0u);
+}
+
+TEST(ConductPath, PixelsOfAMask) {
+    const TemporaryFolder folder;
+    const std::string mask = folder.file("mask.exr"), out = folder.file("a.exr");
+    Image kept(24, 16);
+    kept.at(10, 9) = kept.at(14, 6) = glm::vec3(1);
+    writeExr(mask, kept);
+    ASSERT_EQ(trace(out, {"--spp", "64", "--pixels", mask}).exitCode, 0);
+    const Image picture = readExr(out);
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 24; ++x) EXPECT_EQ(luminance(picture.at(x, y)) > 0, kept.at(x, y).x > 0);
+
+    std::filesystem::remove(out);
+    for (const auto& [wrong, reason] :
+         {std::pair(Image(24, 15, glm::vec3(1)), "is 24 x 15 pixels, the picture 24 x 16"),
+          std::pair(Image(24, 16), "keeps no pixel")}) {
+        writeExr(mask, wrong);
+        const auto result = trace(out, {"--pixels", mask});
+        EXPECT_EQ(result.exitCode, 1);
+        EXPECT_NE(result.err.find(reason), std::string::npos) << result.err;
+        EXPECT_FALSE(std::filesystem::exists(out));
+    }
+}
+
+// What a bake shows of a changed material: its own look, but not its light on others.
+TEST(ConductPath, EditsForTheEyeAlone) {
+    const TemporaryFolder folder;
+    const auto mean = [&](std::vector<std::string> more) {
+        more.insert(more.end(), {"--spp", "64", "--component", "indirect"});
+        EXPECT_EQ(trace(folder.file("a.exr"), more).exitCode, 0);
+        return meanOf(folder.file("a.exr"));
+    };
+    const double plain = mean({}), all = mean({"--set", "*.baseColor=0,0,0"}),
+                 eye = mean({"--set", "*.baseColor=0.1,0.1,0.1", "--keep-light"});
+    EXPECT_LT(all, 0.1 * plain);
+    EXPECT_GT(eye, 0.1 * plain);
+    EXPECT_LT(eye, 0.4 * plain);
 }
 
 TEST(ConductPath, StopsWithinASecondAndLeavesNothing) {

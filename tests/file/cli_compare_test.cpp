@@ -67,6 +67,18 @@ TEST_F(CompareCommand, TableIsForPeople) {
     EXPECT_NE(result.out.find("pixels            96 of 192\n"), std::string::npos) << result.out;
 }
 
+TEST_F(CompareCommand, NoiseOfTheReferenceOnRequest) {
+    const std::string variance = folder.file("variance.exr");
+    Image v(16, 12);
+    for (size_t i = 0; i < v.pixels.size(); ++i)
+        v.pixels[i] = 0.01f * reference.pixels[i] * reference.pixels[i];
+    writeExr(variance, v);
+    const ProgramResult result = runPhat({"compare", testPath, referencePath, "--variance", variance});
+    // A tenth of the value as sigma everywhere.
+    EXPECT_NE(result.out.find("noise       0.0797"), std::string::npos) << result.out;
+    EXPECT_EQ(runPhat({"compare", testPath, referencePath}).out.find("noise"), std::string::npos);
+}
+
 TEST_F(CompareCommand, ExposureChangesFlipAlone) {
     const auto at = [&](const char* stops) {
         return nlohmann::json::parse(

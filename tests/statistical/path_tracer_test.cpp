@@ -136,6 +136,74 @@ TEST(PathTracer, LobesShareTheIndirectLight) {
     EXPECT_NEAR(glossy.value / diffuse.value, 0.04 / (0.5 * 0.9565), 0.01);
 }
 
+// A room of radiance 2 in which the eye sees the walls as another material: 1 of their own, the rest
+// reflected.
+TEST(PathTracer, WhatTheEyeSeesMayDifferFromWhatLightMeets) {
+    Scene scene;
+    addRoom(scene, emitter({1, 1, 1}, 0.5f), {2, 1.5f, 1});
+    Scene seen = scene;
+    for (Material& material : seen.materials) material.baseColor = glm::vec4(0.25f, 0.25f, 0.25f, 1);
+    const RayScene rays(scene);
+    const LightSampler lights(scene);
+    PictureSettings settings;
+    settings.width = settings.height = 8;
+    settings.camera = lookingFrom({1, 0.75f, 0.5f}, {0, 0.1f, 0.2f}, 80);
+    settings.samplesPerPixel = 64;
+    SilentProgress silent;
+    expectMean(tracePicture(settings, pathTracer(rays, lights, Component::all, seen), silent), 1.5, 0.005);
+    expectMean(tracePicture(settings, pathTracer(rays, lights, Component::indirect, seen), silent), 0.25,
+               0.01);
+}
+
+// Some pixels alone are what they are in the whole picture.
+TEST(PathTracer, TracesTheChosenPixelsOnly) {
+    Scene scene;
+    addRoom(scene, emitter({1, 1, 1}, 0.5f), {2, 1.5f, 1});
+    const RayScene rays(scene);
+    const LightSampler lights(scene);
+    const Integrator integrator = pathTracer(rays, lights, Component::all);
+    PictureSettings settings;
+    settings.width = settings.height = 8;
+    settings.camera = lookingFrom({1, 0.75f, 0.5f}, {0, 0.1f, 0.2f}, 80);
+    settings.samplesPerPixel = 20;
+    SilentProgress silent;
+    const TracedPicture whole = tracePicture(settings, integrator, silent);
+    settings.pixels = {3, 17, 18, 63};
+    const TracedPicture some = tracePicture(settings, integrator, silent);
+    for (uint32_t i = 0; i < 64; ++i) {
+        const bool chosen = std::count(settings.pixels.begin(), settings.pixels.end(), i) > 0;
+        EXPECT_EQ(some.mean.pixels[i], chosen ? whole.mean.pixels[i] : glm::vec3(0));
+        EXPECT_EQ(some.variance.pixels[i], chosen ? whole.variance.pixels[i] : glm::vec3(0));
+    }
+    EXPECT_LT(some.rays, whole.rays / 8);
+}
+
+// The edge of a lamp runs through one column of pixels.
+TEST(PathTracer, PixelsAreTheirSquareOrTheirMiddle) {
+    Scene scene;
+    addCeiling(scene, emitter({5, 5, 5}), 1, 1);  // up to x = .5
+    const RayScene rays(scene);
+    const LightSampler lights(scene);
+    const Integrator integrator = pathTracer(rays, lights, Component::all);
+    PictureSettings settings;
+    settings.width = settings.height = 3;
+    settings.samplesPerPixel = 4096;
+    SilentProgress silent;
+    for (const float shift : {-0.01f, 0.01f}) {
+        settings.camera.worldFromCamera =
+            glm::mat4(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0.5f + shift, 0.5f, 0, 1);  // looks up
+        settings.camera.yfovRadians = glm::radians(10.0f);
+        settings.filter = PixelFilter::box;
+        const float square = tracePicture(settings, integrator, silent).mean.at(1, 1).x;
+        settings.filter = PixelFilter::center;
+        const float middle = tracePicture(settings, integrator, silent).mean.at(1, 1).x;
+        // A pixel is .0292 m wide: the edge is .34 of it from its middle. Sixteen batches of 256 stratified
+        // samples: one stratum of a batch is in doubt, a standard error of 5 * .5 / 256 / 4 = .0024.
+        EXPECT_NEAR(square, shift < 0 ? 5 * 0.8429f : 5 * 0.1571f, 0.012f);
+        EXPECT_EQ(middle, shift < 0 ? 5 : 0);
+    }
+}
+
 TEST(PathTracer, BackgroundIsTheSky) {
     Scene scene;
     addFloor(scene, lambert(0.7f), 0.1f);

@@ -28,6 +28,18 @@ TEST(Metrics, ClosedForms) {
     EXPECT_DOUBLE_EQ(metrics.bias, 0);
 }
 
+// A normal deviate's mean size is sqrt(2 / pi) of its sigma: here 1 and 3 over a mean of 2, or 3 over 3.
+TEST(Metrics, NoiseOfAReference) {
+    Image reference(2, 1), variance(2, 1), mask(2, 1);
+    reference.pixels = {glm::vec3(1), glm::vec3(3)};
+    variance.pixels = {glm::vec3(1), glm::vec3(9)};
+    mask.pixels = {glm::vec3(0), glm::vec3(1)};
+    EXPECT_NEAR(noiseOverMean(reference, variance), std::sqrt(2 / M_PI), 1e-6);
+    EXPECT_NEAR(noiseOverMean(reference, variance, &mask), std::sqrt(2 / M_PI), 1e-6);
+    variance.pixels[0] = glm::vec3(0);
+    EXPECT_NEAR(noiseOverMean(reference, variance), 0.75 * std::sqrt(2 / M_PI), 1e-6);
+}
+
 TEST(Metrics, BiasHasASign) {
     const Image reference(3, 3, glm::vec3(2));
     EXPECT_DOUBLE_EQ(compareImages(Image(3, 3, glm::vec3(2.5f)), reference).bias, 0.25);
