@@ -43,6 +43,7 @@ class Viewer {
           window_("PHATextures", options.size, options.uiScale),
           pictures_(options.shaderFolder, Window::wake) {
         if (!options.path.empty()) open(options.path);
+        window_.show();
     }
 
     void run() {

@@ -42,6 +42,7 @@ Window::Window(const std::string& title, glm::ivec2 size, float uiScale) {
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
     glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+    glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
     // The pictures are drawn elsewhere.
     glfwWindowHint(GLFW_DEPTH_BITS, 0);
     glfwWindowHint(GLFW_STENCIL_BITS, 0);
@@ -123,6 +124,10 @@ glm::ivec2 Window::framebufferSize() const {
     glm::ivec2 size(0);
     glfwGetFramebufferSize(window_, &size.x, &size.y);
     return size;
+}
+
+void Window::show() {
+    glfwShowWindow(window_);
 }
 
 void Window::setTitle(const std::string& title) {

@@ -31,6 +31,8 @@ class Window {
     /// Pixels; 0 while the window is minimised.
     glm::ivec2 framebufferSize() const;
     float uiScale() const { return uiScale_; }
+    /// It is made hidden: a file that cannot be read opens no window.
+    void show();
     void setTitle(const std::string& title);
     void toggleFullScreen();
     void setClipboard(const std::string& text);
