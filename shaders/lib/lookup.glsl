@@ -68,6 +68,10 @@ float searchRadius(float distance, float texelMeters) {
     return clamp(0.7 * distance / texelMeters, kFewestTexels, kMostTexels);
 }
 
+// 1/sr: guides are mixed with so much of the uniform density; a warp's 8 bits may say 0.
+// twin: kUniformShare in src/core/directions.cpp.
+const float kLeastDensity = 0.3 / (2.0 * kPi);
+
 struct Found {
     bool valid;
     vec3 radiance;
@@ -93,7 +97,7 @@ Found foundIn(LookupTile tile, Phatexel phatexel, vec4 warp, int bits) {
     float density = warpDensity(warp);
     float spread2 = cellAngle * cellAngle * clamp(1.0 / (2.0 * kPi * density), 0.05, 9.0);
     return Found(phatexel.valid, phatexel.radiance, tile.tilePatch.worldFromBlock * phatexel.directionBlock,
-                 min(phatexel.distance, kHorizonMeters), spread2, density);
+                 min(phatexel.distance, kHorizonMeters), spread2, max(density, kLeastDensity));
 }
 
 // As the receiver sees what the PHATexel of `texel` found. `tile`: of a texel around, whose patch holds in its group.
