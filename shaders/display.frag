@@ -55,15 +55,15 @@ vec3 irradianceAt(int source, vec2 center, uint chart) {
     return sum.a > 0.0 ? sum.rgb / sum.a : vec3(0.0);
 }
 
-// What a lobe sees: a mean of real radiances, weighted by the lobe. Where no PHATexel under the lobe is anywhere
-// near, the mean over the hemisphere, an approximation.
 #ifdef LOOKUP
 // Of a lobe without colour, as lookup.frag draws it.
 float scalarAlbedo(vec3 albedo) {
     return maxComponent(albedo);
 }
 
-// `incident`: the source's irradiance; `albedo`: the lobe's, without colour.
+// What a lobe sees: a mean of real radiances, weighted by the lobe. Where no PHATexel under the lobe is anywhere
+// near, the mean over the hemisphere, an approximation. `incident`: the source's irradiance; `albedo`: the lobe's,
+// without colour.
 vec3 lobeRadiance(int lobeIndex, vec2 center, uint chart, vec3 incident, float albedo) {
     uvec4 bits = READ(texelFetch(seen, ivec3(gl_FragCoord.xy, lobeIndex), 0));
     vec4 sum = unpackSum(bits.xy);

@@ -162,6 +162,11 @@ float widenedAlpha(Lobe lobe, ChartPlace chart, LookupTile here, inout Probe pro
     return min(lobe.alpha * widening, max(lobe.alpha, 1.0));
 }
 
+// In [0,1): what the draw `k` of a pixel is made of.
+vec4 drawNumbers(int k, int rank) {
+    return vec4((draws[k] ^ ranks[rank]) >> 8) * exp2(-24.0);
+}
+
 // Where a draw asks.
 struct Place {
     ivec2 texel;
@@ -261,15 +266,15 @@ SeenLight lookUp(Receiver r, Lobe lobe, int rank, out float drawnAlpha) {
     Lobe wide = Lobe(lobe.normal, lobe.f0, lobe.f90, drawnAlpha);
 
     Place place = Place(hereTexel, here);
+#ifdef AREA
+    READS_FOR(1);
+    addLamps(seen.lamps, r, chart, worldFromLocal, wo, lobe, drawnAlpha, rank, drawNumbers(0, rank).zw, place);
+    READS_FOR(0);
+#endif
     for (int k = 0; k < drawCount; ++k) {
-        vec4 u = vec4((draws[k] ^ ranks[rank]) >> 8) * exp2(-24.0);
+        vec4 u = drawNumbers(k, rank);
         vec3 wi = reflect(-wo, squareToVisibleNormal(u.xy, wo, drawnAlpha));
         vec3 wiWorld = worldFromLocal * wi;
-#ifdef AREA
-        READS_FOR(1);
-        if (k == 0) addLamps(seen.lamps, r, chart, worldFromLocal, wo, lobe, drawnAlpha, rank, u.zw, place);
-        READS_FOR(0);
-#endif
         if (wi.z <= 0.0 || dot(wiWorld, r.normalGeometric) <= 0.0) continue;
         float d = distanceAlong(probe, worldFromBlock, wiWorld);
         // Two draws ask at one place, as long as that answers.

@@ -99,15 +99,9 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
                                               engine.scene().points(), engine.phatexture());
         const TracedReflections traced{reflectionScene, options.reflections, progress};
         for (const View& view : views) {
-            FrameSettings frameSettings;
-            frameSettings.width = view.width;
-            frameSettings.height = view.height;
-            frameSettings.camera = view.camera;
-            frameSettings.quality = options.quality;
-            frameSettings.component = options.component;
-            frameSettings.samplesPerPixel = options.samplesPerPixel;
-            frameSettings.traced = &traced;
-            const Image picture = renderer.render(frameSettings);
+            FrameSettings settings = frameOf(options, view);
+            settings.traced = &traced;
+            const Image picture = renderer.render(settings);
             progress.throwIfStopped();
             View frame = view;
             frame.label += fmt::format("{}{:04}", view.label.empty() ? "" : ".", i);

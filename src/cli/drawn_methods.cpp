@@ -50,17 +50,11 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     std::vector<json> reports;
     for (const View& view : views) {
         progress.throwIfStopped();
-        const Image picture =
-            renderer.render({.width = view.width,
-                             .height = view.height,
-                             .camera = view.camera,
-                             .method = method,
-                             .quality = options.quality,
-                             .component = options.component,
-                             .inspection = {options.countReads ? Inspected::reads : Inspected::nothing},
-                             .samplesPerPixel = options.samplesPerPixel,
-                             .filter = options.filter,
-                             .traced = tracing ? &tracing->traced : nullptr});
+        FrameSettings frame = frameOf(options, view);
+        frame.method = method;
+        if (options.countReads) frame.inspection = {Inspected::reads};
+        if (tracing) frame.traced = &tracing->traced;
+        const Image picture = renderer.render(frame);
         progress.throwIfStopped();
         writePicture(options, view, picture);
         const FrameTimes times = renderer.lastFrameTimes();

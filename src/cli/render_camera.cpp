@@ -80,6 +80,18 @@ std::vector<View> chooseViews(const RenderOptions& options, const Scene& scene) 
     return views;
 }
 
+FrameSettings frameOf(const RenderOptions& options, const View& view) {
+    FrameSettings frame;
+    frame.width = view.width;
+    frame.height = view.height;
+    frame.camera = view.camera;
+    frame.quality = options.quality;
+    frame.component = options.component;
+    frame.samplesPerPixel = options.samplesPerPixel;
+    frame.filter = options.filter;
+    return frame;
+}
+
 std::string pathFor(const View& view, const std::string& path) {
     if (view.label.empty() || path.empty()) return path;
     const std::filesystem::path whole(path);

@@ -6,6 +6,7 @@
 
 #include "cli/render_options.h"
 #include "core/scene.h"
+#include "gl/renderer.h"
 
 namespace phat {
 
@@ -21,6 +22,9 @@ struct View {
 
 /// The views that the options ask for. Throws CLI::ValidationError for cameras that do not exist.
 std::vector<View> chooseViews(const RenderOptions& options, const Scene& scene);
+
+/// What all drawn methods take from the options.
+FrameSettings frameOf(const RenderOptions& options, const View& view);
 
 /// `path` with the view's label before its extension.
 std::string pathFor(const View& view, const std::string& path);

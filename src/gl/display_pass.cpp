@@ -211,7 +211,6 @@ void lookUp(const DisplayInput& input, const CameraMatrices& camera, const Frame
             const LookupTargets& targets, uint32_t seed) {
     const ShaderProgram& program = input.lookupPass.lookupProgram;
     beginLookup(input.lookupPass, input.atlas, input.lookup, targets, drawsOf(settings.quality), seed);
-    program.bind("splitSumTable", 6, input.scene.splitSum.name());
     bindCamera(program, camera, settings);
     drawOpaque(program, input);
     input.clock.ended(Pass::lookup);
@@ -248,11 +247,6 @@ bool traceSmooth(const DisplayInput& input, const CameraMatrices& matrices, cons
     return true;
 }
 
-// Views that inspect.frag draws.
-bool ofTexels(Inspected what) {
-    return what != Inspected::nothing && what != Inspected::reads;
-}
-
 void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
                  const FrameTargets& targets, glm::vec2 jitter, uint32_t frame, ReflectionCost& cost) {
     const CameraMatrices camera = matricesOf(settings.camera, targets.size, input.scene.bounds, jitter);
@@ -265,11 +259,12 @@ void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettin
     glBindVertexArray(input.scene.vertexArray.name());
     drawDepth(pass, input, camera);
     input.clock.ended(Pass::depth);
-    if (ofTexels(settings.inspection.what)) {
+    if (input.inspectProgram) {
         glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
-        bindInspection(pass.inspectProgram, input.atlas, input.relit, settings.inspection);
-        bindCamera(pass.inspectProgram, camera, settings);
-        drawOpaque(pass.inspectProgram, input);
+        const ShaderProgram& program = *input.inspectProgram;
+        bindInspection(program, input.atlas, input.relit, settings.inspection);
+        bindCamera(program, camera, settings);
+        drawOpaque(program, input);
         glDepthMask(GL_TRUE);
         input.clock.ended(Pass::display);
         return;
@@ -328,7 +323,6 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, 
         return ShaderProgram(folder, "surface.vert", "display.frag", indirect);
     };
     pass.displayProgram = paper ? display({"PAPER"}) : display({});
-    pass.inspectProgram = ShaderProgram(folder, "surface.vert", "inspect.frag");
     pass.lookedUpProgram = countReads ? display({"LOOKUP", "COUNT_READS"}) : display({"LOOKUP"});
     pass.depthProgram = ShaderProgram(folder, "surface.vert", "depth.frag");
     pass.backgroundProgram = ShaderProgram(folder, "fullscreen.vert", "background.frag");

@@ -26,8 +26,7 @@ struct FrameTargets {
 FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool traced);
 
 struct DisplayPass {
-    ShaderProgram displayProgram, lookedUpProgram, inspectProgram, depthProgram, backgroundProgram,
-        accumulateProgram;
+    ShaderProgram displayProgram, lookedUpProgram, depthProgram, backgroundProgram, accumulateProgram;
     GlVertexArray noVertices;
     std::vector<uint32_t> blendOrder;  // reused from frame to frame
 };
@@ -45,6 +44,7 @@ struct DisplayInput {
     const LookupPass& lookupPass;
     const ReflectionPass& reflectionPass;
     const std::vector<Material>& materials;
+    const ShaderProgram* inspectProgram;  // inspect.frag, to be shown in place of light; else null
     PassClock& clock;
     float environmentTurn = 0;  // see background.frag
 };

@@ -73,6 +73,7 @@ struct Renderer::State {
     std::optional<LookupPass> lookupPass, countingLookupPass;
     std::optional<ReflectionPass> reflectionPass;
     std::optional<DisplayPass> display, displayPaper, countingDisplay;
+    std::optional<ShaderProgram> inspectProgram;
 
     Relit& relitFor(bool paper) {
         std::optional<Relit>& made = paper ? relitPaper : relit;
@@ -105,6 +106,10 @@ struct Renderer::State {
         std::optional<DisplayPass>& made = paper ? displayPaper : counting ? countingDisplay : display;
         if (!made) made = createDisplayPass(shaderFolder, atlas, anyClearcoat(materials), paper, counting);
         return *made;
+    }
+    const ShaderProgram* inspecting() {
+        if (!inspectProgram) inspectProgram.emplace(shaderFolder, "surface.vert", "inspect.frag");
+        return &*inspectProgram;
     }
     /// A clear coat changes what the shaders are made of.
     void dropPasses() {
@@ -141,7 +146,8 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     const Inspected what = settings.inspection.what;
     if (what == Inspected::reads) settings.method = Method::phat;
     // The views of the pyramid are of ours, not of the paper's.
-    if (what != Inspected::reads && what != Inspected::nothing) settings.method = Method::phatPyramid;
+    const bool texelsShown = what != Inspected::reads && what != Inspected::nothing;
+    if (texelsShown) settings.method = Method::phatPyramid;
     if (!canLookUp && settings.method == Method::phat) settings.method = Method::phatPyramid;
     const bool lookedUp = settings.method == Method::phat;
     const bool pyramid = !lookedUp || anyBlended(s.materials);
@@ -179,7 +185,8 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
 
     s.reflections = phat::display(displayPass,
                                   {s.scene, s.atlas, pyramid ? s.relitFor(paper).pass : notRelit, s.shadows, s.lookup,
-                                   lookupPass, *s.reflectionPass, s.materials, s.clock, s.environmentTurn},
+                                   lookupPass, *s.reflectionPass, s.materials,
+                                   texelsShown ? s.inspecting() : nullptr, s.clock, s.environmentTurn},
                                   settings, s.targets, sum);
     checkGl("drawing a frame");
 }

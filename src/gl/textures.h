@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <initializer_list>
 #include <span>
 #include <vector>
 

@@ -19,7 +19,7 @@ std::vector<std::vector<std::string>> variants() {
             {"AREA", "CLEARCOAT"},
             {"TEXEL_PDF"},
             {"LOOKUP", "AREA", "CLEARCOAT"},
-            {"LAYERS", "CLEARCOAT"},
+            {"SCRAMBLES", "CLEARCOAT"},
             {"PAPER", "AREA", "CLEARCOAT"}};
 }
 
@@ -56,6 +56,7 @@ TEST(Shaders, UseAtMostSixteenSamplers) {
                                 {"surface.vert", "display.frag", {"AREA", "CLEARCOAT", "PAPER"}},
                                 {"surface.vert", "lookup.frag", {"AREA", "CLEARCOAT", "SCRAMBLES"}},
                                 {"surface.vert", "lookup.frag", {"CLEARCOAT", "COUNT_READS"}},
+                                {"surface.vert", "inspect.frag", {}},
                                 {"surface.vert", "smooth_surfaces.frag", {"CLEARCOAT"}},
                                 {"fullscreen.vert", "pool.frag", {"AREA", "CLEARCOAT"}},
                                 {"fullscreen.vert", "pool.frag", {"AREA", "CLEARCOAT", "COUNT_READS"}},
