@@ -90,7 +90,7 @@ Atlas placeCharts(const Scene& scene, const std::vector<FlatChart>& flats, const
                   const Packing& packing) {
     Atlas atlas;
     atlas.sizeTexels = packing.sizeTiles * kTileSize;
-    atlas.texelSizeMeters = float(packing.texelSizeMeters);
+    atlas.texelSizeMeters = sides.empty() ? float(packing.texelSizeMeters) : 0.0f;
     atlas.triangleChart.assign(scene.triangles.size(), kNoChart);
     atlas.triangleTexels.assign(scene.triangles.size(), {});
     for (uint32_t c = 0; c < sides.size(); ++c) {
@@ -98,7 +98,8 @@ Atlas placeCharts(const Scene& scene, const std::vector<FlatChart>& flats, const
         Chart chart;
         chart.originTile = packing.originTile[c];
         chart.sizeTiles = packing.chartTiles[c];
-        chart.texelSizeMeters = float(packing.texelSizeMeters / sides[c].density);
+        chart.texelSizeMeters = float(packing.texelSizeMeters / (sides[c].density * packing.scale[c]));
+        atlas.texelSizeMeters = std::max(atlas.texelSizeMeters, chart.texelSizeMeters);
         chart.surface = scene.triangleSurface[flats[flat].triangles[0]];
         chart.back = sides[c].back;
         const bool second = c > 0 && sides[c - 1].flat == flat;

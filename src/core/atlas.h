@@ -20,6 +20,7 @@ namespace phat {
 inline constexpr uint32_t kTileSize = 8;    // texels
 inline constexpr uint32_t kBlockSize = 32;  // texels; blocks are anchored at their chart's origin
 inline constexpr uint32_t kNoChart = ~0u;
+inline constexpr double kFillFreedom = 1.05;  // how much finer or coarser a chart may be to fill its tiles
 
 struct Chart {
     glm::uvec2 originTile{0};  // in tiles
@@ -89,7 +90,8 @@ struct AtlasStats {
 std::vector<uint32_t> connectedComponents(const Scene& scene);
 
 /// Unwraps and packs. `componentSides` is per connected component (empty: front everywhere).
-/// With a texel budget, finer texels on glossy surfaces make the others' at most a quarter larger.
+/// With a texel budget, finer texels on glossy surfaces make the others' at most a quarter larger, and a chart
+/// may be kFillFreedom finer or coarser than others like it, to fill its tiles.
 /// Throws std::runtime_error with the reason when a requested UV set cannot serve, std::invalid_argument if
 /// glossyDensity is out of range.
 Atlas buildAtlas(const Scene& scene, const std::vector<Sides>& componentSides, const AtlasSettings& settings,

@@ -20,10 +20,12 @@ struct Packing {
     std::vector<glm::uvec2> originTile;  // per chart
     std::vector<glm::uvec2> chartTiles;  // per chart: size, gutter included
     std::vector<uint8_t> turned;         // per chart: to be laid on its side, x and y swapped
+    std::vector<double> scale;           // per chart: how much finer its texels are than asked for, near 1
 };
 
 /// Places the boxes so that they share no tile. The texel size is the one of
-/// the settings, or else the finest whose atlas keeps within the texel budget; if even charts of next to no
+/// the settings, or else the finest whose atlas keeps within the texel budget, where a chart may be up to
+/// kFillFreedom finer or coarser to fill its tiles; if even charts of next to no
 /// texels exceed the budget, the atlas is larger than that.
 /// Throws std::runtime_error if the charts do not fit in maxSizeTexels.
 Packing packCharts(std::span<const PackBox> boxes, const AtlasSettings& settings, Progress& progress);

@@ -41,13 +41,15 @@ inline glm::dvec2 singularValues(const Scene& scene, const Atlas& atlas, uint32_
 /// is well inside two triangles; every usable triangle has a chart of its own surface.
 inline void expectSoundAtlas(const Scene& scene, const Atlas& atlas, const AtlasSettings& settings) {
     ASSERT_EQ(atlas.triangleChart.size(), scene.triangles.size());
+    // Between the finest and the coarsest of charts that are asked to be alike.
+    const double freedom = settings.texelSizeMeters > 0 ? 1.0 : kFillFreedom * kFillFreedom;
     std::vector<uint32_t> tileOwner(atlas.tileChart.size(), kNoChart);
     uint32_t blocks = 0;
     for (uint32_t c = 0; c < atlas.charts.size(); ++c) {
         const Chart& chart = atlas.charts[c];
         EXPECT_EQ(chart.firstBlock, blocks);
         EXPECT_LE(chart.texelSizeMeters, atlas.texelSizeMeters);
-        EXPECT_GE(chart.texelSizeMeters * settings.glossyDensity, 0.9999f * atlas.texelSizeMeters);
+        EXPECT_GE(chart.texelSizeMeters * settings.glossyDensity * freedom, 0.9999 * atlas.texelSizeMeters);
         blocks += chart.blocksWide() * chart.blocksHigh();
         for (uint32_t y = 0; y < chart.sizeTiles.y; ++y) {
             for (uint32_t x = 0; x < chart.sizeTiles.x; ++x) {

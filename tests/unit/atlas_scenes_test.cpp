@@ -35,8 +35,7 @@ TEST(AtlasScenes, AreSoundDenseAndNearIsometric) {
         EXPECT_GE(shareWithinStretch(scene, atlas, 1.5), 0.95);
         EXPECT_GT(double(atlas.texelCount()), 0.9 * double(settings.texelBudget));
         EXPECT_LT(double(atlas.texelCount()), 1.1 * double(settings.texelBudget));
-        // Where glossy spheres get finer texels, as in furnace-glossy (.676), round charts weigh more.
-        EXPECT_GE(stats.coverage, 0.65f);
+        EXPECT_GE(stats.coverage, 0.70f);
         double texels = 0;
         for (uint32_t t = 0; t < scene.triangles.size(); ++t)
             if (atlas.triangleChart[t] != kNoChart)
@@ -48,7 +47,8 @@ TEST(AtlasScenes, AreSoundDenseAndNearIsometric) {
         AtlasStats uniformStats;
         const Atlas reference = buildAtlas(scene, {}, uniform, progress, &uniformStats);
         EXPECT_GE(uniformStats.coverage, 0.70f);
-        EXPECT_EQ(reference.finestTexelSizeMeters(), reference.texelSizeMeters);
+        EXPECT_GE(1.0001 * kFillFreedom * kFillFreedom * double(reference.finestTexelSizeMeters()),
+                  double(reference.texelSizeMeters));
         // Gutters, and what the packer leaves open, differ between the two.
         EXPECT_LT(atlas.texelSizeMeters, 1.05f * 1.25f * reference.texelSizeMeters);
     }

@@ -58,8 +58,12 @@ TEST(AtlasUnwrap, BudgetIsMetWithinTenPercent) {
         settings.texelBudget = 1 << 18;
         SilentProgress progress;
         const Atlas atlas = buildAtlas(shape.scene, {}, settings, progress);
-        EXPECT_GT(double(atlas.texelCount()), 0.9 * double(settings.texelBudget));
         EXPECT_LT(double(atlas.texelCount()), 1.1 * double(settings.texelBudget));
+        if (double(atlas.texelCount()) > 0.9 * double(settings.texelBudget)) continue;
+        // A long strip leaps from three tiles across to four: then finer texels must exceed the budget.
+        AtlasSettings finer = settings;
+        finer.texelSizeMeters = atlas.texelSizeMeters / 1.05f;
+        EXPECT_GT(buildAtlas(shape.scene, {}, finer, progress).texelCount(), settings.texelBudget);
     }
 }
 
