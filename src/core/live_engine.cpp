@@ -187,6 +187,7 @@ uint64_t LiveEngine::respond() {
         if (!coverAsked[i]) continue;
         work += 16 * kTileTexels;
         coverChanged[i] = state_.scene.commitCovered(tiles[i]);
+        if (coverChanged[i]) state_.tileDirty[tiles[i]] |= kDirtyCover;
         anyChanged |= coverChanged[i] != 0;
     }
     std::vector<TileRenewal> renewals(tiles.size());
@@ -380,48 +381,42 @@ void LiveEngine::count(LiveStats::Task& task, uint64_t work, double seconds) {
 }
 
 LiveUpdate LiveEngine::takeUpdate() {
-    LiveUpdate update;
-    const Phatexture& now = state_.phatexture;
+    LiveUpdate update = collectUpdate(state_);
     const Atlas& atlas = state_.scene.atlas();
-    for (uint32_t block = 0; block < state_.blockDirty.size(); ++block)
-        if (state_.blockDirty[block]) {
-            update.guides.push_back({block, state_.guideOf(now.indirectGuides, block),
-                                     state_.hasArea ? now.areaGuides[block] : Guide{}});
-            state_.blockDirty[block] = 0;
-        }
-    for (uint32_t tile = 0; tile < state_.tileDirty.size(); ++tile) {
-        const uint8_t dirty = state_.tileDirty[tile];
-        if (dirty & kDirtyPhatexels) {
-            LiveUpdate::Phatexels& taken = update.phatexels.emplace_back(
-                LiveUpdate::Phatexels{tile, atlas.blockAt(state_.cornerOfTile(tile)), {}});
-            const auto take = [&](const PhatexelLayer& layer) {
-                for (uint32_t i = 0; i < kTileTexels; ++i)
-                    taken.texels.push_back(layer.texels[state_.texelOf(tile, i)]);
-            };
-            for (const PhatexelLayer& layer : now.indirect) take(layer);
-            if (state_.hasArea) take(now.area[0]);
-        }
-        if (dirty & kDirtyIrradiance) {
-            LiveUpdate::Irradiance& taken = update.irradiance.emplace_back();
-            taken.tile = tile;
-            for (uint32_t i = 0; i < kTileTexels; ++i) {
-                const size_t texel = state_.texelOf(tile, i);
-                taken.indirect[i] = now.indirectIrradiance[texel];
-                taken.area[i] = now.areaIrradiance.empty() ? 0 : now.areaIrradiance[texel];
-            }
-        }
-        if (dirty & kDirtyPlace) update.places.push_back({tile, now.tilePlaces[tile], now.probes[tile]});
-        state_.tileDirty[tile] = 0;
-    }
     tileLightStale_ |= !update.phatexels.empty();
     if (tileLightStale_ && (clock_ >= tileLightClock_ || settled())) {
-        update.tileLight = tileLight(state_.scene.scene(), atlas, now);
+        update.tileLight = tileLight(state_.scene.scene(), atlas, state_.phatexture);
         tileLightStale_ = false;
         tileLightClock_ = clock_ + kTileLightWork * atlas.texelCount();
     }
-    std::stable_sort(update.phatexels.begin(), update.phatexels.end(),
-                     [](const auto& a, const auto& b) { return a.block < b.block; });
     return update;
+}
+
+LiveShare LiveEngine::renewed() const {
+    const uint64_t version = state_.scene.version();
+    const auto shareOf = [](const auto& items, const auto& isNew) {
+        const auto count = std::count_if(items.begin(), items.end(), isNew);
+        return items.empty() ? 1.0f : float(double(count) / double(items.size()));
+    };
+    const auto present = [&](uint64_t scene) { return scene == version; };
+    LiveShare share;
+    uint64_t tiles = 0, heard = 0;
+    for (size_t tile = 0; tile < state_.tileScene.size(); ++tile) {
+        if (state_.scene.atlas().tileChart[tile] == kNoChart) continue;
+        ++tiles;
+        heard += state_.tileScene[tile] == version;
+    }
+    const auto of = [&](LiveTask task) -> float& { return share[size_t(task)]; };
+    of(LiveTask::respond) = float(double(heard) / double(std::max<uint64_t>(tiles, 1)));
+    of(LiveTask::photons) = shareOf(state_.photonsScene, present);
+    of(LiveTask::areaLight) = shareOf(state_.regionScene, present);
+    of(LiveTask::nodes) = shareOf(state_.nodeAge, [&](const NodeAge& age) {
+        return age.scene == version && age.area == state_.areaVersion;
+    });
+    of(LiveTask::blocks) = shareOf(state_.blockAge, [&](const BlockAge& age) {
+        return age.scene == version && age.photons == version && age.irradiance == state_.irradianceVersion;
+    });
+    return share;
 }
 
 }  // namespace phat

@@ -25,6 +25,9 @@ struct LiveStats {
     uint64_t phatexels = 0;       // renewed
 };
 
+/// How much of each task's items is of the scene as it is, from 0 to 1, by LiveTask.
+using LiveShare = std::array<float, kLiveTasks>;
+
 class LiveEngine {
   public:
     /// `points`: of the scene at rest, covered ones marked. `baked`: its bake by these settings, or empty:
@@ -53,6 +56,7 @@ class LiveEngine {
     const LightSampler& lights() const { return *state_.lights; }
     const Phatexture& phatexture() const { return state_.phatexture; }
     const LiveStats& stats() const { return stats_; }
+    LiveShare renewed() const;
 
   private:
     struct Queue {
