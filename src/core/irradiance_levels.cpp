@@ -25,6 +25,8 @@ constexpr float kLeastRelativeError = 0.003f;
 constexpr float kLeastNormalCosine = 0.9f;
 // Variance added to the offsets, of the squared radius: a handful of nodes in a row make no plane.
 constexpr float kRidge = 0.01f;
+// In rays: the fit that tells a node's noise, a node's smoothing, a texel.
+constexpr uint64_t kNoiseWork = 4, kSmoothWork = 40, kTexelWork = 1;
 
 /// A weighted plane through values, read at the origin.
 class PlaneFit {
@@ -82,11 +84,24 @@ class Interpolator {
     Interpolator(const std::vector<IrradianceLevel>& levels, const Atlas& atlas, const TexelPoints& points,
                  const ChartSet& charts)
         : levels_(levels), atlas_(atlas), points_(points), charts_(charts) {
-        noise_ = forNodes<float>([&](const IrradianceLevel& level, uint32_t node) {
-            return fitAround(level, node, kMinRadiusSteps * float(level.step)).atOrigin().residual;
+        for (const IrradianceLevel& level : levels_) {
+            noise_.emplace_back(level.texel.size());
+            smooth_.emplace_back(level.texel.size());
+        }
+    }
+
+    /// Noise of a level's nodes; of all nodes before any are smoothed.
+    void findNoise(size_t level, size_t begin, size_t end) {
+        forNodes(level, begin, end, [&](uint32_t node) {
+            const IrradianceLevel& here = levels_[level];
+            noise_[level][node] =
+                fitAround(here, node, kMinRadiusSteps * float(here.step)).atOrigin().residual;
         });
-        smooth_ = forNodes<glm::vec3>(
-            [&](const IrradianceLevel& level, uint32_t node) { return smoothed(level, node); });
+    }
+    /// All nodes before any texel is read.
+    void smooth(size_t level, size_t begin, size_t end) {
+        forNodes(level, begin, end,
+                 [&](uint32_t node) { smooth_[level][node] = smoothed(levels_[level], node); });
     }
 
     /// Whether the texel's group of the coarsest level has a node.
@@ -108,19 +123,13 @@ class Interpolator {
     }
 
   private:
-    template <typename Value, typename Make>
-    std::vector<std::vector<Value>> forNodes(const Make& make) const {
-        std::vector<std::vector<Value>> made;
+    template <typename Make>
+    void forNodes(size_t level, size_t first, size_t last, const Make& make) const {
         SilentProgress silent;
-        for (const IrradianceLevel& level : levels_) {
-            std::vector<Value>& values = made.emplace_back(level.texel.size());
-            parallelRanges(values.size(), 256, silent, [&](size_t begin, size_t end) {
-                for (size_t i = begin; i < end; ++i)
-                    if (hasChart(charts_, atlas_.chartAt(placeOf(level.texel[i]))))
-                        values[i] = make(level, uint32_t(i));
-            });
-        }
-        return made;
+        parallelRanges(last - first, 256, silent, [&](size_t begin, size_t end) {
+            for (size_t i = first + begin; i < first + end; ++i)
+                if (hasChart(charts_, atlas_.chartAt(placeOf(levels_[level].texel[i])))) make(uint32_t(i));
+        });
     }
 
     PlaneFit fitAround(const IrradianceLevel& level, uint32_t node, float radius) const {
@@ -257,25 +266,45 @@ IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradi
     return level;
 }
 
-IrradianceMap interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
-                                const TexelPoints& points, const ChartSet& charts) {
-    const Interpolator interpolator(levels, atlas, points, charts);
-    IrradianceMap map(atlas.texelCount(), glm::vec3(0));
+Pieces interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
+                         const TexelPoints& points, const ChartSet& charts, IrradianceMap& map,
+                         uint64_t pieceWork) {
+    Interpolator interpolator(levels, atlas, points, charts);
+    for (const bool smooths : {false, true}) {
+        const uint64_t itemWork = smooths ? kSmoothWork : kNoiseWork;
+        const size_t most = itemsAPiece(pieceWork, itemWork);
+        for (size_t level = 0; level < levels.size(); ++level) {
+            const size_t count = levels[level].texel.size();
+            for (size_t begin = 0, end = 0; begin < count; begin = end) {
+                end = begin + std::min(most, count - begin);
+                if (smooths)
+                    interpolator.smooth(level, begin, end);
+                else
+                    interpolator.findNoise(level, begin, end);
+                co_yield itemWork * (end - begin);
+            }
+        }
+    }
+    map.assign(atlas.texelCount(), glm::vec3(0));
     std::vector<uint8_t> known(map.size(), 0);
     SilentProgress silent;
-    parallelRanges(map.size(), 4096, silent, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            if (!hasChart(charts, atlas.chartAt({i % atlas.sizeTexels.x, i / atlas.sizeTexels.x}))) {
-                known[i] = 1;  // nothing to fill
-                continue;
+    const size_t most = itemsAPiece(pieceWork, kTexelWork);
+    for (size_t first = 0, last = 0; first < map.size(); first = last) {
+        last = first + std::min(most, map.size() - first);
+        parallelRanges(last - first, 4096, silent, [&](size_t begin, size_t end) {
+            for (size_t i = first + begin; i < first + end; ++i) {
+                if (!hasChart(charts, atlas.chartAt({i % atlas.sizeTexels.x, i / atlas.sizeTexels.x}))) {
+                    known[i] = 1;  // nothing to fill
+                    continue;
+                }
+                if (!points.valid(i) || !interpolator.hasNode(uint32_t(i))) continue;
+                map[i] = interpolator.at(uint32_t(i));
+                known[i] = 1;
             }
-            if (!points.valid(i) || !interpolator.hasNode(uint32_t(i))) continue;
-            map[i] = interpolator.at(uint32_t(i));
-            known[i] = 1;
-        }
-    });
+        });
+        co_yield kTexelWork * (last - first);
+    }
     fillWithinCharts(map, known, atlas);
-    return map;
 }
 
 }  // namespace phat

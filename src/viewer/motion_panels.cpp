@@ -69,7 +69,7 @@ void drawLivePanel(ViewerState& state, const PanelInput& input) {
     const LiveLight::Report& report = *input.light;
     ImGui::ProgressBar(report.settled && state.view.liveLight ? 1.0f : overall(report.renewed));
     constexpr std::array<const char*, kLiveTasks> kNames = {"first answer", "photons", "area lights",
-                                                            "diffuse light", "PHATexels"};
+                                                            "diffuse rays", "diffuse light", "PHATexels"};
     for (size_t t = 0; t < kLiveTasks; ++t)
         panelText(fmt::format("{:<14}{:5.0f} %", kNames[t], 100 * report.renewed[t]));
     panelText(fmt::format("{:.0f} thousand PHATexels a second", 1e-3 * report.phatexelsPerSecond));
