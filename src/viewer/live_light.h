@@ -51,6 +51,8 @@ class LiveLight {
         uint64_t phatexels = 0;  // so far
         double seconds = 0;      // of work so far
         double phatexelsPerSecond = 0;
+        double processorSeconds = 0;  // of its thread: all of them, where it has one core
+        double longestSeconds = 0;    // between two looks at what is wanted
     };
     Report report() const;
 
@@ -64,7 +66,7 @@ class LiveLight {
     void run(const Start& start);
     /// Goes on until there is nothing to do, then waits; false: to end.
     bool step(LiveEngine& engine);
-    void noteWork(const LiveEngine& engine, double seconds);
+    void noteWork(const LiveEngine& engine, double seconds, double processorSeconds);
 
     Wake wake_;
     mutable std::mutex mutex_;
