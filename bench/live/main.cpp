@@ -1,25 +1,26 @@
-// phat_live: frame times while the light is renewed on another core against those of a light at rest, and PHATexels
-// a second of the renewal against those of a bake.
+// phat_live: frame times while the light is renewed on another core against those of a light at rest, and
+// PHATexels a second of the renewal against those of a bake.
 //
-// The drawing is meant to have one core, the renewal another: LP_NUM_THREADS=1 where OpenGL is Mesa's.
+// The drawing has one core (LP_NUM_THREADS=1 where OpenGL is Mesa's), the renewal another.
 
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <glm/gtc/matrix_transform.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "core/live_light.h"
 #include "core/photon_map.h"
 #include "gl/gl_context.h"
 #include "gl/picture_sum.h"
 #include "gl/renderer.h"
 #include "io/bake_record.h"
 #include "io/baked_file.h"
-#include "viewer/live_light.h"
 
 namespace phat {
 namespace {
@@ -145,6 +146,7 @@ nlohmann::json measure(const Options& options) {
 }  // namespace phat
 
 int main(int argc, char** argv) {
+    setenv("LP_NUM_THREADS", "1", 0);
     phat::Options options;
     CLI::App app("What light that follows costs the window");
     app.add_option("BAKED", options.baked)->required();

@@ -1,6 +1,6 @@
 // The live engine on its own thread, as the window has it.
 
-#include "viewer/live_light.h"
+#include "core/live_light.h"
 
 #include <cstdlib>
 #include <thread>
@@ -34,7 +34,8 @@ struct Taker {
     }
 };
 
-// PHAT_SOAK_MOVES makes it longer than the suite's moment; the thread and address sanitizers are meant to watch.
+// PHAT_SOAK_MOVES makes it longer than the suite's moment; the thread and address sanitizers are meant to
+// watch.
 TEST(LiveLight, AfterAnyChangesAndBackItIsTheUntouchedBake) {
     const char* wanted = std::getenv("PHAT_SOAK_MOVES");
     const int moves = wanted ? std::atoi(wanted) : 150;

@@ -1,4 +1,4 @@
-#include "viewer/live_light.h"
+#include "core/live_light.h"
 
 #include <tbb/task_arena.h>
 
