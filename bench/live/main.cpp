@@ -33,7 +33,7 @@ constexpr int kFramesATurn = 5;
 struct Options {
     std::string baked, node = "crate", out;
     float meters = -0.2f;
-    int width = 640, height = 360, frames = 60;
+    int width = 640, height = 360, frames = 40;
 };
 
 double processorSeconds() {
