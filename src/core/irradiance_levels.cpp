@@ -19,6 +19,8 @@ constexpr float kMaxRadiusOverDistance = 0.25f;
 constexpr float kBetweenSteps = 1.7f;
 // Half the width of the confidence intervals that must meet, standard errors.
 constexpr float kConfidence = 3.0f;
+// A node that lies so many standard errors above its neighbours had a ray that the others missed.
+constexpr float kOutlierErrors = 6.0f;
 // Estimates are never taken to be better than this: a third of a percent cannot be seen.
 constexpr float kLeastRelativeError = 0.003f;
 // Normals farther apart than this are different surfaces to the light.
@@ -82,9 +84,9 @@ class Interpolator {
     Interpolator(const std::vector<IrradianceLevel>& levels, const Atlas& atlas, const TexelPoints& points,
                  const ChartSet& charts)
         : levels_(levels), atlas_(atlas), points_(points), charts_(charts) {
-        noise_ = forNodes<float>([&](const IrradianceLevel& level, uint32_t node) {
-            return fitAround(level, node, kMinRadiusSteps * float(level.step)).atOrigin().residual;
-        });
+        for (const IrradianceLevel& level : levels) values_.push_back(level.value);
+        measureNoise();
+        if (spreadOutliers()) measureNoise();
         smooth_ = forNodes<glm::vec3>(
             [&](const IrradianceLevel& level, uint32_t node) { return smoothed(level, node); });
     }
@@ -123,12 +125,68 @@ class Interpolator {
         return made;
     }
 
-    PlaneFit fitAround(const IrradianceLevel& level, uint32_t node, float radius) const {
+    PlaneFit fitAround(const IrradianceLevel& level, uint32_t node, float radius,
+                       bool withItself = true) const {
         PlaneFit fit;
         gather(level.texel[node], radius, [&](size_t l, uint32_t n, bool, float weight, glm::vec2 offset) {
-            fit.add(weight, offset, levels_[l].value[n]);
+            if (withItself || &levels_[l] != &level || n != node) fit.add(weight, offset, values_[l][n]);
         });
         return fit;
+    }
+
+    void measureNoise() {
+        noise_ = forNodes<float>([&](const IrradianceLevel& level, uint32_t node) {
+            return fitAround(level, node, kMinRadiusSteps * float(level.step)).atOrigin().residual;
+        });
+    }
+
+    static float widestAround(const IrradianceLevel& level) {
+        return std::min(kMaxRadiusSteps * float(level.step), kMaxRadiusTexels);
+    }
+
+    /// What a node has more than its neighbours, if that is no noise.
+    glm::vec3 outlyingPart(const IrradianceLevel& level, uint32_t node) const {
+        const size_t l = size_t(&level - levels_.data());
+        const glm::vec3 value = values_[l][node];
+        const PlaneFit others = fitAround(level, node, kMinRadiusSteps * float(level.step), false);
+        const float light = luminance(value);
+        const float expected = others.empty() ? light : luminance(others.atOrigin().value);
+        // An outlier is a part of the noise at its own place: the cheaper question first.
+        if (light - expected <= 2.0f * std::sqrt(noise_[l][node])) return glm::vec3(0);
+        const float noise = noiseAround(level, node, widestAround(level));
+        if (square(light - expected) <= square(kOutlierErrors) * noise) return glm::vec3(0);
+        return value * (1.0f - expected / light);
+    }
+
+    /// A ray that meets a rare bright thing makes a spot that no smoothing removes, because it agrees with no
+    /// wider fit. Its light is shared out to all around, so that none is lost: it stands for what they
+    /// missed. Returns whether there was any.
+    bool spreadOutliers() {
+        const auto outlying = forNodes<glm::vec3>(
+            [&](const IrradianceLevel& level, uint32_t node) { return outlyingPart(level, node); });
+        bool any = false;
+        for (size_t l = 0; l < levels_.size(); ++l) {
+            for (size_t node = 0; node < outlying[l].size(); ++node) {
+                if (outlying[l][node] == glm::vec3(0)) continue;
+                any = true;
+                spread(l, node, outlying[l][node]);
+            }
+        }
+        return any;
+    }
+
+    void spread(size_t l, size_t node, glm::vec3 excess) {
+        const IrradianceLevel& level = levels_[l];
+        const float radius = widestAround(level);
+        float area = 0;  // texels, by weight
+        gather(level.texel[node], radius, [&](size_t l2, uint32_t, bool split, float weight, glm::vec2) {
+            if (!split) area += weight * square(float(levels_[l2].step));
+        });
+        const glm::vec3 share = excess * square(float(level.step)) / area;
+        values_[l][node] -= excess;
+        gather(level.texel[node], radius, [&](size_t l2, uint32_t n, bool, float weight, glm::vec2) {
+            values_[l2][n] += weight * share;
+        });
     }
 
     /// Variance of the values around a node. The mean over many: with an estimate of its own, a place that a
@@ -154,11 +212,11 @@ class Interpolator {
     /// in common. source: Katkovnik 1999, "A new method for varying adaptive bandwidth selection".
     glm::vec3 smoothed(const IrradianceLevel& level, uint32_t node) const {
         const float step = float(level.step);
-        const float around = std::min(kMaxRadiusSteps * step, kMaxRadiusTexels);
+        const float around = widestAround(level);
         const float noise = noiseAround(level, node, around);
         const float widest = std::clamp(kMaxRadiusOverDistance * largestDistanceAround(level, node, around),
                                         kMinRadiusSteps * step, around);
-        glm::vec3 best = level.value[node];
+        glm::vec3 best = values_[size_t(&level - levels_.data())][node];
         float low = -1e30f, high = 1e30f;
         for (float radius = kMinRadiusSteps * step; radius <= widest; radius *= kRadiusRatio) {
             const PlaneFit::Estimate estimate = fitAround(level, node, radius).atOrigin();
@@ -222,6 +280,7 @@ class Interpolator {
     const Atlas& atlas_;
     const TexelPoints& points_;
     const ChartSet& charts_;
+    std::vector<std::vector<glm::vec3>> values_;  // [level][node]
     std::vector<std::vector<float>> noise_;       // [level][node], variance of the luminance
     std::vector<std::vector<glm::vec3>> smooth_;  // [level][node]
 };
