@@ -12,6 +12,8 @@ constexpr float kNoiseSigmas = 3.0f;
 constexpr float kLeastRelativeError = 0.005f;
 // Normals farther apart than this are different surfaces to the eye, even in one chart.
 constexpr float kLeastNormalCosine = 0.9f;
+// In rays: a texel of either pass.
+constexpr uint64_t kFilterWork = 1;
 
 /// Mean of the 3x3 texels around, and its variance: an outlier is told from an edge by its surroundings, and
 /// a variance from a few rounds is too noisy to be used alone.
@@ -48,22 +50,23 @@ std::vector<uint8_t> irradianceTexels(const Atlas& atlas, const TexelPoints& poi
     return wanted;
 }
 
-IrradianceMap filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
-                                   const TexelPoints& points, const std::vector<uint8_t>& wanted,
-                                   const ChartSet& charts) {
+Pieces filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
+                            const TexelPoints& points, const std::vector<uint8_t>& wanted,
+                            const ChartSet& charts, IrradianceMap& filtered, uint64_t pieceWork) {
     const size_t width = atlas.sizeTexels.x;
-    IrradianceMap filtered(estimates.size(), glm::vec3(0));
+    filtered.assign(estimates.size(), glm::vec3(0));
     std::vector<Guide3x3> guide(estimates.size());
     std::vector<uint8_t> known(estimates.size(), 0);
     const auto isOther = [&](size_t i) { return !hasChart(charts, atlas.chartAt({i % width, i / width})); };
     SilentProgress silent;
-    const auto forValid = [&](const auto& body) {
-        parallelRanges(estimates.size(), 8192, silent, [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; ++i)
+    const size_t most = itemsAPiece(pieceWork, kFilterWork);
+    const auto forValid = [&](size_t first, size_t last, const auto& body) {
+        parallelRanges(last - first, 8192, silent, [&](size_t begin, size_t end) {
+            for (size_t i = first + begin; i < first + end; ++i)
                 if (wanted[i] && !isOther(i)) body(i, glm::ivec2(i % width, i / width));
         });
     };
-    forValid([&](size_t i, glm::ivec2 texel) {
+    const auto findGuide = [&](size_t i, glm::ivec2 texel) {
         float sum = 0, variance = 0, count = 0;
         forNeighbors(atlas, wanted, texel, 1, [&](glm::ivec2, size_t j) {
             sum += luminance(estimates[j].value);
@@ -72,8 +75,8 @@ IrradianceMap filterAreaIrradiance(const std::vector<IrradianceEstimate>& estima
         });
         guide[i].luminance = sum / count;
         guide[i].variance = variance / square(count) + square(kLeastRelativeError * guide[i].luminance);
-    });
-    forValid([&](size_t i, glm::ivec2 texel) {
+    };
+    const auto filter = [&](size_t i, glm::ivec2 texel) {
         glm::vec3 sum(0);
         float weights = 0;
         forNeighbors(atlas, wanted, texel, kReach, [&](glm::ivec2 offset, size_t j) {
@@ -88,11 +91,19 @@ IrradianceMap filterAreaIrradiance(const std::vector<IrradianceEstimate>& estima
         });
         filtered[i] = sum / weights;
         known[i] = 1;
-    });
+    };
+    for (const bool filters : {false, true})
+        for (size_t begin = 0, end = 0; begin < estimates.size(); begin = end) {
+            end = begin + std::min(most, estimates.size() - begin);
+            if (filters)
+                forValid(begin, end, filter);
+            else
+                forValid(begin, end, findGuide);
+            co_yield kFilterWork * (end - begin);
+        }
     for (size_t i = 0; i < known.size() && !charts.empty(); ++i)
         if (isOther(i)) known[i] = 1;  // nothing to fill
     fillWithinCharts(filtered, known, atlas);
-    return filtered;
 }
 
 }  // namespace phat

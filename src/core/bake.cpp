@@ -88,10 +88,13 @@ void bakeAreaLight(const GatherInput& input, const std::vector<SeamPoint>& seams
     }
     ProgressStage stage(progress, "soft shadows",
                         2 * input.atlas.texelCount());  // all texels, then the hard ones
-    out.areaIrradiance = finishAreaIrradiance(
-        filterAreaIrradiance(gatherAreaIrradiance(input, settings, progress, journal, rays), input.atlas,
-                             input.points, input.irradianceTexels),
-        input, seams, progress);
+    const std::vector<IrradianceEstimate> estimates =
+        gatherAreaIrradiance(input, settings, progress, journal, rays);
+    IrradianceMap filtered;
+    const ChartSet all;
+    finish(filterAreaIrradiance(estimates, input.atlas, input.points, input.irradianceTexels, all, filtered,
+                                kAllAtOnce));
+    out.areaIrradiance = finishAreaIrradiance(std::move(filtered), input, seams, progress);
 }
 
 }  // namespace

@@ -15,6 +15,8 @@ constexpr uint32_t kFineRays = 32;
 constexpr float kSplitBelowSteps = 6.0f;
 // Bounces of a closed room of albedo .8 converge to a thousandth in thirty; the setting is mostly lower.
 constexpr float kConverged = 1e-4f;
+// In rays: all bounces of a node.
+constexpr uint64_t kSolveWork = 4;
 
 /// What is left of a node's rays once irradiance is known everywhere.
 struct NodeSum {
@@ -157,10 +159,12 @@ std::vector<uint8_t> groupsToSplit(const IrradianceLevel& level, const Atlas& at
     return split;
 }
 
-IrradianceLevel refine(const Gatherer& gatherer, const IrradianceLevel& coarse, uint32_t step,
-                       const IrradianceMap& map, const ChartSet& charts, Progress& progress,
-                       BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
+/// Appends a finer level to `levels`, gathered in the light of `map`.
+Pieces refine(const Gatherer& gatherer, std::vector<IrradianceLevel>& levels, uint32_t step,
+              const IrradianceMap& map, const ChartSet& charts, uint64_t pieceWork, Progress& progress,
+              BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
     const Atlas& atlas = gatherer.input.atlas;
+    const IrradianceLevel& coarse = levels.back();
     const std::vector<uint8_t> split = groupsToSplit(coarse, atlas);
     const uint32_t ratio = coarse.step / step;
     IrradianceLevel level = makeLevel(atlas, gatherer.input.irradianceTexels, step, [&](glm::uvec2 group) {
@@ -170,16 +174,37 @@ IrradianceLevel refine(const Gatherer& gatherer, const IrradianceLevel& coarse, 
                hasChart(charts, atlas.chartAt(group * step));
     });
     std::vector<NodeSum> sums(level.texel.size());
-    const ProgressStage stage(progress, "diffuse contacts", sums.size());
-    fillParts(sums, hashOf(uint64_t(GatherStage::indirectIrradiance), step), progress, journal, rayCount,
-              [&](size_t node, uint64_t& rays) { sums[node] = gatherer.sumRays(level, node, map, rays); });
+    const auto sumOf = [&](size_t node, uint64_t& rays) {
+        sums[node] = gatherer.sumRays(level, node, map, rays);
+    };
+    const size_t most = itemsAPiece(pieceWork, kFineRays);
+    if (sums.size() <= most) {
+        const ProgressStage stage(progress, "diffuse contacts", sums.size());
+        const uint64_t before = rayCount;
+        fillParts(sums, hashOf(uint64_t(GatherStage::indirectIrradiance), step), progress, journal, rayCount,
+                  sumOf);
+        co_yield rayCount - before;
+    } else {
+        SilentProgress silent;
+        for (size_t first = 0, last = 0; first < sums.size(); first = last) {
+            last = first + std::min(most, sums.size() - first);
+            std::atomic<uint64_t> pieceRays = 0;
+            parallelRanges(last - first, 32, silent, [&](size_t begin, size_t end) {
+                uint64_t rays = 0;
+                for (size_t node = first + begin; node < first + end; ++node) sumOf(node, rays);
+                pieceRays += rays;
+            });
+            rayCount += pieceRays;
+            co_yield pieceRays.load();
+        }
+    }
     std::vector<float> nearness;
     for (const NodeSum& sum : sums) {
         level.value.push_back(sum.irradiance);
         nearness.push_back(sum.nearness);
     }
     setDistances(level, atlas, nearness);
-    return level;
+    levels.push_back(std::move(level));
 }
 
 }  // namespace
@@ -193,35 +218,41 @@ NodeRays traceNode(const GatherInput& input, const std::vector<uint32_t>& areaIr
     return Gatherer{input, areaIrradiance, settings}.keepRays(level, node, rays);
 }
 
-IrradianceMap irradianceFromNodes(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
-                                  const BakeSettings& settings, IrradianceLevel coarse,
-                                  const std::vector<NodeRays>& nodes, Progress& progress,
-                                  BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
+Pieces irradianceFromNodes(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
+                           const BakeSettings& settings, IrradianceLevel coarse, std::vector<NodeRays> nodes,
+                           IrradianceMap& map, uint64_t pieceWork, Progress& progress, BakeJournal* journal,
+                           std::atomic<uint64_t>& rayCount) {
     const Gatherer gatherer{input, areaIrradiance, settings};
+    const ChartSet all;
     std::vector<float> nearness;
     for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
     setDistances(coarse, input.atlas, nearness);
     solve(coarse, nodes, input.atlas.sizeTexels.x, settings.maxBounces - 1, progress);
+    co_yield nodes.size() * kSolveWork;
 
     std::vector<IrradianceLevel> levels;
     levels.push_back(std::move(coarse));
-    {
-        // The last bounce takes the irradiance of the very texel that is hit.
-        const IrradianceMap map = interpolateLevels(levels, input.atlas, input.points);
-        levels[0].value = bounce(nodes, progress, [&](uint32_t texel) { return map[texel]; });
-    }
-    const IrradianceMap map = interpolateLevels(levels, input.atlas, input.points);
+    IrradianceMap lit;
+    for (Pieces p = interpolateLevels(levels, input.atlas, input.points, all, lit, pieceWork); p.next();)
+        co_yield p.work();
+    // The last bounce takes the irradiance of the very texel that is hit.
+    levels[0].value = bounce(nodes, progress, [&](uint32_t texel) { return lit[texel]; });
+    nodes = {};
+    for (Pieces p = interpolateLevels(levels, input.atlas, input.points, all, lit, pieceWork); p.next();)
+        co_yield p.work();
     for (size_t i = 1; i < std::size(kLevelSteps); ++i)
-        levels.push_back(
-            refine(gatherer, levels.back(), kLevelSteps[i], map, {}, progress, journal, rayCount));
-    return interpolateLevels(levels, input.atlas, input.points);
+        for (Pieces p = refine(gatherer, levels, kLevelSteps[i], lit, all, pieceWork, progress, journal, rayCount);
+             p.next();)
+            co_yield p.work();
+    for (Pieces p = interpolateLevels(levels, input.atlas, input.points, all, map, pieceWork); p.next();)
+        co_yield p.work();
 }
 
-IrradianceMap irradianceOfCharts(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
-                                 const std::vector<uint32_t>& indirectIrradiance,
-                                 const BakeSettings& settings, IrradianceLevel coarse,
-                                 const std::vector<NodeRays>& nodes, const ChartSet& charts,
-                                 Progress& progress, std::atomic<uint64_t>& rayCount) {
+Pieces irradianceOfCharts(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
+                          const std::vector<uint32_t>& indirectIrradiance, const BakeSettings& settings,
+                          IrradianceLevel coarse, const std::vector<NodeRays>& nodes, const ChartSet& charts,
+                          IrradianceMap& map, uint64_t pieceWork, Progress& progress,
+                          std::atomic<uint64_t>& rayCount) {
     const Gatherer gatherer{input, areaIrradiance, settings};
     const uint32_t width = input.atlas.sizeTexels.x;
     const auto chartOf = [&](size_t texel) { return input.atlas.chartAt({texel % width, texel / width}); };
@@ -236,13 +267,17 @@ IrradianceMap irradianceOfCharts(const GatherInput& input, const std::vector<uin
 
     std::vector<IrradianceLevel> levels;
     levels.push_back(std::move(coarse));
-    IrradianceMap map = interpolateLevels(levels, input.atlas, input.points, charts);
-    for (size_t texel = 0; texel < map.size(); ++texel)
-        if (!hasChart(charts, chartOf(texel))) map[texel] = unpackRgb9e5(indirectIrradiance[texel]);
+    IrradianceMap lit;
+    for (Pieces p = interpolateLevels(levels, input.atlas, input.points, charts, lit, pieceWork); p.next();)
+        co_yield p.work();
+    for (size_t texel = 0; texel < lit.size(); ++texel)
+        if (!hasChart(charts, chartOf(texel))) lit[texel] = unpackRgb9e5(indirectIrradiance[texel]);
     for (size_t i = 1; i < std::size(kLevelSteps); ++i)
-        levels.push_back(
-            refine(gatherer, levels.back(), kLevelSteps[i], map, charts, progress, nullptr, rayCount));
-    return interpolateLevels(levels, input.atlas, input.points, charts);
+        for (Pieces p = refine(gatherer, levels, kLevelSteps[i], lit, charts, pieceWork, progress, nullptr, rayCount);
+             p.next();)
+            co_yield p.work();
+    for (Pieces p = interpolateLevels(levels, input.atlas, input.points, charts, map, pieceWork); p.next();)
+        co_yield p.work();
 }
 
 IrradianceMap gatherIndirectIrradiance(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
@@ -257,8 +292,10 @@ IrradianceMap gatherIndirectIrradiance(const GatherInput& input, const std::vect
                       nodes[node] = traceNode(input, areaIrradiance, settings, coarse, node, rays);
                   });
     }
-    return irradianceFromNodes(input, areaIrradiance, settings, std::move(coarse), nodes, progress, journal,
-                               rayCount);
+    IrradianceMap map;
+    finish(irradianceFromNodes(input, areaIrradiance, settings, std::move(coarse), std::move(nodes), map,
+                               kAllAtOnce, progress, journal, rayCount));
+    return map;
 }
 
 }  // namespace phat

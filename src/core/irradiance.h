@@ -5,6 +5,7 @@
 
 #include "core/atlas.h"
 #include "core/path.h"
+#include "core/pieces.h"
 
 namespace phat {
 
@@ -25,8 +26,9 @@ std::vector<uint8_t> irradianceTexels(const Atlas& atlas, const TexelPoints& poi
 /// Removes the noise of area-light estimates and keeps their shadow edges: each texel averages those of its
 /// 7x7 neighbours in the chart that differ from it by no more than both estimates' standard errors explain.
 /// `wanted`: irradianceTexels; the others are filled from them. Other charts than `charts` are zero.
-IrradianceMap filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
-                                   const TexelPoints& points, const std::vector<uint8_t>& wanted,
-                                   const ChartSet& charts = {});
+/// `filtered` becomes the result.
+Pieces filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
+                            const TexelPoints& points, const std::vector<uint8_t>& wanted,
+                            const ChartSet& charts, IrradianceMap& filtered, uint64_t pieceWork);
 
 }  // namespace phat

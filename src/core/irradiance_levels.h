@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/irradiance.h"
+#include "core/pieces.h"
 
 namespace phat {
 
@@ -33,8 +34,9 @@ IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradi
 /// Smooths the nodes and interpolates between them: local linear fits [Cleveland 1979] over neighbourhoods
 /// that shrink with the distance of what the nodes see. `levels` from coarse to fine; a group of a finer
 /// level has a node of every coarser one around it. Texels without a place are filled from their chart's.
-/// Other charts than `charts` are zero.
-IrradianceMap interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
-                                const TexelPoints& points, const ChartSet& charts = {});
+/// Other charts than `charts` are zero. `map` becomes the result.
+Pieces interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
+                         const TexelPoints& points, const ChartSet& charts, IrradianceMap& map,
+                         uint64_t pieceWork);
 
 }  // namespace phat

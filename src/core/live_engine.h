@@ -6,10 +6,12 @@
 // functions and random numbers. Every piece knows which scene it was made from; once all are of the present
 // one, the PHATexels are those that a bake of it on this atlas makes, bit by bit.
 
+#include <atomic>
 #include <string>
 
 #include "core/live_priority.h"
 #include "core/live_renewal.h"
+#include "core/pieces.h"
 
 namespace phat {
 
@@ -24,6 +26,9 @@ struct LiveStats {
     Task areaMaps, indirectMaps;  // filtered, bounced and stitched
     uint64_t phatexels = 0;       // renewed
 };
+
+/// How much of each task's items is of the scene as it is, from 0 to 1, by LiveTask.
+using LiveShare = std::array<float, kLiveTasks>;
 
 class LiveEngine {
   public:
@@ -53,6 +58,7 @@ class LiveEngine {
     const LightSampler& lights() const { return *state_.lights; }
     const Phatexture& phatexture() const { return state_.phatexture; }
     const LiveStats& stats() const { return stats_; }
+    LiveShare renewed() const;
 
   private:
     struct Queue {
@@ -72,15 +78,27 @@ class LiveEngine {
     uint64_t renewRegions();
     uint64_t traceNodes();
     uint64_t renewBlocks();
-    void finishArea(const ChartSet& charts, Progress& progress);
-    void finishIndirect(const ChartSet& charts, Progress& progress);
+    /// A map that is being made anew. Never moved: its pieces refer to it.
+    struct MapJob {
+        bool area = false;
+        ChartSet charts;  // empty: all
+        IrradianceMap map;
+        std::atomic<uint64_t> rays = 0;
+        SilentProgress progress;
+        std::optional<Pieces> pieces;
+    };
+    /// Begins with a map if one is due.
+    void beginDueMap();
+    void beginMap(bool area, ChartSet charts);
+    void advanceMap();
+    void publishMap();
     bool areaIsDue();
     bool indirectIsDue();
     bool movedIsDue(LiveTask task);
     void forgetMoved(LiveTask task);
     ChartSet movedSince(uint64_t version) const;
     uint64_t mapWork(uint64_t workATexel, const ChartSet& charts) const;
-    void count(LiveStats::Task& task, uint64_t work, double seconds);
+    void countMap(bool area, uint64_t work, double seconds);
 
     LiveState state_;
     std::optional<Camera> eye_;
@@ -97,6 +115,7 @@ class LiveEngine {
     bool tileLightStale_ = false;
     uint64_t tileLightClock_ = 0;  // of the next one
     LiveStats stats_;
+    std::optional<MapJob> job_;
 };
 
 }  // namespace phat

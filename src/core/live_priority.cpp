@@ -17,7 +17,7 @@ constexpr float kMovedBonus = 2.0f;
 
 // Shares of the work, by LiveTask. Responding to a change comes first by far, and is soon done; blocks that
 // are renewed before the light around them is known have to be renewed again.
-constexpr double kShare[kLiveTasks] = {8, 2, 3, 3, 3};
+constexpr double kShare[kLiveTasks] = {8, 2, 3, 3, 8, 3};
 
 bool isSeen(const Camera& eye, const TilePatch& patch, glm::vec3 normal, float radius) {
     const glm::mat4 cameraFromWorld = glm::inverse(eye.worldFromCamera);
@@ -126,6 +126,8 @@ std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const s
                 const uint32_t index = tile.y * atlas.sizeTiles().x + tile.x;
                 add(n, tileValue[index] + float(age.scene == 0), age.clock, movedSince(index, age.scene));
             }
+            break;
+        case LiveTask::maps:  // they have no items
             break;
         case LiveTask::blocks: {
             const bool photonsKnown = state.photonsVersion() == version;

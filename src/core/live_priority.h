@@ -7,8 +7,8 @@
 namespace phat {
 
 /// What can be worth doing.
-enum class LiveTask : uint8_t { respond, photons, areaLight, nodes, blocks };
-inline constexpr size_t kLiveTasks = 5;
+enum class LiveTask : uint8_t { respond, photons, areaLight, nodes, maps, blocks };
+inline constexpr size_t kLiveTasks = 6;
 
 /// How much a tile gains by being renewed, from 0 to 1.25: near to what has changed of late and facing it, in
 /// the picture. `eye` null: all are in the picture.

@@ -2,24 +2,13 @@
 
 #include "core/irradiance.h"
 #include "core/parallel.h"
+#include "core/scene_motion.h"
 
 namespace phat {
 namespace {
 
 // Of a node that moves in every frame, so many places are told apart.
 constexpr size_t kMostChanges = 48;
-
-// Normals of a flattened or mirrored node, too.
-glm::mat3 normalMatrix(const glm::mat4& m) {
-    const glm::mat3 linear(m);
-    const glm::mat3 cofactors(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
-                              glm::cross(linear[0], linear[1]));
-    return glm::determinant(linear) < 0 ? -cofactors : cofactors;
-}
-
-glm::vec3 moved(const glm::mat4& m, glm::vec3 p) {
-    return glm::vec3(m * glm::vec4(p, 1.0f));
-}
 
 Frame movedFrame(const Frame& frame, const glm::mat4& m) {
     return frameFromNormalAndTangent(glm::normalize(normalMatrix(m) * frame.normal),
@@ -36,7 +25,6 @@ LiveScene::LiveScene(const Scene& rest, const Atlas& atlas, const TexelPoints& p
       restPositions_(rest.positions),
       restNormals_(rest.normals),
       restTangents_(rest.tangents),
-      restLights_(rest.lights),
       restPoints_(points),
       restState_(buildTexelPoints(rest, atlas).state),
       restFrames_(frames_),
@@ -76,26 +64,6 @@ void LiveScene::addChange(const Bounds& box) {
     changes_.push_back({version_, box});
 }
 
-void LiveScene::moveSurface(const Surface& surface, const glm::mat4& m) {
-    if (m == glm::mat4(1)) {  // exactly as it was
-        const auto restore = [&](auto& values, const auto& rest) {
-            std::copy_n(rest.begin() + surface.firstVertex, surface.vertexCount,
-                        values.begin() + surface.firstVertex);
-        };
-        restore(scene_.positions, restPositions_);
-        restore(scene_.normals, restNormals_);
-        restore(scene_.tangents, restTangents_);
-        return;
-    }
-    const glm::mat3 normals = normalMatrix(m), linear(m);
-    for (uint32_t v = surface.firstVertex; v < surface.firstVertex + surface.vertexCount; ++v) {
-        scene_.positions[v] = moved(m, restPositions_[v]);
-        scene_.normals[v] = glm::normalize(normals * restNormals_[v]);
-        if (const glm::vec4 tangent = restTangents_[v]; tangent != glm::vec4(0))
-            scene_.tangents[v] = glm::vec4(glm::normalize(linear * glm::vec3(tangent)), tangent.w);
-    }
-}
-
 void LiveScene::moveChart(const Chart& chart, const glm::mat4& m) {
     const glm::mat3 normals = normalMatrix(m), linear(m);
     const bool atRest = m == glm::mat4(1);  // exactly as it was
@@ -109,7 +77,7 @@ void LiveScene::moveChart(const Chart& chart, const glm::mat4& m) {
             for (uint32_t x = 0; x < size.x; ++x) {
                 const size_t i = (origin.y + y) * atlas_.sizeTexels.x + origin.x + x;
                 if (points_.triangle[i] == kNoTriangle) continue;
-                points_.position[i] = moved(m, restPoints_.position[i]);
+                points_.position[i] = movedPoint(m, restPoints_.position[i]);
                 const glm::vec3 normal = glm::normalize(normals * restPoints_.normal[i]);
                 const Frame frame = frameFromNormalAndTangent(normal, linear * restPoints_.tangent[i]);
                 points_.normal[i] = atRest ? restPoints_.normal[i] : normal;
@@ -123,32 +91,29 @@ void LiveScene::moveChart(const Chart& chart, const glm::mat4& m) {
         for (uint32_t x = 0; x < chart.sizeTiles.x; ++x) {
             TilePatch& patch = patches_[tileOf(x, y)];
             const TilePatch& rest = restPatches_[tileOf(x, y)];
-            patch.center = moved(m, rest.center);
+            patch.center = movedPoint(m, rest.center);
             patch.alongX = linear * rest.alongX;
             patch.alongY = linear * rest.alongY;
         }
 }
 
 bool LiveScene::setNodes(const std::vector<glm::mat4>& worldFromRest) {
-    const auto at = [](const std::vector<glm::mat4>& all, uint32_t node) {
-        return node < all.size() ? all[node] : glm::mat4(1);
-    };
     bool any = false;
     std::vector<uint8_t> surfaceMoves(scene_.surfaces.size(), 0);
     for (size_t s = 0; s < scene_.surfaces.size(); ++s) {
         const Surface& surface = scene_.surfaces[s];
-        const glm::mat4 m = at(worldFromRest, surface.node);
-        if (m == at(worldFromRest_, surface.node)) continue;
+        const glm::mat4 m = matrixAt(worldFromRest, surface.node);
+        if (m == matrixAt(worldFromRest_, surface.node)) continue;
         any = true;
         surfaceMoves[s] = 1;
         addChange(boundsOfSurface(surface));
-        moveSurface(surface, m);
+        moveSurface({restPositions_, restNormals_, restTangents_}, surface, m, scene_);
         addChange(boundsOfSurface(surface));
     }
     for (size_t c = 0; c < atlas_.charts.size(); ++c) {
         const Chart& chart = atlas_.charts[c];
         if (!surfaceMoves[chart.surface]) continue;
-        moveChart(chart, at(worldFromRest, scene_.surfaces[chart.surface].node));
+        moveChart(chart, matrixAt(worldFromRest, scene_.surfaces[chart.surface].node));
         chartMoved_[c] = version_;
     }
     worldFromRest_ = worldFromRest;
@@ -156,12 +121,7 @@ bool LiveScene::setNodes(const std::vector<glm::mat4>& worldFromRest) {
 }
 
 bool LiveScene::setLights(const std::vector<PunctualLight>& lights) {
-    std::vector<PunctualLight> placed = lights;
-    for (PunctualLight& light : placed) {
-        if (light.node >= worldFromRest_.size() || worldFromRest_[light.node] == glm::mat4(1)) continue;
-        light.position = moved(worldFromRest_[light.node], light.position);
-        light.direction = glm::normalize(glm::mat3(worldFromRest_[light.node]) * light.direction);
-    }
+    std::vector<PunctualLight> placed = movedLights(lights, worldFromRest_);
     if (placed == scene_.lights) return false;
     scene_.lights = std::move(placed);
     return true;

@@ -56,7 +56,6 @@ class LiveScene {
     void endCovered(bool anyChanged) { version_ += anyChanged; }
 
   private:
-    void moveSurface(const Surface& surface, const glm::mat4& worldFromRest);
     void moveChart(const Chart& chart, const glm::mat4& worldFromRest);
     void addChange(const Bounds& box);
     Bounds boundsOfSurface(const Surface& surface) const;
@@ -72,7 +71,6 @@ class LiveScene {
 
     std::vector<glm::vec3> restPositions_, restNormals_;  // of vertices
     std::vector<glm::vec4> restTangents_;
-    std::vector<PunctualLight> restLights_;
     std::vector<glm::mat4> worldFromRest_;
     TexelPoints restPoints_;
     std::vector<TexelState> restState_;

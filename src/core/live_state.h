@@ -52,10 +52,7 @@ struct LiveState {
         const uint32_t wide = scene.atlas().sizeTiles().x;
         return glm::uvec2(tile % wide, tile / wide) * kTileSize;
     }
-    size_t texelOf(size_t tile, uint32_t inTile) const {
-        const glm::uvec2 texel = cornerOfTile(tile) + glm::uvec2(inTile % kTileSize, inTile / kTileSize);
-        return size_t(texel.y) * scene.atlas().sizeTexels.x + texel.x;
-    }
+    size_t texelOf(size_t tile, uint32_t inTile) const { return texelOfTile(scene.atlas(), tile, inTile); }
 
     LiveScene scene;
     BakeSettings settings;
@@ -89,6 +86,9 @@ struct LiveState {
     std::vector<uint8_t> blockDirty;
 };
 
-inline constexpr uint8_t kDirtyPhatexels = 1, kDirtyIrradiance = 2, kDirtyPlace = 4;
+inline constexpr uint8_t kDirtyPhatexels = 1, kDirtyIrradiance = 2, kDirtyPlace = 4, kDirtyCover = 8;
+
+/// All that is dirty, which it is no more; `tileLight` is left to the caller.
+LiveUpdate collectUpdate(LiveState& state);
 
 }  // namespace phat

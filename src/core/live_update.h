@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/atlas.h"
 #include "core/phatexture.h"
 
 namespace phat {
@@ -31,16 +32,29 @@ struct LiveUpdate {
         uint32_t block = 0;
         Guide indirect, area;
     };
+    /// Which of a tile's texels are covered now: of the CPU's copy alone.
+    struct Cover {
+        uint32_t tile = 0;
+        std::array<TexelState, kTileTexels> state;
+    };
     std::vector<Phatexels> phatexels;  // by block
     std::vector<Irradiance> irradiance;
     std::vector<Place> places;
     std::vector<Guides> guides;        // by block
+    std::vector<Cover> covers;
     std::vector<glm::vec4> tileLight;  // see tileLight(); of all tiles, or empty: as before
 
     bool empty() const {
         return phatexels.empty() && irradiance.empty() && places.empty() && guides.empty() &&
-               tileLight.empty();
+               covers.empty() && tileLight.empty();
     }
 };
+
+/// Texel `inTile` ([y][x]) of a tile as an index into the atlas.
+size_t texelOfTile(const Atlas& atlas, size_t tile, uint32_t inTile);
+
+/// Brings a copy of the PHATexels, and of which texels are covered, to the engine's state.
+void applyUpdate(const LiveUpdate& update, const Atlas& atlas, Phatexture& phatexture,
+                 std::vector<TexelState>& states);
 
 }  // namespace phat

@@ -5,7 +5,7 @@
 namespace phat {
 
 SceneEdits noEdits(const Scene& scene) {
-    return {scene.materials, scene.lights, 0};
+    return {scene.materials, scene.lights, 0, {}};
 }
 
 void applyEdits(const SceneEdits& from, const SceneEdits& to, Scene& scene) {

@@ -265,6 +265,7 @@ bool Renderer::takeUpdate(LiveUpdate& update, double seconds) {
     update.places.clear();
     if (!update.tileLight.empty()) updateTileLight(s.atlas, update.tileLight);
     update.tileLight.clear();
+    update.covers.clear();
 
     // One portion at least, so that however little time there is, all is done one day.
     size_t tile = 0, block = 0;

@@ -1,5 +1,8 @@
 #include "viewer/document.h"
 
+#include <algorithm>
+
+#include "core/animation.h"
 #include "io/bake_record.h"
 #include "io/baked_edits.h"
 #include "io/scene_file.h"
@@ -34,15 +37,50 @@ Document::Document(const std::string& file, const std::string& environment)
       baked(readSceneFile(file, environment)),
       hasBake(!baked.phatexture.indirect.empty()),
       shown(scene()),
-      rays(shown),
       edits(noEdits(scene())),
       writeTime(std::filesystem::last_write_time(file)),
       applied_(edits.now()),
       inFile_(edits.now()) {}
 
-void Document::showEdits() {
+Document::Changes Document::show() {
+    if (edits.revision() == shownRevision_ && playback.animation == shownPlayback_.animation &&
+        playback.seconds == shownPlayback_.seconds)
+        return {};
+    shownRevision_ = edits.revision();
+    shownPlayback_ = playback;
     applyEdits(applied_, edits.now(), shown);
     applied_ = edits.now();
+    std::vector<glm::mat4> animated;
+    if (playback.animation >= 0)
+        animated = worldFromRest(scene().nodes, scene().animations[size_t(playback.animation)], playback.seconds);
+    std::vector<glm::mat4> now = withMotions(scene().nodes, std::move(animated), applied_.motions);
+    const bool moved = moveSurfaces(scene(), worldFromRest_, now, shown);
+    worldFromRest_ = std::move(now);
+    shown.lights = movedLights(applied_.lights, worldFromRest_);
+    if (moved) rays_.reset();
+    ++rayVersion_;
+    return {true, moved};
+}
+
+LivePose Document::pose() const {
+    return {worldFromRest_, applied_.lights, applied_.materials};
+}
+
+bool Document::isAtRest() const {
+    return applied_.materials == scene().materials && shown.lights == scene().lights &&
+           std::all_of(worldFromRest_.begin(), worldFromRest_.end(),
+                       [](const glm::mat4& m) { return m == glm::mat4(1); });
+}
+
+const RayScene& Document::rays() const {
+    if (!rays_) rays_.emplace(shown);
+    return *rays_;
+}
+
+void Document::takeLight(const LiveUpdate& update) {
+    if (!bakedLight_) bakedLight_ = BakedLight{baked.phatexture, baked.points.state};
+    rayVersion_ += !update.covers.empty();
+    applyUpdate(update, baked.atlas, baked.phatexture, baked.points.state);
 }
 
 std::string Document::save() {
@@ -53,7 +91,19 @@ std::string Document::save() {
         return path;
     }
     const std::string out = std::filesystem::path(path).replace_extension(".phat.glb").string();
-    writeBake(out, path, environmentPath, baked);
+    const auto swapLight = [&] {
+        if (!bakedLight_) return;
+        std::swap(bakedLight_->phatexture, baked.phatexture);
+        std::swap(bakedLight_->states, baked.points.state);
+    };
+    swapLight();
+    try {
+        writeBake(out, path, environmentPath, baked);
+    } catch (...) {
+        swapLight();
+        throw;
+    }
+    swapLight();
     writeEdits(out, out, noEdits(scene()), edits.now());
     return out;
 }

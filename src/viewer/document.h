@@ -2,13 +2,25 @@
 // An open file.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include "core/live_scene.h"
+#include "core/live_update.h"
 #include "core/rays.h"
 #include "io/baked_file.h"
 #include "viewer/edit_history.h"
 
 namespace phat {
+
+/// Where the file's own motion stands.
+struct Playback {
+    int animation = -1;  // -1: at rest
+    double seconds = 0;
+    bool playing = false;
+
+    bool operator==(const Playback&) const = default;
+};
 
 struct Document {
     /// A baked file, or a scene without its bake. `environmentPath` empty: the file's own sky. Throws
@@ -19,23 +31,47 @@ struct Document {
 
     /// As it was read; what a bake in the background works on.
     const Scene& scene() const { return baked.loaded.scene; }
-    /// Brings `shown` to the edits of now.
-    void showEdits();
-    /// Writes the edits into the baked file; a bake that was made here goes beside its scene first. Returns
-    /// the file's path. Throws FileError. pre: hasBake.
+    struct Changes {
+        bool any = false, moved = false;
+    };
+    /// Brings `shown` to the edits and the time of now; tells what was different.
+    Changes show();
+    /// `shown` as the live engine takes it.
+    LivePose pose() const;
+    /// Whether that is how the file has it.
+    bool isAtRest() const;
+    /// Of `shown`: for picking and for reflections.
+    const RayScene& rays() const;
+    /// Grows when what rays meet, or may read there, is another.
+    uint64_t rayVersion() const { return rayVersion_; }
+    /// Takes over a part of the bake that was renewed; the file's is kept aside.
+    void takeLight(const LiveUpdate& update);
+    /// Forgets what was kept aside: the bake is another one.
+    void forgetRenewedLight() { bakedLight_.reset(); }
+    /// Writes the edits of materials, lamps' colours and sky into the baked file; a bake that was made here
+    /// goes beside its scene first, as it was made. Returns the file's path. Throws FileError. pre: hasBake.
     std::string save();
 
     std::string path;
     std::string environmentPath;
-    BakedScene baked;
+    BakedScene baked;  // the scene as it was read; PHATexels and covered texels as renewed
     bool hasBake = false;
-    Scene shown;    // with the edits
-    RayScene rays;  // of `shown`: for picking and for reflections
+    Scene shown;  // with the edits, and moved
     EditHistory edits;
+    Playback playback;
     std::filesystem::file_time_type writeTime;  // of the file as it was read
 
   private:
+    struct BakedLight {
+        Phatexture phatexture;
+        std::vector<TexelState> states;
+    };
     SceneEdits applied_;  // to `shown`
+    std::vector<glm::mat4> worldFromRest_;
+    uint64_t shownRevision_ = 0, rayVersion_ = 0;
+    Playback shownPlayback_;
+    mutable std::optional<RayScene> rays_;  // empty: not of `shown` as it is
+    std::optional<BakedLight> bakedLight_;
     SceneEdits inFile_;
 };
 

@@ -24,6 +24,12 @@ void EditHistory::change(SceneEdits next, bool goesOn) {
     at_ = states_.size() - 1;
 }
 
+void EditHistory::drop() {
+    states_.resize(at_);
+    --at_;
+    ++revision_;
+}
+
 void EditHistory::undo() {
     if (!canUndo()) return;
     --at_;

@@ -19,6 +19,9 @@ class EditHistory {
     /// takes all of its motion back.
     void change(SceneEdits next, bool goesOn);
 
+    /// Takes back the last change for good. pre: canUndo(), and nothing was undone since.
+    void drop();
+
     bool canUndo() const { return at_ > 0; }
     bool canRedo() const { return at_ + 1 < states_.size(); }
     void undo();

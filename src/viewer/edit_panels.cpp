@@ -8,7 +8,18 @@
 namespace phat {
 namespace {
 
-void drawMaterial(Edit& edit, Material& m) {
+// Its strength and colour, so that a lamp can be dimmed without another tint.
+void drawEmission(Edit& edit, Material& m, bool glows) {
+    if (!glows || m.unlit) return;
+    float power = std::max({m.emission.x, m.emission.y, m.emission.z});
+    glm::vec3 color = power > 0 ? m.emission / power : glm::vec3(1);
+    bool changed = ImGui::DragFloat("Emission, nit", &power, 0.01f * std::max(power, 0.1f), 0, 1e6f, "%.3g");
+    if (power > 0) changed |= ImGui::ColorEdit3("Its colour", &color.x, ImGuiColorEditFlags_Float);
+    if (changed) m.emission = power * color;
+    edit.note(changed);
+}
+
+void drawMaterial(Edit& edit, Material& m, bool glows) {
     const auto slider = [&](const char* label, float& value, float most) {
         edit.note(ImGui::SliderFloat(label, &value, 0, most, "%.3f", ImGuiSliderFlags_AlwaysClamp));
     };
@@ -16,6 +27,7 @@ void drawMaterial(Edit& edit, Material& m) {
     slider("Metallic", m.metallic, 1);
     edit.note(ImGui::ColorEdit3("Base colour", &m.baseColor.x, ImGuiColorEditFlags_Float));
     slider("Specular", m.specular, 1);
+    drawEmission(edit, m, glows);
     if (m.normalTexture.image >= 0) slider("Normal strength", m.normalScale, 3);
     if (m.clearcoat > 0) {
         slider("Clear coat", m.clearcoat, 1);
@@ -47,7 +59,10 @@ void drawSelectionPanel(ViewerState& state, Edit& edit) {
     Material& material = edit.next.materials[surface.material];
     panelText(
         fmt::format("{}, material {}", surface.name, material.name.empty() ? "(unnamed)" : material.name));
-    drawMaterial(edit, material);
+    // Without any area lamp at the start there are no PHATexels for such light.
+    const bool canGlow = !state.document->baked.phatexture.area.empty();
+    const glm::vec3 original = state.document->edits.original().materials[surface.material].emission;
+    drawMaterial(edit, material, canGlow && original != glm::vec3(0));
     if (ImGui::Button("Reset material")) {
         material = state.document->edits.original().materials[surface.material];
         edit.changed = true;
@@ -57,7 +72,7 @@ void drawSelectionPanel(ViewerState& state, Edit& edit) {
 void drawLightsPanel(ViewerState& state, Edit& edit) {
     const auto& sky = state.document->scene().environment;
     if ((edit.next.lights.empty() && !sky) || !ImGui::CollapsingHeader("Lights")) return;
-    bool stale = false;
+    state.switchedOff.resize(edit.next.lights.size());
     for (size_t i = 0; i < edit.next.lights.size(); ++i) {
         ImGui::PushID(int(i));
         PunctualLight& light = edit.next.lights[i];
@@ -68,11 +83,18 @@ void drawLightsPanel(ViewerState& state, Edit& edit) {
         changed |= ImGui::DragFloat("Intensity", &power, 0.01f * std::max(power, 0.1f), 0, 1e6f, "%.3g");
         if (changed) light.intensity = power * color;
         edit.note(changed);
-        stale |= light.intensity != state.document->edits.original().lights[i].intensity;
+        bool shines = light.intensity != glm::vec3(0);
+        if (ImGui::Checkbox("On", &shines)) {
+            if (!shines) state.switchedOff[i] = light.intensity;
+            // It comes back as it was.
+            light.intensity = shines ? state.switchedOff[i].value_or(glm::vec3(1)) : glm::vec3(0);
+            edit.changed = true;
+        }
+        if (light.type != PunctualLight::Type::directional)
+            edit.note(ImGui::DragFloat3("Place, m", &light.position.x, 0.01f, 0, 0, "%.2f"));
         ImGui::PopID();
     }
     if (sky) drawSky(edit, sky->radiance.width);
-    if (stale) wrappedText("Direct light follows at once; indirect light is that of the bake.");
 }
 
 }  // namespace phat

@@ -26,7 +26,7 @@ Bounds boundsOf(const Scene& scene, const Surface& surface) {
 std::optional<uint32_t> pick(const ViewerState& state, glm::vec2 place, glm::vec2 size) {
     const CameraRay ray = cameraRay(state.navigation.camera, int(size.x), int(size.y), place);
     uint64_t rays = 0;
-    const Hit hit = visibleHit(state.document->rays, ray, rays);
+    const Hit hit = visibleHit(state.document->rays(), ray, rays);
     if (!hit) return std::nullopt;
     return state.document->scene().triangleSurface[hit.triangle];
 }
@@ -37,9 +37,26 @@ struct Place {
     glm::vec2 operator()(ImVec2 p) const { return glm::vec2(p.x, p.y) * scale - corner; }
 };
 
+// Whether the mouse belongs to what is being moved.
+bool handleGrab(ViewerState& state, glm::vec2 mouse) {
+    if (!state.grab) return false;
+    moveGrab(state, mouse);
+    const bool keep = ImGui::IsMouseClicked(ImGuiMouseButton_Left);
+    if (keep || ImGui::IsMouseClicked(ImGuiMouseButton_Right)) {
+        endGrab(state, keep);
+        state.pressKeptGrab = true;
+    }
+    return true;
+}
+
 void handleMouse(ViewerState& state, const Place& place) {
     const ImGuiIO& io = ImGui::GetIO();
     if (ImGui::IsAnyMouseDown()) state.message.clear();
+    if (handleGrab(state, place(io.MousePos))) return;
+    if (state.pressKeptGrab) {
+        state.pressKeptGrab = ImGui::IsAnyMouseDown();
+        return;
+    }
     const glm::vec2 moved = glm::vec2(io.MouseDelta.x, io.MouseDelta.y) * place.scale;
     const glm::vec2 mouse = place(io.MousePos);
     Navigation& navigation = state.navigation;
@@ -78,7 +95,7 @@ void handleMouse(ViewerState& state, const Place& place) {
 
 void handleFlight(ViewerState& state) {
     const ImGuiIO& io = ImGui::GetIO();
-    if (io.KeyCtrl) return;
+    if (io.KeyCtrl || state.grab) return;
     const auto axis = [](int forward, int backward) {
         return float(ImGui::IsKeyDown(forward)) - float(ImGui::IsKeyDown(backward));
     };
@@ -94,7 +111,7 @@ void handleFlight(ViewerState& state) {
 }
 
 void frameSelection(ViewerState& state, glm::vec2 size) {
-    const Scene& scene = state.document->scene();
+    const Scene& scene = state.document->shown;
     const Bounds bounds =
         state.selectedSurface ? boundsOf(scene, scene.surfaces[*state.selectedSurface]) : boundsOf(scene);
     frameBounds(state.navigation, bounds, size.x / size.y);
@@ -102,10 +119,18 @@ void frameSelection(ViewerState& state, glm::vec2 size) {
     state.touch();
 }
 
+void play(ViewerState& state) {
+    Playback& playback = state.document->playback;
+    if (state.document->scene().animations.empty()) return;
+    playback.animation = std::max(playback.animation, 0);
+    playback.playing = !playback.playing;
+}
+
 void handleKey(ViewerState& state, const Window::KeyPress& press, glm::vec2 size, Wishes& wishes) {
     if (press.key == GLFW_KEY_TAB) state.view.panels = !state.view.panels;
     wishes.fullScreen |= press.key == GLFW_KEY_F11;
     if (!state.document) return;
+    if (state.grab) return grabKey(state, press);
     if (press.control) {
         EditHistory& edits = state.document->edits;
         if (press.key == GLFW_KEY_Y || (press.key == GLFW_KEY_Z && press.shift))
@@ -118,6 +143,10 @@ void handleKey(ViewerState& state, const Window::KeyPress& press, glm::vec2 size
     if (press.key == GLFW_KEY_F) frameSelection(state, size);
     if (press.key == GLFW_KEY_HOME) showCamera(state, 0);
     if (press.key == GLFW_KEY_ESCAPE) state.selectedSurface.reset();
+    if (press.key == GLFW_KEY_G) beginGrab(state, false);
+    if (press.key == GLFW_KEY_R) beginGrab(state, true);
+    if (press.key == GLFW_KEY_SPACE) play(state);
+    if (press.key == GLFW_KEY_L) state.view.liveLight = !state.view.liveLight;
     if (press.key == GLFW_KEY_C) state.view.compare = !state.view.compare;
     wishes.keepPicture |= press.key == GLFW_KEY_P;
 }

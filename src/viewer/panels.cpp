@@ -49,6 +49,35 @@ std::string samplesLine(const char* source, Pictures::SideReport report) {
                                            : fmt::format("{}, {} samples", source, report.samples);
 }
 
+// What is being moved, at the window's upper edge, and the axis that it keeps to.
+void drawGrab(const ViewerState& state, float leftEdge) {
+    ImDrawList* list = ImGui::GetBackgroundDrawList();
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    const float line = ImGui::GetTextLineHeight();
+    const Grab& grab = *state.grab;
+    const float pixel = (size.x - leftEdge) / float(state.pictureSize.x);
+    if (grab.axis >= 0) {
+        glm::vec3 axis(0);
+        axis[grab.axis] = 0.5f * boundsOf(state.document->shown).diagonal();
+        const auto a = placeInPicture(state, grab.pivotWorld - axis);
+        const auto b = placeInPicture(state, grab.pivotWorld + axis);
+        const auto middle = placeInPicture(state, grab.pivotWorld);
+        constexpr ImU32 kColors[] = {IM_COL32(255, 80, 80, 200), IM_COL32(80, 220, 80, 200),
+                                     IM_COL32(90, 130, 255, 200)};
+        list->PushClipRect({leftEdge, 0}, size);
+        for (const auto& end : {a, b})
+            if (end && middle)
+                list->AddLine({leftEdge + middle->x * pixel, middle->y * pixel},
+                              {leftEdge + end->x * pixel, end->y * pixel}, kColors[grab.axis]);
+        list->PopClipRect();
+    }
+    const std::string words = describe(grab);
+    const ImVec2 place(leftEdge + line, line);
+    const float width = size.x - leftEdge - 2 * line;
+    list->AddText(nullptr, 0, {place.x + 1, place.y + 1}, IM_COL32(0, 0, 0, 255), words.c_str(), nullptr, width);
+    list->AddText(nullptr, 0, place, IM_COL32(255, 255, 255, 255), words.c_str(), nullptr, width);
+}
+
 // Files to choose from.
 void drawFiles(const ViewerState& state, PanelWishes& wishes) {
     if (state.fileChanged) {
@@ -62,7 +91,8 @@ void drawFiles(const ViewerState& state, PanelWishes& wishes) {
 }
 
 // What each side shows, at the window's lower edge.
-void drawLabels(const ViewerState& state, const Pictures& pictures, float leftEdge) {
+void drawLabels(const ViewerState& state, const PanelInput& input, float leftEdge) {
+    const Pictures& pictures = input.pictures;
     ImDrawList* list = ImGui::GetBackgroundDrawList();
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const float line = ImGui::GetTextLineHeight();
@@ -72,7 +102,9 @@ void drawLabels(const ViewerState& state, const Pictures& pictures, float leftEd
         list->AddText(place, IM_COL32(255, 255, 255, 255), words.c_str());
     };
     const auto width = [](const std::string& words) { return ImGui::CalcTextSize(words.c_str()).x; };
-    const std::string left = samplesLine(kSourceNames[size_t(state.view.left)], pictures.left());
+    std::string left = samplesLine(kSourceNames[size_t(state.view.left)], pictures.left());
+    if (input.light && !input.light->settled && state.view.liveLight)
+        left += fmt::format(", light {:.0f} % renewed", 100 * overall(input.light->renewed));
     if (!state.view.compare) {
         label(size.x - width(left) - line, left);
         return;
@@ -120,7 +152,8 @@ float panelWidth(float uiScale) {
 PanelWishes drawPanels(ViewerState& state, const PanelInput& input) {
     PanelWishes wishes;
     const float leftEdge = state.view.panels ? panelWidth(input.uiScale) : 0.0f;
-    if (state.document) drawLabels(state, input.pictures, leftEdge);
+    if (state.document) drawLabels(state, input, leftEdge);
+    if (state.grab) drawGrab(state, leftEdge);
     if (!state.message.empty()) drawMessage(state.message, leftEdge);
     if (!state.view.panels) return wishes;
     ImGui::SetNextWindowPos({0, 0});
@@ -141,6 +174,8 @@ PanelWishes drawPanels(ViewerState& state, const PanelInput& input) {
         drawPicturePanel(state);
         drawSelectionPanel(state, edit);
         drawLightsPanel(state, edit);
+        drawMotionPanel(state, edit);
+        drawLivePanel(state, input);
         drawComparePanel(state, input.pictures);
         drawPhatexelPanel(state, input.pictures);
         drawPerformancePanel(state, input.pictures);

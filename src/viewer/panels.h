@@ -1,6 +1,7 @@
 #pragma once
 // The panels: what they change, they change in the state.
 
+#include "viewer/live_light.h"
 #include "viewer/pictures.h"
 #include "viewer/viewer_state.h"
 
@@ -11,6 +12,7 @@ struct PanelInput {
     const Pictures& pictures;
     std::string bakeStatus;  // empty: no bake is running
     float bakeShare = 0;
+    std::optional<LiveLight::Report> light;  // once anything has been changed
     float uiScale = 1;
     bool turning = false;  // a turntable is being written
 };

@@ -20,7 +20,7 @@ class PathPreview::Stop : public SilentProgress {
 };
 
 PathPreview::PathPreview(const Scene& scene, Wake wake)
-    : scene_(scene), applied_(noEdits(scene)), rays_(scene_), wake_(std::move(wake)) {
+    : rest_(scene), scene_(scene), applied_(noEdits(scene)), rays_(scene_), wake_(std::move(wake)) {
     thread_ = std::thread([this] { run(); });
 }
 
@@ -75,6 +75,10 @@ void PathPreview::run() {
 void PathPreview::refine(const View& view, uint64_t version) {
     applyEdits(applied_, view.edits, scene_);
     applied_ = view.edits;
+    const bool moved = moveSurfaces(rest_, worldFromRest_, view.worldFromRest, scene_);
+    worldFromRest_ = view.worldFromRest;
+    scene_.lights = movedLights(applied_.lights, worldFromRest_);
+    if (moved) rays_ = RayScene(scene_);
     Stop stop(version_, version);
     try {
         const LightSampler lights(scene_);

@@ -20,13 +20,15 @@ class PathPreview {
         int width = 1, height = 1;
         Component component = Component::all;
         SceneEdits edits;
+        std::vector<glm::mat4> worldFromRest;
     };
     struct Refined {
         Image mean;  // linear radiance, row 0 on top
         int samplesPerPixel = 0;
     };
 
-    /// Works on a copy of the scene, on all cores but the window's. `wake` is called after each pass.
+    /// Works on a copy of the scene, which must outlive it, on all cores but the window's. `wake` is called
+    /// after each pass.
     PathPreview(const Scene& scene, Wake wake);
     ~PathPreview();
     PathPreview(const PathPreview&) = delete;
@@ -47,9 +49,11 @@ class PathPreview {
     void run();
     void refine(const View& view, uint64_t version);
 
-    Scene scene_;  // with the view's edits
+    const Scene& rest_;
+    Scene scene_;  // with the view's edits and motion
     SceneEdits applied_;
-    RayScene rays_;  // of scene_, whose geometry and opacity no edit changes
+    std::vector<glm::mat4> worldFromRest_;
+    RayScene rays_;  // of scene_, whose opacity no edit changes
     Wake wake_;
     std::mutex mutex_;
     std::condition_variable changed_;

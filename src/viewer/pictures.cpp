@@ -11,6 +11,8 @@ namespace {
 
 // A still picture is this many samples a pixel.
 constexpr int kStillSamples = 16;
+// While the light is renewed a picture by newer light is shown when it has so many: single samples flicker.
+constexpr int kNewerSamples = 4;
 // Of views whose cost is high or whose numbers must not be blended.
 constexpr int kCountSamples = 1;
 // Reads a pixel that are shown white; --quality high reads 137 in the mean.
@@ -74,11 +76,10 @@ int Pictures::coarsenessFor(glm::uvec2 size) const {
 }
 
 const TracedReflections& Pictures::reflections(const ViewerState& state, double seconds) {
-    Document& document = *state.document;
-    if (!reflections_ || reflectionsRevision_ != document.edits.revision()) {
-        document.showEdits();
+    const Document& document = *state.document;
+    if (!reflections_ || reflectionsVersion_ != document.rayVersion()) {
         reflections_.emplace(document);
-        reflectionsRevision_ = document.edits.revision();
+        reflectionsVersion_ = document.rayVersion();
     }
     return reflections_->within(seconds);
 }
@@ -91,15 +92,14 @@ bool Pictures::mayTrace(const ViewerState& state, const Side& side) const {
                        [](const Material& m) { return mayReflectSmoothly(m, Reflections::automatic); });
 }
 
-void Pictures::draw(ViewerState& state, Side& side, glm::uvec2 size, int samplesPerPixel, bool rays) {
+void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 size, int samplesPerPixel,
+                    bool rays) {
     FrameSettings settings = frameSettings(state, side.source);
     settings.width = int(size.x);
     settings.height = int(size.y);
     settings.samplesPerPixel = samplesPerPixel;
     settings.samplesPerDraw = 1;
-    if (side.version != state.version || side.byRays != rays) side.drawn.samples = 0;
-    if (rays) settings.traced = &reflections(state, side.drawn.samples == 0 ? kRaySeconds : 0);
-    side.version = state.version;
+    if (rays) settings.traced = &reflections(state, sum.samples == 0 ? kRaySeconds : 0);
     side.wanted = samplesPerPixel;
     side.byRays = rays;
     side.counts = settings.inspection.what == Inspected::reads;
@@ -107,10 +107,10 @@ void Pictures::draw(ViewerState& state, Side& side, glm::uvec2 size, int samples
                  settings.inspection.what == Inspected::radiance ||
                  settings.inspection.what == Inspected::pyramid;
     try {
-        state.renderer->draw(settings, side.drawn);
+        state.renderer->draw(settings, sum);
     } catch (const Interrupted&) {
         side.tooManyRays = true;
-        side.drawn.samples = 0;
+        sum.samples = 0;
         return;
     }
     frameTimes_ = state.renderer->lastFrameTimes();
@@ -120,6 +120,17 @@ void Pictures::draw(ViewerState& state, Side& side, glm::uvec2 size, int samples
         reads_ = readsOf(readMean(side.drawn));
 }
 
+// The picture that is there stays until another has been drawn by the light as it is now.
+void Pictures::followLight(ViewerState& state, Side& side, bool rays) {
+    if (side.next.samples == 0) side.nextLightVersion = state.lightVersion;
+    draw(state, side, side.next, size_, side.wanted, rays);
+    if (side.next.samples < std::min(kNewerSamples, side.wanted)) return;
+    std::swap(side.drawn, side.next);
+    side.next.samples = 0;
+    side.lightVersion = side.nextLightVersion;
+    metrics_.reset();
+}
+
 void Pictures::askPathTracer(const ViewerState& state, Side& side, glm::uvec2 size) {
     if (!path_ || pathDocument_ != state.document.get()) {
         path_.reset();
@@ -127,7 +138,7 @@ void Pictures::askPathTracer(const ViewerState& state, Side& side, glm::uvec2 si
         pathDocument_ = state.document.get();
     }
     path_->show({state.navigation.camera, int(size.x), int(size.y), state.view.component,
-                 state.document->edits.now()});
+                 state.document->edits.now(), state.document->pose().worldFromRest});
     side.version = state.version;
     side.tracedSamples = 0;
     side.wanted = PathPreview::kMostSamples;
@@ -174,12 +185,22 @@ bool Pictures::refine(ViewerState& state, glm::uvec2 size) {
         const glm::uvec2 pixels = glm::max(size / uint32_t(coarseness), glm::uvec2(1));
         const bool sharp = side.drawn.size == size, rays = settled && mayTrace(state, side);
         const int still = stillSamples(state, side.source);
-        if (current && sharp && side.byRays == rays && side.drawn.samples >= still && side.wanted == still)
-            continue;
-        // Coarse pictures are drawn once a change and wait to be replaced by a sharp one.
-        if (!current || (!handsMove && (settled || coarseness == 1)))
-            draw(state, side, pixels, coarseness > 1 ? 1 : still, rays);
+        const bool same = current && sharp && side.byRays == rays && side.wanted == still;
+        const bool newer = side.lightVersion != state.lightVersion;
+        if (same && !newer && side.drawn.samples >= still) continue;
         more = true;
+        if (same && newer && side.drawn.samples >= std::min(kNewerSamples, still)) {
+            if (!handsMove) followLight(state, side, rays);
+            continue;
+        }
+        // Coarse pictures are drawn once a change and wait to be replaced by a sharp one.
+        if (current && (handsMove || (!settled && coarseness > 1))) continue;
+        if (!current || side.byRays != rays) {
+            side.drawn.samples = side.next.samples = 0;
+            side.lightVersion = state.lightVersion;
+            side.version = state.version;
+        }
+        draw(state, side, side.drawn, pixels, coarseness > 1 ? 1 : still, rays);
     }
     if (!tracing && path_) path_->pause();
     measure(state);

@@ -50,7 +50,10 @@ class Pictures {
     struct Side {
         Source source = Source::phat;
         uint64_t version = ~0ull;  // of the state, that the picture shows
+        uint64_t lightVersion = 0;
         PictureSum drawn;
+        PictureSum next;  // by newer light: takes the place of `drawn` when it has some samples
+        uint64_t nextLightVersion = 0;
         Image traced;  // what tracedTexture shows
         GlTexture tracedTexture;
         int tracedSamples = 0;
@@ -62,7 +65,8 @@ class Pictures {
     };
     static SideReport reportOf(const Side& side);
     static Reads readsOf(const Image& picture);
-    void draw(ViewerState& state, Side& side, glm::uvec2 size, int samplesPerPixel, bool rays);
+    void draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 size, int samplesPerPixel, bool rays);
+    void followLight(ViewerState& state, Side& side, bool rays);
     bool mayTrace(const ViewerState& state, const Side& side) const;
     const TracedReflections& reflections(const ViewerState& state, double seconds);
     void askPathTracer(const ViewerState& state, Side& side, glm::uvec2 size);
@@ -82,7 +86,7 @@ class Pictures {
     FrameTimes frameTimes_;
     int coarseness_ = 1;
     std::optional<LiveReflections> reflections_;
-    uint64_t reflectionsRevision_ = 0;
+    uint64_t reflectionsVersion_ = 0;  // Document::rayVersion
     std::optional<Reads> reads_;
     std::optional<Metrics> metrics_;
     std::future<Metrics> measuring_;

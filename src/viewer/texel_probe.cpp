@@ -8,7 +8,7 @@ std::optional<TexelUnderMouse> texelUnderMouse(const ViewerState& state) {
     const CameraRay ray =
         cameraRay(state.navigation.camera, state.pictureSize.x, state.pictureSize.y, state.mouse);
     uint64_t rays = 0;
-    const Hit hit = visibleHit(document.rays, ray, rays);
+    const Hit hit = visibleHit(document.rays(), ray, rays);
     if (!hit) return std::nullopt;
     const Atlas& atlas = document.baked.atlas;
     uint32_t chart = atlas.triangleChart[hit.triangle];

@@ -4,10 +4,14 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 
+#include "io/bake_record.h"
 #include "io/image_file.h"
 #include "viewer/background_bake.h"
 #include "viewer/input.h"
+#include "viewer/live_light.h"
 #include "viewer/panels.h"
 #include "viewer/recent_files.h"
 #include "viewer/render_command_line.h"
@@ -30,6 +34,9 @@ std::string freeName(const char* prefix, const Endings&... endings) {
         if (!(std::filesystem::exists(name + endings) || ...)) return name;
     }
 }
+
+// Renewed PHATexels are uploaded for so long a frame.
+constexpr double kUploadSeconds = 0.004;
 
 std::string sentenceOf(const std::exception& error) {
     if (dynamic_cast<const std::bad_alloc*>(&error)) return "There is not enough memory.";
@@ -63,7 +70,10 @@ class Viewer {
     void open(const std::string& path);
     void tryOpen(const std::string& path);
     void takeBake();
-    void applyEdits();
+    void applyChanges();
+    void followLight(bool changed);
+    /// Whether the animation goes on.
+    bool play();
     void fulfill(const PanelWishes& panels, const Wishes& keys);
     void keepPicture();
     void save();
@@ -85,7 +95,13 @@ class Viewer {
     Pictures pictures_;
     ViewerState state_;
     std::unique_ptr<BackgroundBake> bake_;
-    uint64_t appliedRevision_ = 0;
+    bool rendererIsNew_ = false;
+    std::unique_ptr<LiveLight> light_;
+    bool cannotRenew_ = false;  // this bake's PHATexels
+    LiveUpdate renewed_;        // what is not uploaded yet
+    bool lightFollows_ = false;
+    glm::mat4 litFor_{1};  // the eye that light was last asked for
+    std::chrono::steady_clock::time_point lastFrame_{};
     int framesLeft_ = kFramesAfterEvent;
 
     struct Turntable {
@@ -100,11 +116,14 @@ void Viewer::open(const std::string& path) {
     auto document = std::make_unique<Document>(path, options_.environment);
     const bool again = state_.document && state_.document->path == path;
     bake_.reset();
+    light_.reset();
+    renewed_ = {};
     state_.renderer.reset();
     pictures_.reset();
+    state_.grab.reset();
+    state_.switchedOff.clear();
     state_.document = std::move(document);
     state_.selectedSurface.reset();
-    appliedRevision_ = 0;
     state_.fileChanged = false;
     // A file that is read again is seen from where it was.
     if (!again) showCamera(state_, 0);
@@ -130,11 +149,15 @@ void Viewer::tryOpen(const std::string& path) {
 void Viewer::useBake() {
     const BakedScene& baked = state_.document->baked;
     pictures_.takeNewBake();
+    state_.document->forgetRenewedLight();
+    light_.reset();
+    cannotRenew_ = false;
+    renewed_ = {};
     state_.renderer.reset();
     state_.renderer = std::make_unique<Renderer>(
         RendererInput{baked.loaded.scene, baked.atlas, baked.points, baked.phatexture},
         options_.shaderFolder);
-    appliedRevision_ = ~0ull;
+    rendererIsNew_ = true;
     state_.touch();
 }
 
@@ -157,21 +180,76 @@ void Viewer::takeBake() {
     }
 }
 
-void Viewer::applyEdits() {
-    if (!state_.document || state_.document->edits.revision() == appliedRevision_) return;
-    appliedRevision_ = state_.document->edits.revision();
-    if (state_.renderer) {
-        const SceneEdits& edits = state_.document->edits.now();
+bool Viewer::play() {
+    const auto now = std::chrono::steady_clock::now();
+    const double passed = std::chrono::duration<double>(now - std::exchange(lastFrame_, now)).count();
+    if (!state_.document || !state_.document->playback.playing) return false;
+    Playback& playback = state_.document->playback;
+    const double length =
+        double(state_.document->scene().animations[size_t(playback.animation)].seconds());
+    if (length > 0) playback.seconds = std::fmod(playback.seconds + passed, length);
+    return true;
+}
+
+void Viewer::applyChanges() {
+    if (!state_.document) return;
+    Document& document = *state_.document;
+    Document::Changes changes = document.show();
+    if (changes.any) state_.touch();
+    if (!state_.renderer) return;
+    if (std::exchange(rendererIsNew_, false)) changes = {true, !document.pose().worldFromRest.empty()};
+    if (changes.any) {
+        const SceneEdits& edits = document.edits.now();
+        if (changes.moved)
+            state_.renderer->moveScene(document.shown, document.baked.atlas, document.baked.points);
         state_.renderer->setMaterials(edits.materials);
-        state_.renderer->setLights(edits.lights);
+        state_.renderer->setLights(document.shown.lights);
         state_.renderer->turnEnvironment(edits.environmentColumns);
     }
-    state_.document->showEdits();
-    state_.touch();
+    followLight(changes.any);
+}
+
+void Viewer::followLight(bool changed) {
+    if (bake_ || cannotRenew_) return;
+    Document& document = *state_.document;
+    const BakedScene& baked = document.baked;
+    const bool follows = state_.view.liveLight;
+    try {
+        if (!light_) {
+            // Things that have moved need their places renewed, even where light waits.
+            if (document.pose().worldFromRest.empty() && (!follows || document.isAtRest())) return;
+            light_ = std::make_unique<LiveLight>(
+                LiveLight::Start{document.scene(), baked.atlas, baked.points, baked.phatexture,
+                                 settingsOf(baked.record)},
+                0, Window::wake);
+            changed = true;
+        }
+        const Camera& eye = state_.navigation.camera;
+        const bool turned = eye.worldFromCamera != litFor_ && !light_->report().settled;
+        if (changed || turned || follows != lightFollows_) {
+            light_->follow(document.pose(), eye, follows);
+            lightFollows_ = follows;
+            litFor_ = eye.worldFromCamera;
+        }
+        if (renewed_.empty()) {
+            std::optional<LiveUpdate> update = light_->take();
+            if (!update) return;
+            renewed_ = std::move(*update);
+            document.takeLight(renewed_);
+        }
+    } catch (const std::exception& error) {
+        state_.message = fmt::format("The light cannot follow: {}.", sentenceOf(error));
+        light_.reset();
+        cannotRenew_ = true;
+        return;
+    }
+    state_.renderer->takeUpdate(renewed_, kUploadSeconds);
+    ++state_.lightVersion;
 }
 
 PanelInput Viewer::panelInput() const {
-    PanelInput input{pictures_, {}, 0, window_.uiScale(), turntable_.has_value()};
+    PanelInput input{pictures_, {}, 0, {}, window_.uiScale(), turntable_.has_value()};
+    if (light_) input.light = light_->report();
     if (!bake_) return input;
     const auto report = bake_->report();
     input.bakeStatus =
@@ -210,8 +288,10 @@ void Viewer::keepPicture() {
 }
 
 void Viewer::save() {
+    if (light_) light_->waitUntilStarted();  // it reads what is moved while that is written
     const std::string out = state_.document->save();
-    state_.message = fmt::format("Saved as {}.", out);
+    const bool moved = !state_.document->edits.now().motions.empty();
+    state_.message = fmt::format("Saved as {}{}.", out, moved ? ", things where they were" : "");
     rememberFile(out);
 }
 
@@ -250,7 +330,9 @@ void Viewer::fulfill(const PanelWishes& panels, const Wishes& keys) {
         if (!panels.open.empty()) open(panels.open);
         if (panels.copyCommand) {
             window_.setClipboard(renderCommandLine(state_, glm::ivec2(pictureSize())));
-            state_.message = "The command is in the clipboard.";
+            state_.message = state_.document->pose().worldFromRest.empty()
+                                 ? "The command is in the clipboard."
+                                 : "The command is in the clipboard; it shows things at rest.";
         }
         if (!state_.renderer) return;
         if (panels.keepPicture || keys.keepPicture) keepPicture();
@@ -276,14 +358,15 @@ bool Viewer::frame() {
     const Wishes keys = handleInput(state_, window_.takeKeyPresses(), area);
     const PanelWishes wishes = drawPanels(state_, panelInput());
     fulfill(wishes, keys);
-    applyEdits();
-    bool more = false;
+    bool more = play();
     try {
-        more = turn();
+        applyChanges();
+        more |= turn() || !renewed_.empty();
         if (state_.document) more |= pictures_.refine(state_, pictureSize());
     } catch (const std::exception& error) {  // such as out of video memory
         state_.message = sentenceOf(error);
         state_.renderer.reset();
+        light_.reset();
         turntable_.reset();
     }
     window_.clear();

@@ -10,6 +10,7 @@
 
 #include "gl/renderer.h"
 #include "viewer/document.h"
+#include "viewer/grab.h"
 #include "viewer/live_reflections.h"
 #include "viewer/navigation.h"
 
@@ -34,6 +35,7 @@ struct ViewSettings {
     float exposureStops = 0;
     ToneMap toneMap = ToneMap::agx;
     bool panels = true;
+    bool liveLight = true;  // follows what is changed
 };
 
 struct ViewerState {
@@ -49,11 +51,16 @@ struct ViewerState {
     ViewSettings view;
     bool editing = false;  // a slider is held
     bool draggingWipe = false;
+    std::optional<Grab> grab;
+    std::vector<std::optional<glm::vec3>> switchedOff;  // [lamp], its intensity before
+    bool pressKeptGrab = false;  // the mouse's button that is still held selects nothing
     std::string message;  // the last error or notice, one sentence, until the next key or click
     std::vector<std::string> recentFiles;
     bool fileChanged = false;  // on disk, since it was read
     /// Grows with every change that asks for a new picture.
     uint64_t version = 0;
+    /// Grows when nothing but the light on things is newer.
+    uint64_t lightVersion = 0;
 
     void touch() { ++version; }
 };

@@ -20,7 +20,7 @@ TEST(ConductAnimate, FramesAreTheSameOnAnyNumberOfThreads) {
     for (const int run : {0, 1}) {
         const std::string name = folder.file(run == 0 ? "one.exr" : "two.exr");
         const auto result = runPhat({"render", baked, "-o", name, "--animate", "1:1.5", "--fps", "4",
-                                     "--work-per-frame", "50k", "--size", "48x32", "--spp", "1", "--threads",
+                                     "--work-per-frame", "200k", "--size", "48x32", "--spp", "1", "--threads",
                                      run == 0 ? "1" : "2", "--json", "--quiet"});
         ASSERT_EQ(result.exitCode, 0) << result.err;
         const auto report = nlohmann::json::parse(result.out);

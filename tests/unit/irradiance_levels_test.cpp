@@ -34,7 +34,11 @@ struct Floor {
         const glm::uvec2 group = level.size / 2u;
         return level.node[size_t(group.y) * level.size.x + group.x];
     }
-    IrradianceMap map() const { return interpolateLevels({level}, atlas, points); }
+    IrradianceMap map() const {
+        IrradianceMap map;
+        finish(interpolateLevels({level}, atlas, points, {}, map, kAllAtOnce));
+        return map;
+    }
     double sum(const IrradianceMap& map) const {
         double sum = 0;
         for (size_t i = 0; i < map.size(); ++i)

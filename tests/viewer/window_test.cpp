@@ -11,6 +11,7 @@
 
 #include "io/image_file.h"
 #include "run_program.h"
+#include "screen_pictures.h"
 #include "window_driver.h"
 
 namespace phat {
@@ -25,32 +26,10 @@ constexpr glm::ivec2 kTable(365, 242);
 constexpr glm::ivec2 kPictureHeader(100, 41), kMethodList(100, 87), kPyramidInList(60, 128);
 // With the table selected.
 constexpr glm::ivec2 kRoughness(100, 242), kRoughnessEnd(180, 242);
-// The same with the picture's section closed.
-constexpr glm::ivec2 kKeepHeader(100, 288), kCopyCommand(180, 311);
+// Once the picture's section is closed, the selection's; and when both are.
+constexpr glm::ivec2 kSelectionHeader(100, 64), kKeepHeader(100, 202), kCopyCommand(180, 225);
 // A label lies over the picture's last lines.
 constexpr int kLabelLines = 40;
-
-double meanDifference(const Image& a, const Image& b) {
-    double sum = 0;
-    for (size_t i = 0; i < a.pixels.size(); ++i)
-        sum += double(maxComponent(glm::abs(a.pixels[i] - b.pixels[i])));
-    return sum / double(a.pixels.size());
-}
-
-float largestDifference(const Image& a, const Image& b) {
-    EXPECT_EQ(a.pixels.size(), b.pixels.size());
-    float largest = 0;
-    for (size_t i = 0; i < std::min(a.pixels.size(), b.pixels.size()); ++i)
-        largest = std::max(largest, maxComponent(glm::abs(a.pixels[i] - b.pixels[i])));
-    return largest;
-}
-
-Image cut(const Image& image, glm::ivec2 corner, glm::ivec2 size) {
-    Image out(size.x, size.y);
-    for (int y = 0; y < size.y; ++y)
-        for (int x = 0; x < size.x; ++x) out.at(x, y) = image.at(corner.x + x, corner.y + y);
-    return out;
-}
 
 // What the picture shows, its label left out.
 Image pictureOf(const Image& screen) {
@@ -131,6 +110,7 @@ TEST_F(ViewerWindow, EditsWithoutANewBakeAsSetDoes) {
     window.click(kTable);
     window.settle();
     EXPECT_EQ(largestDifference(pictureOf(window.screenshot()), pictureOf(start)), 0);
+    window.key("l");  // as `--set` does, the light waits
     window.drag(kRoughness, kRoughnessEnd);
     window.settle();
     EXPECT_GT(meanDifference(pictureOf(window.screenshot()), pictureOf(start)), 0.005);
@@ -148,6 +128,8 @@ TEST_F(ViewerWindow, EditsWithoutANewBakeAsSetDoes) {
 
     // The command that the window offers makes the same picture.
     window.click(kPictureHeader);
+    window.settle();
+    window.click(kSelectionHeader);
     window.settle();
     window.click(kKeepHeader);
     window.settle();
@@ -282,7 +264,8 @@ TEST_F(ViewerWindow, SurvivesLongUseInFlatMemory) {
     const auto inPanels = [&] {
         return glm::ivec2(10 + below(kPanelWidth - 30), 30 + below(kWindow.y - 40));
     };
-    const char* const keys[] = {"f", "Home", "c", "Tab", "Tab", "Escape", "ctrl+z", "ctrl+y", "w", "a", "e"};
+    const char* const keys[] = {"f", "Home", "c", "Tab", "Tab", "Escape", "ctrl+z", "ctrl+y", "w", "a", "e",
+                                "g", "r", "x", "Return", "l"};
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };

@@ -1,0 +1,84 @@
+#pragma once
+// The light that follows what is changed in the window: the core's live engine on a thread of its own.
+
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "core/live_engine.h"
+#include "viewer/background.h"
+
+namespace phat {
+
+/// One number for all tasks: PHATexels count half, because each depends on all else.
+inline float overall(const LiveShare& share) {
+    float sum = 0.5f * share[size_t(LiveTask::blocks)];
+    for (size_t t = 0; t + 1 < kLiveTasks; ++t) sum += 0.1f * share[t];
+    return sum;
+}
+
+class LiveLight {
+  public:
+    /// What it begins with; its thread reads it until waitUntilStarted() returns.
+    struct Start {
+        const Scene& rest;
+        const Atlas& atlas;
+        const TexelPoints& points;
+        const Phatexture& baked;
+        BakeSettings settings;
+    };
+    /// `wake` is called when there is something to take. `cores` 0: all but the window's.
+    LiveLight(const Start& start, int cores, Wake wake);
+    /// Stops in the middle of a piece of work.
+    ~LiveLight();
+    LiveLight(const LiveLight&) = delete;
+    LiveLight& operator=(const LiveLight&) = delete;
+
+    void waitUntilStarted();
+    /// The scene from now on, and whose picture comes first. Returns at once. `renews` false: geometry
+    /// follows, light waits.
+    void follow(const LivePose& pose, const Camera& eye, bool renews);
+    /// What has changed since the last call, if there is anything. The next is put together only after that,
+    /// so a slow taker finds more in one portion, not more portions. Throws what the engine threw.
+    std::optional<LiveUpdate> take();
+
+    struct Report {
+        bool settled = true;  // nothing comes after what can be taken now
+        LiveShare renewed{};
+        uint64_t phatexels = 0;  // so far
+        double seconds = 0;      // of work so far
+        double phatexelsPerSecond = 0;
+    };
+    Report report() const;
+
+  private:
+    struct Wanted {
+        LivePose pose;
+        Camera eye;
+        bool renews = true;
+    };
+    class Stop;
+    void run(const Start& start);
+    /// Goes on until there is nothing to do, then waits; false: to end.
+    bool step(LiveEngine& engine);
+    void noteWork(const LiveEngine& engine, double seconds);
+
+    Wake wake_;
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::optional<Wanted> wanted_;  // not yet begun
+    bool renews_ = true;            // of what was begun
+    std::optional<LiveUpdate> ready_;
+    std::exception_ptr failure_;
+    Report report_;
+    bool started_ = false, quit_ = false;
+    std::atomic<bool> stop_ = false;
+    double recentSeconds_ = 0;  // of the speed that is reported
+    uint64_t recentPhatexels_ = 0;
+    std::thread thread_;
+};
+
+}  // namespace phat

@@ -1,0 +1,79 @@
+// Things that move, and the light that follows.
+
+#include <fmt/format.h>
+
+#include "viewer/panel_parts.h"
+
+namespace phat {
+namespace {
+
+void drawNodeMotion(ViewerState& state, Edit& edit) {
+    if (!state.selectedSurface) {
+        wrappedText("Click an object in the picture; G moves it, R turns it.");
+        return;
+    }
+    const Surface& surface = state.document->scene().surfaces[*state.selectedSurface];
+    // Without effect it is no edit until a field is changed.
+    NodeMotion& motion = motionFor(edit.next.motions, state.document->scene(), surface.node);
+    panelText(surface.name);
+    edit.note(ImGui::DragFloat3("Moved, m", &motion.meters.x, 0.005f, 0, 0, "%.3f"));
+    edit.note(ImGui::DragFloat3("Turned, deg", &motion.degrees.x, 0.5f, 0, 0, "%.1f"));
+    if (ImGui::Button("Put back")) {
+        motion.meters = motion.degrees = glm::vec3(0);
+        edit.changed = true;
+    }
+}
+
+void drawPlayback(ViewerState& state) {
+    const std::vector<Animation>& animations = state.document->scene().animations;
+    if (animations.empty()) return;
+    Playback& playback = state.document->playback;
+    const auto nameOf = [&](int i) {
+        if (i < 0) return std::string("at rest");
+        const std::string& name = animations[size_t(i)].name;
+        return name.empty() ? fmt::format("animation {}", i) : name;
+    };
+    if (ImGui::BeginCombo("Animation", nameOf(playback.animation).c_str())) {
+        for (int i = -1; i < int(animations.size()); ++i) {
+            ImGui::PushID(i);
+            if (ImGui::Selectable(nameOf(i).c_str(), i == playback.animation)) playback = {i, 0, false};
+            ImGui::PopID();
+        }
+        ImGui::EndCombo();
+    }
+    const int index = std::max(playback.animation, 0);
+    float seconds = float(playback.seconds);
+    if (ImGui::SliderFloat("Time, s", &seconds, 0, animations[size_t(index)].seconds(), "%.2f",
+                           ImGuiSliderFlags_AlwaysClamp))
+        playback = {index, double(seconds), false};
+    if (ImGui::Button(playback.playing ? "Pause" : "Play")) playback = {index, playback.seconds, !playback.playing};
+}
+
+}  // namespace
+
+void drawMotionPanel(ViewerState& state, Edit& edit) {
+    // What can play is shown to do so.
+    ImGui::SetNextItemOpen(!state.document->scene().animations.empty(), ImGuiCond_Once);
+    if (!ImGui::CollapsingHeader("Motion")) return;
+    drawPlayback(state);
+    drawNodeMotion(state, edit);
+}
+
+void drawLivePanel(ViewerState& state, const PanelInput& input) {
+    if (!ImGui::CollapsingHeader("Light that follows")) return;
+    ImGui::Checkbox("Follow changes (L)", &state.view.liveLight);
+    if (!input.light) {
+        wrappedText("Move a thing, or change a lamp or a material: the indirect light is renewed.");
+        return;
+    }
+    const LiveLight::Report& report = *input.light;
+    ImGui::ProgressBar(report.settled && state.view.liveLight ? 1.0f : overall(report.renewed));
+    constexpr std::array<const char*, kLiveTasks> kNames = {"first answer", "photons", "area lights",
+                                                            "diffuse rays", "diffuse light", "PHATexels"};
+    for (size_t t = 0; t < kLiveTasks; ++t)
+        panelText(fmt::format("{:<14}{:5.0f} %", kNames[t], 100 * report.renewed[t]));
+    panelText(fmt::format("{:.0f} thousand PHATexels a second", 1e-3 * report.phatexelsPerSecond));
+    panelText(fmt::format("{:.2f} million renewed in {:.1f} s", 1e-6 * double(report.phatexels), report.seconds));
+}
+
+}  // namespace phat
