@@ -27,7 +27,7 @@ void updateProbe(const GpuLookup& gpu, const LiveUpdate::Place& tile, glm::uvec2
 
 /// Pictures between the passes, of the frame's size.
 struct LookupTargets {
-    GlTexture seen;    // RGBA32UI [layer], see shaders/lib/draws_out.glsl; then what rays see, see display.frag
+    GlTexture seen;  // RGBA32UI [layer], see shaders/lib/draws_out.glsl; then what rays see, see display.frag
     GlTexture pooled;  // the same, pooled along the rows
     GlFramebuffer seenTarget, pooledTarget;
 };

@@ -93,17 +93,19 @@ RelightPass createRelightPass(const std::string& folder, const GpuAtlas& atlas, 
     return pass;
 }
 
-void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const std::vector<Material>& materials) {
+void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const GpuTexelSurfaces& surfaces,
+                    const std::vector<Material>& materials) {
     const GlTexture table = createTable(packFactors(materials));
     const ShaderProgram& program = pass.materialProgram;
-    program.bind("texelMaterial", 0, atlas.materialIndex.name());
-    program.bind("texelTexturesA", 1, atlas.texturesA.name());
-    program.bind("texelTexturesB", 2, atlas.texturesB.name());
+    program.bind("texelMaterial", 0, surfaces.materialIndex.name());
+    program.bind("texelTexturesA", 1, surfaces.texturesA.name());
+    program.bind("texelTexturesB", 2, surfaces.texturesB.name());
     program.bind("materialTable", 3, table.name());
     drawFullscreen(pass, program, pass.brdfTarget, atlas.sizeTexels);
 }
 
-void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, const Eye& eye) {
+void relight(const RelightPass& pass, const GpuAtlas& atlas, const GpuTexelSurfaces& surfaces,
+             GLuint splitSum, const Eye& eye) {
     for (size_t s = 0; s < atlas.sources.size(); ++s) {
         const GpuPhatexels& source = atlas.sources[s];
         const ShaderProgram& program = pass.relightPrograms[s];
@@ -111,7 +113,7 @@ void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, co
         program.bind("phatexels", 1, atlas.phatexels.name());
         program.bind("guidePdf", 2, source.guidePdf.name());
         program.bind("tilePatches", 4, atlas.tilePatches.name());
-        program.bind("texelNormals", 5, atlas.normals.name());
+        program.bind("texelNormals", 5, surfaces.normals.name());
         program.bind("texelBrdf", 6, pass.texelBrdf.name());
         program.bind("splitSumTable", 8, splitSum);
         program.bind("tileLight", 9, atlas.tileLight.name());

@@ -7,6 +7,7 @@
 #include "gl/gl_objects.h"
 #include "gl/phatexture_upload.h"
 #include "gl/shader_loader.h"
+#include "gl/texel_surfaces.h"
 
 namespace phat {
 
@@ -37,14 +38,16 @@ RelightPass createRelightPass(const std::string& shaderFolder, const GpuAtlas& a
                               bool paper);
 
 /// Applies the materials' factors to the texels' textures.
-void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const std::vector<Material>& materials);
+void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const GpuTexelSurfaces& surfaces,
+                    const std::vector<Material>& materials);
 
 /// Where the eye is; for parallel projections the direction toward it.
 struct Eye {
     glm::vec3 place{0};
     bool atInfinity = false;
 };
-void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, const Eye& eye);
+void relight(const RelightPass& pass, const GpuAtlas& atlas, const GpuTexelSurfaces& surfaces,
+             GLuint splitSum, const Eye& eye);
 void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas);
 
 }  // namespace phat

@@ -55,6 +55,10 @@ struct Renderer::State {
     };
 
     std::string shaderFolder;
+    // The scene as it is now, for what is made of it later.
+    const Scene* shownScene = nullptr;
+    const Atlas* shownAtlas = nullptr;
+    const TexelPoints* shownPoints = nullptr;
     std::vector<Material> materials;
     std::vector<PunctualLight> lights;
     float environmentTurn = 0;
@@ -68,7 +72,9 @@ struct Renderer::State {
     double bytesPerPhatexel = 0;
     ReflectionCost reflections;
 
-    // Made when they are first needed: compiling takes a while.
+    // Made when they are first needed: compiling takes a while, and so do the texels' surfaces.
+    std::optional<GpuTexelSurfaces> surfaces;
+    bool surfacesTurned = false;
     std::optional<Relit> relit, relitPaper;
     std::optional<LookupPass> lookupPass, countingLookupPass;
     std::optional<ReflectionPass> reflectionPass;
@@ -81,16 +87,32 @@ struct Renderer::State {
             made.emplace().pass = createRelightPass(shaderFolder, atlas, anyClearcoat(materials), paper);
         return *made;
     }
+    void show(const Scene& now, const Atlas& itsAtlas, const TexelPoints& points) {
+        shownScene = &now;
+        shownAtlas = &itsAtlas;
+        shownPoints = &points;
+    }
     /// What the pyramids are made of has changed.
     void texelsChanged() {
         for (auto* made : {&relit, &relitPaper})
             if (*made) (*made)->materialsChanged = true;
     }
+    const GpuTexelSurfaces& surfacesNow() {
+        if (!surfaces)
+            surfaces = uploadTexelSurfaces(*shownScene, *shownAtlas, *shownPoints);
+        else if (surfacesTurned)
+            updateNormals(*surfaces, *shownScene, *shownAtlas, *shownPoints);
+        surfacesTurned = false;
+        return *surfaces;
+    }
     /// The pyramid as it is seen from `from`, if it is not that already.
     void renew(Relit& of, const Eye& from) {
-        if (!of.materialsChanged && from.place == of.eye.place && from.atInfinity == of.eye.atInfinity) return;
-        if (of.materialsChanged) applyMaterials(of.pass, atlas, materials);
-        relight(of.pass, atlas, scene.splitSum.name(), from);
+        if (!of.materialsChanged && from.place == of.eye.place && from.atInfinity == of.eye.atInfinity)
+            return;
+        const GpuTexelSurfaces& under = surfacesNow();
+        clock.ended(Pass::none);  // the CPU's work
+        if (of.materialsChanged) applyMaterials(of.pass, atlas, under, materials);
+        relight(of.pass, atlas, under, scene.splitSum.name(), from);
         clock.ended(Pass::relight);
         buildPyramid(of.pass, atlas);
         clock.ended(Pass::pyramid);
@@ -125,10 +147,11 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     requireOpenGl45();
     state_ = std::make_unique<State>();
     state_->shaderFolder = shaderFolder;
+    state_->show(input.scene, input.atlas, input.points);
     state_->materials = input.scene.materials;
     state_->lights = input.scene.lights;
     state_->scene = uploadScene(input.scene, input.atlas);
-    state_->atlas = uploadAtlas(input.scene, input.atlas, input.points, input.phatexture);
+    state_->atlas = uploadAtlas(input.scene, input.atlas, input.phatexture);
     state_->lookup = uploadLookup(input.phatexture, input.atlas);
     if (state_->lookup.guideCount > 0) state_->bytesPerPhatexel = bytesOfPhatexel(input.phatexture);
     if (input.scene.environment) state_->environmentWidth = input.scene.environment->radiance.width;
@@ -183,11 +206,11 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     glDisable(GL_CULL_FACE);
     if (pyramid) s.renew(s.relitFor(paper), eye);
 
-    s.reflections = phat::display(displayPass,
-                                  {s.scene, s.atlas, pyramid ? s.relitFor(paper).pass : notRelit, s.shadows, s.lookup,
-                                   lookupPass, *s.reflectionPass, s.materials,
-                                   texelsShown ? s.inspecting() : nullptr, s.clock, s.environmentTurn},
-                                  settings, s.targets, sum);
+    s.reflections = phat::display(
+        displayPass,
+        {s.scene, s.atlas, pyramid ? s.relitFor(paper).pass : notRelit, s.shadows, s.lookup, lookupPass,
+         *s.reflectionPass, s.materials, texelsShown ? s.inspecting() : nullptr, s.clock, s.environmentTurn},
+        settings, s.targets, sum);
     checkGl("drawing a frame");
 }
 
@@ -221,6 +244,7 @@ ResidentBytes Renderer::residentBytes() const {
     ResidentBytes bytes = residentBytesOf(s.scene, s.atlas, s.lookup, s.shadows, s.targets);
     for (const auto* relit : {&s.relit, &s.relitPaper})
         if (*relit) bytes.pyramid += pyramidBytes((*relit)->pass);
+    if (s.surfaces) bytes.pyramid += surfaceBytes(*s.surfaces);
     return bytes;
 }
 
@@ -242,8 +266,8 @@ void Renderer::setLights(const std::vector<PunctualLight>& lights) {
 void Renderer::moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points) {
     State& s = *state_;
     phat::moveScene(s.scene, scene, atlas);
-    // The passes over all texels read their normals; the lookup does not.
-    if (anyBlended(s.materials)) updateNormals(s.atlas, scene, atlas, points);
+    s.show(scene, atlas, points);
+    s.surfacesTurned = true;
     s.lights = scene.lights;
     s.shadows = {};
     s.texelsChanged();

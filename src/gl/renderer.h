@@ -42,7 +42,7 @@ enum class Inspected : uint8_t {
     density,    // a checker of texels; blue as coarse as anywhere, red an eighth
     pyramid,    // a level of the relit PHATexels, seen from the eye: light
     samples,    // effective number in the pyramid's cone: black 1, red 6, yellow 40, white 256
-    reads,      // of texels by the lookup: red for indirect light, green for area lights; the numbers themselves
+    reads,  // of texels by the lookup: red for indirect light, green for area lights; the numbers themselves
 };
 struct Inspection {
     Inspected what = Inspected::nothing;
@@ -117,7 +117,9 @@ struct ResidentBytes {
     uint64_t sum() const { return scene + phatexels + lookup + irradiance + pyramid + shadows + frame; }
 };
 
-/// What the renderer needs of a bake. Everything is uploaded in the constructor; the CPU's copies may go.
+/// What the renderer needs of a bake. Scene, atlas and points must outlive it: a picture that needs the
+/// surface under every texel (the pyramid's methods, blended surfaces, views of data) reads them when it is
+/// first drawn. The PHATexels are read by the constructor alone.
 struct RendererInput {
     const Scene& scene;
     const Atlas& atlas;
@@ -152,7 +154,8 @@ class Renderer {
     void turnEnvironment(int columns);
 
     /// Everything is where it is in `scene` now, which has the triangles of the one that was uploaded;
-    /// shadows follow at the next frame. `points`: of the same scene.
+    /// shadows follow at the next frame. `points`: of the same scene. All three take the place of
+    /// RendererInput's and must stay until the next call.
     void moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points);
     /// Takes over parts of a bake that were renewed, for at most about `seconds`. Places go first, because
     /// moveScene has moved what is there already; a block's tiles are never parted. What is done is taken out
