@@ -89,16 +89,12 @@ void drawBackground(const DisplayPass& pass, const DisplayInput& input, const Ca
     glDepthMask(GL_TRUE);
     glClearBufferfv(GL_DEPTH, 0, &farthest);
     if (!shown || !input.scene.environment) return;
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_CULL_FACE);
-    const ShaderProgram& program = pass.backgroundProgram;
+    const ShaderProgram& program = pass.background.program;
     program.bind("environment", 0, input.scene.environment.name(), input.scene.environmentSampler.name());
     program.set("worldFromClip", camera.worldFromClipRotation);
     program.set("viewport", glm::vec2(size));
     program.set("turn", input.environmentTurn);
-    glBindVertexArray(pass.noVertices.name());
-    program.use();
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    pass.background.draw();
 }
 
 void drawDepth(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& camera) {
@@ -131,12 +127,12 @@ void bindCamera(const ShaderProgram& program, const CameraMatrices& camera, cons
 void bindShared(const ShaderProgram& program, const DisplayInput& input, const CameraMatrices& camera,
                 const FrameSettings& settings, const LookupTargets* looked, bool traced = false) {
     if (looked) {
-        program.set("tracedLayer", traced ? lookedUpLayers(input.lookupPass) : 0);
+        program.set("tracedLayer", traced ? lookedUpLayers(*input.lookupPass) : 0);
         program.bind("seen", 0, looked->seen.name());
         program.bind("tileLight", 1, input.atlas.tileLight.name());
     } else {
-        program.bind("relit", 0, input.relit.lobes.name());
-        program.bind("radii", 1, input.relit.radii.name());
+        program.bind("relit", 0, input.relit->lobes.name());
+        program.bind("radii", 1, input.relit->radii.name());
     }
     program.bind("tileTable", 2, input.atlas.tileTable.name());
     program.bind("irradiance", 3, input.atlas.irradiance.name());
@@ -209,12 +205,12 @@ void drawOpaque(const ShaderProgram& program, const DisplayInput& input) {
 
 void lookUp(const DisplayInput& input, const CameraMatrices& camera, const FrameSettings& settings,
             const LookupTargets& targets, uint32_t seed) {
-    const ShaderProgram& program = input.lookupPass.lookupProgram;
-    beginLookup(input.lookupPass, input.atlas, input.lookup, targets, drawsOf(settings.quality), seed);
+    const ShaderProgram& program = input.lookupPass->lookupProgram;
+    beginLookup(*input.lookupPass, input.atlas, input.lookup, targets, drawsOf(settings.quality), seed);
     bindCamera(program, camera, settings);
     drawOpaque(program, input);
     input.clock.ended(Pass::lookup);
-    poolDraws(input.lookupPass, targets);
+    poolDraws(*input.lookupPass, targets);
     input.clock.ended(Pass::pool);
 }
 
@@ -227,7 +223,7 @@ bool traceSmooth(const DisplayInput& input, const CameraMatrices& matrices, cons
     if (std::none_of(input.materials.begin(), input.materials.end(),
                      [&](const Material& m) { return mayReflectSmoothly(m, reflections); }))
         return false;
-    const ShaderProgram& program = input.reflectionPass.program;
+    const ShaderProgram& program = input.reflectionPass->program;
     beginReflections(targets.reflections);
     bindCamera(program, matrices, settings);
     drawOpaque(program, input);
@@ -240,8 +236,8 @@ bool traceSmooth(const DisplayInput& input, const CameraMatrices& matrices, cons
                               frame,           shown.y > 0,         shown.x > 0};
     const std::vector<SeenBySurface> seen =
         traceReflections(scene, view, reflections, surfaces, progress, cost.rays);
-    uploadReflections(input.reflectionPass, targets.reflections, surfaces, seen, targets.lookup.seen.name(),
-                      lookedUpLayers(input.lookupPass));
+    uploadReflections(*input.reflectionPass, targets.reflections, surfaces, seen, targets.lookup.seen.name(),
+                      lookedUpLayers(*input.lookupPass));
     cost.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     input.clock.ended(Pass::none);
     return true;
@@ -262,7 +258,7 @@ void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettin
     if (input.inspectProgram) {
         glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
         const ShaderProgram& program = *input.inspectProgram;
-        bindInspection(program, input.atlas, input.relit, settings.inspection);
+        bindInspection(program, input.atlas, *input.relit, settings.inspection);
         bindCamera(program, camera, settings);
         drawOpaque(program, input);
         glDepthMask(GL_TRUE);
@@ -286,15 +282,10 @@ void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettin
 }
 
 void accumulate(const DisplayPass& pass, const FrameTargets& targets, const PictureSum& sum) {
-    glBindFramebuffer(GL_FRAMEBUFFER, sum.target.name());
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_CULL_FACE);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
-    pass.accumulateProgram.bind("picture", 0, targets.picture.name());
-    glBindVertexArray(pass.noVertices.name());
-    pass.accumulateProgram.use();
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    pass.accumulate.program.bind("picture", 0, targets.picture.name());
+    pass.accumulate.draw(sum.target, sum.size);
     glDisable(GL_BLEND);
 }
 
@@ -325,11 +316,8 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, 
     pass.displayProgram = paper ? display({"PAPER"}) : display({});
     pass.lookedUpProgram = countReads ? display({"LOOKUP", "COUNT_READS"}) : display({"LOOKUP"});
     pass.depthProgram = ShaderProgram(folder, "surface.vert", "depth.frag");
-    pass.backgroundProgram = ShaderProgram(folder, "fullscreen.vert", "background.frag");
-    pass.accumulateProgram = ShaderProgram(folder, "fullscreen.vert", "accumulate.frag");
-    GLuint name = 0;
-    glCreateVertexArrays(1, &name);
-    pass.noVertices = GlVertexArray(name);
+    pass.background = FullscreenProgram(folder, "background.frag");
+    pass.accumulate = FullscreenProgram(folder, "accumulate.frag");
     return pass;
 }
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/scene.h"
+#include "gl/fullscreen.h"
 #include "gl/gl_objects.h"
 #include "gl/phatexture_upload.h"
-#include "gl/shader_loader.h"
 #include "gl/texel_surfaces.h"
 
 namespace phat {
@@ -15,10 +15,9 @@ namespace phat {
 inline constexpr int kTopLevel = 3;
 
 struct RelightPass {
-    ShaderProgram materialProgram;
-    std::vector<ShaderProgram> relightPrograms;  // [source]
-    ShaderProgram pyramidProgram, radiusProgram;
-    GlVertexArray noVertices;
+    FullscreenProgram material;
+    std::vector<FullscreenProgram> relight;  // [source]
+    FullscreenProgram pyramid, radius;
 
     bool clearcoat = false;
     bool paper = false;    // indirect light as the paper has it, see shaders/relight_paper.frag
