@@ -61,28 +61,17 @@ void drawFrames(benchmark::State& state, const std::string& name, Method method)
     Renderer renderer(room.input(), kShaders);
     FrameSettings frame = frameOf(room.scene, method, 1);
     renderer.render(frame);  // shadow maps and compilers
-    FrameTimes sum;
+    std::array<double, kGpuPasses.size()> seconds{};
     for (auto _ : state) {
         // Another eye each time, for which the pyramid is made anew.
         frame.camera.worldFromCamera[3].x += 1e-4f;
         benchmark::DoNotOptimize(renderer.render(frame));
         const FrameTimes times = renderer.lastFrameTimes();
-        sum.relight += times.relight;
-        sum.pyramid += times.pyramid;
-        sum.depth += times.depth;
-        sum.lookup += times.lookup;
-        sum.pool += times.pool;
-        sum.display += times.display;
+        for (size_t i = 0; i < seconds.size(); ++i) seconds[i] += times.*kGpuPasses[i].seconds;
     }
-    const auto count = [&](const char* pass, double seconds) {
-        state.counters[std::string(pass) + "_ms"] = 1e3 * seconds / double(state.iterations());
-    };
-    count("relight", sum.relight);
-    count("pyramid", sum.pyramid);
-    count("depth", sum.depth);
-    count("lookup", sum.lookup);
-    count("pool", sum.pool);
-    count("display", sum.display);
+    for (size_t i = 0; i < seconds.size(); ++i)
+        state.counters[std::string(kGpuPasses[i].name) + "_ms"] =
+            1e3 * seconds[i] / double(state.iterations());
     if (method == Method::phat) {
         frame.inspection = {Inspected::reads};
         const Image reads = renderer.render(frame);

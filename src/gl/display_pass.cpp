@@ -220,9 +220,7 @@ bool traceSmooth(const DisplayInput& input, const CameraMatrices& matrices, cons
     const glm::vec3 shown = shownParts(settings.component);
     if (!settings.traced || shown.x + shown.y == 0.0f) return false;
     const auto& [scene, reflections, progress] = *settings.traced;
-    if (std::none_of(input.materials.begin(), input.materials.end(),
-                     [&](const Material& m) { return mayReflectSmoothly(m, reflections); }))
-        return false;
+    if (!mayReflectSmoothly(input.materials, reflections)) return false;
     const ShaderProgram& program = input.reflectionPass->program;
     beginReflections(targets.reflections);
     bindCamera(program, matrices, settings);

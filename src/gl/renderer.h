@@ -5,6 +5,7 @@
 // Needs a current context (HeadlessContext, or the viewer's window). Draws what phat render writes and what
 // the viewer shows; holds no light transport of its own.
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -101,8 +102,25 @@ struct FrameTimes {
     double reflections = 0;  // rays on the CPU
     uint64_t reflectionRays = 0;
 
-    double gpu() const { return relight + pyramid + shadows + depth + lookup + pool + display; }
+    double gpu() const;
 };
+/// The GPU's passes in the order in which they run.
+struct NamedPass {
+    const char* name;
+    double FrameTimes::*seconds;
+};
+inline constexpr std::array<NamedPass, 7> kGpuPasses = {{{"relight", &FrameTimes::relight},
+                                                         {"pyramid", &FrameTimes::pyramid},
+                                                         {"shadows", &FrameTimes::shadows},
+                                                         {"depth", &FrameTimes::depth},
+                                                         {"lookup", &FrameTimes::lookup},
+                                                         {"pool", &FrameTimes::pool},
+                                                         {"display", &FrameTimes::display}}};
+inline double FrameTimes::gpu() const {
+    double sum = 0;
+    for (const NamedPass& pass : kGpuPasses) sum += this->*pass.seconds;
+    return sum;
+}
 
 /// Bytes in the GPU's memory.
 struct ResidentBytes {

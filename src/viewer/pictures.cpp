@@ -87,9 +87,7 @@ const TracedReflections& Pictures::reflections(const ViewerState& state, double 
 bool Pictures::mayTrace(const ViewerState& state, const Side& side) const {
     if (!state.view.raysAtRest || side.tooManyRays) return false;
     if (side.source != Source::phat && side.source != Source::direct) return false;
-    const auto& materials = state.document->edits.now().materials;
-    return std::any_of(materials.begin(), materials.end(),
-                       [](const Material& m) { return mayReflectSmoothly(m, Reflections::automatic); });
+    return mayReflectSmoothly(state.document->edits.now().materials, Reflections::automatic);
 }
 
 void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 size, int samplesPerPixel,
@@ -103,9 +101,7 @@ void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 
     side.wanted = samplesPerPixel;
     side.byRays = rays;
     side.counts = settings.inspection.what == Inspected::reads;
-    side.light = settings.inspection.what == Inspected::nothing ||
-                 settings.inspection.what == Inspected::radiance ||
-                 settings.inspection.what == Inspected::pyramid;
+    side.light = showsLight(settings.inspection.what);
     try {
         state.renderer->draw(settings, sum);
     } catch (const Interrupted&) {

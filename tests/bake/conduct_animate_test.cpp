@@ -27,7 +27,8 @@ TEST(ConductAnimate, FramesAreTheSameOnAnyNumberOfThreads) {
         ASSERT_EQ(report.size(), 3u);
         EXPECT_EQ(report[0]["settled"], true);
         EXPECT_EQ(report[2]["animationSeconds"], 1.5);
-        EXPECT_GT(report[2]["work"], 10'000);
+        // A piece that takes more than a frame's share is made up for by the next frame.
+        EXPECT_GT(report[1]["work"].get<int>() + report[2]["work"].get<int>(), 90'000);
         for (const auto& frame : report) frames[run].push_back(readBytes(frame["output"]));
     }
     EXPECT_EQ(frames[0], frames[1]);
