@@ -105,9 +105,10 @@ void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 
     try {
         state.renderer->draw(settings, sum);
     } catch (const Interrupted&) {
+        // At once without them: what was begun is black.
         side.tooManyRays = true;
         sum.samples = 0;
-        return;
+        return draw(state, side, size, samplesPerPixel, false);
     }
     frameTimes_ = state.renderer->lastFrameTimes();
     secondsPerPixel_ = frameTimes_.gpu() / (double(size.x) * double(size.y));
