@@ -154,21 +154,19 @@ void drawSurface(const ShaderProgram& program, const DisplayInput& input, const 
 
 // Behind what was drawn already: back to front, by the surfaces' middles; a surface's own back before its
 // front.
-void drawBlended(DisplayPass& pass, const DisplayInput& input, const CameraMatrices& matrices,
+void drawBlended(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& matrices,
                  const FrameSettings& settings) {
-    pass.blendOrder.clear();
+    std::vector<uint32_t> order;
     for (uint32_t i = 0; i < input.scene.draws.size(); ++i)
-        if (input.materials[input.scene.draws[i].material].alphaMode == AlphaMode::blend)
-            pass.blendOrder.push_back(i);
-    if (pass.blendOrder.empty()) return;
+        if (input.materials[input.scene.draws[i].material].alphaMode == AlphaMode::blend) order.push_back(i);
+    if (order.empty()) return;
     const Camera& camera = settings.camera;
     const glm::vec3 eye(camera.worldFromCamera[3]), backward(camera.worldFromCamera[2]);
     const auto depth = [&](uint32_t i) {
         const glm::vec3 toward = eye - input.scene.draws[i].center;
         return camera.perspective ? glm::dot(toward, toward) : glm::dot(toward, backward);
     };
-    std::stable_sort(pass.blendOrder.begin(), pass.blendOrder.end(),
-                     [&](uint32_t a, uint32_t b) { return depth(a) > depth(b); });
+    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return depth(a) > depth(b); });
 
     bindShared(pass.displayProgram, input, matrices, settings, nullptr);
     glEnable(GL_BLEND);
@@ -176,7 +174,7 @@ void drawBlended(DisplayPass& pass, const DisplayInput& input, const CameraMatri
     glDepthFunc(GL_LESS);
     glDepthMask(GL_FALSE);
     glEnable(GL_CULL_FACE);
-    for (uint32_t i : pass.blendOrder) {
+    for (uint32_t i : order) {
         const DrawRange& draw = input.scene.draws[i];
         if (input.materials[draw.material].doubleSided) {
             glCullFace(GL_FRONT);
@@ -241,7 +239,7 @@ bool traceSmooth(const DisplayInput& input, const CameraMatrices& matrices, cons
     return true;
 }
 
-void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
+void drawPicture(const DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
                  const FrameTargets& targets, glm::vec2 jitter, uint32_t frame, ReflectionCost& cost) {
     const CameraMatrices camera = matricesOf(settings.camera, targets.size, input.scene.bounds, jitter);
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
@@ -319,7 +317,7 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, 
     return pass;
 }
 
-ReflectionCost display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
+ReflectionCost display(const DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
                        const FrameTargets& targets, PictureSum& sum) {
     const int count = std::max(1, settings.samplesPerPixel);
     if (sum.samples >= count) sum.samples = 0;

@@ -29,7 +29,6 @@ FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool 
 struct DisplayPass {
     ShaderProgram displayProgram, lookedUpProgram, depthProgram;
     FullscreenProgram background, accumulate;
-    std::vector<uint32_t> blendOrder;  // reused from frame to frame
 };
 
 /// `paper`: as of the RelightPass whose pyramid is displayed; `countReads`: see createLookupPass.
@@ -59,7 +58,7 @@ struct ReflectionCost {
 
 /// Adds the next jittered pictures of `settings.samplesPerPixel` to `sum`. Blended surfaces take their glossy
 /// light from the pyramid with either method, for a pixel of the lookup holds one surface.
-ReflectionCost display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
+ReflectionCost display(const DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
                        const FrameTargets& targets, PictureSum& sum);
 
 /// The eye of a camera.

@@ -2,18 +2,14 @@
 
 #include <algorithm>
 
+#include "gl/textures.h"
+
 namespace phat {
 
 PresentPass createPresentPass(const std::string& folder) {
     PresentPass pass;
     pass.present = FullscreenProgram(folder, "present.frag");
-    GLuint name = 0;
-    glCreateSamplers(1, &name);
-    pass.linear = GlSampler(name);
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-        glSamplerParameteri(name, filter, GL_LINEAR);
-    for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-        glSamplerParameteri(name, wrap, GL_CLAMP_TO_EDGE);
+    pass.linear = createSampler(GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE, GL_LINEAR, GL_LINEAR);
     return pass;
 }
 

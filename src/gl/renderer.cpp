@@ -121,12 +121,12 @@ struct Renderer::State {
         of.eye = from;
         return of.pass;
     }
-    LookupPass& lookupFor(bool counting) {
+    const LookupPass& lookupFor(bool counting) {
         std::optional<LookupPass>& made = counting ? countingLookupPass : lookupPass;
         if (!made) made = createLookupPass(shaderFolder, lookup, anyClearcoat(materials), counting);
         return *made;
     }
-    DisplayPass& displayFor(bool paper, bool counting) {
+    const DisplayPass& displayFor(bool paper, bool counting) {
         std::optional<DisplayPass>& made = paper ? displayPaper : counting ? countingDisplay : display;
         if (!made) made = createDisplayPass(shaderFolder, atlas, anyClearcoat(materials), paper, counting);
         return *made;
@@ -188,7 +188,7 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     const bool counting = lookedUp && what == Inspected::reads;
     const LookupPass* lookupPass = s.lookup.guideCount > 0 ? &s.lookupFor(counting) : nullptr;
     const ReflectionPass* reflectionPass = settings.traced ? &s.reflections() : nullptr;
-    DisplayPass& displayPass = s.displayFor(paper, counting);
+    const DisplayPass& displayPass = s.displayFor(paper, counting);
 
     const glm::uvec2 size(std::max(settings.width, 1), std::max(settings.height, 1));
     if (s.targets.size != size || (reflectionPass && !s.targets.reflections.target))

@@ -94,7 +94,7 @@ ReadCount countReads(const Image& picture, int source);
 struct FrameTimes {
     double relight = 0;
     double pyramid = 0;
-    double shadows = 0;  // first frame only
+    double shadows = 0;  // when lights or things have changed
     double depth = 0;    // with the background
     double lookup = 0;
     double pool = 0;

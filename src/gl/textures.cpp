@@ -68,6 +68,16 @@ uint64_t textureBytes(const GlTexture& texture) {
     return bytes;
 }
 
+GlSampler createSampler(GLenum wrapU, GLenum wrapV, GLenum minFilter, GLenum magFilter) {
+    GLuint name = 0;
+    glCreateSamplers(1, &name);
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_S, GLint(wrapU));
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_T, GLint(wrapV));
+    glSamplerParameteri(name, GL_TEXTURE_MIN_FILTER, GLint(minFilter));
+    glSamplerParameteri(name, GL_TEXTURE_MAG_FILTER, GLint(magFilter));
+    return GlSampler(name);
+}
+
 GlFramebuffer createFramebuffer(const std::vector<Attachment>& colors, GLuint depth) {
     GLuint name = 0;
     glCreateFramebuffers(1, &name);

@@ -207,7 +207,8 @@ bool Pictures::refine(ViewerState& state, glm::uvec2 size) {
 void Pictures::measure(const ViewerState& state) {
     if (measuring_.valid()) {
         if (measuring_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-        metrics_ = measuring_.get();
+        const Metrics metrics = measuring_.get();
+        if (measuringVersion_ == state.version) metrics_ = metrics;
     }
     if (!state.view.compare) return;
     const auto ready = [&](const Side& side) {
@@ -219,6 +220,7 @@ void Pictures::measure(const ViewerState& state) {
     const int samples = std::max(left().samples, right().samples);
     if (!ready(sides_[0]) || !ready(sides_[1]) || (metrics_ && samples < 2 * measuredSamples_)) return;
     measuredSamples_ = samples;
+    measuringVersion_ = state.version;
     const auto picture = [](const Side& side) {
         return side.source == Source::pathTracer ? side.traced : readMean(side.drawn);
     };
