@@ -108,7 +108,7 @@ void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 
         // At once without them: what was begun is black.
         side.tooManyRays = true;
         sum.samples = 0;
-        return draw(state, side, size, samplesPerPixel, false);
+        return draw(state, side, sum, size, samplesPerPixel, false);
     }
     frameTimes_ = state.renderer->lastFrameTimes();
     secondsPerPixel_ = frameTimes_.gpu() / (double(size.x) * double(size.y));
