@@ -1,8 +1,4 @@
-// A frame by pass, and what the display pass reads.
-
-#include <filesystem>
-#include <fstream>
-#include <sstream>
+// Putting a bake on the GPU, and frames by pass.
 
 #include "bench_scene.h"
 #include "core/bake.h"
@@ -12,20 +8,13 @@
 namespace phat {
 namespace {
 
-namespace fs = std::filesystem;
+constexpr const char* kShaders = PHAT_SOURCE_DIR "/shaders";
 
-const fs::path kShaders = PHAT_SOURCE_DIR "/shaders";
-
-// The time of a frame depends on the number of texels, hardly on their light: a cheap bake will do.
+// As `phat bake` makes it without flags: the lookup's time depends on what is stored.
 struct BakedRoom {
     explicit BakedRoom(const std::string& name) : scene(benchScene(name)) {
-        BakeSettings settings;
-        settings.atlas.texelBudget = 262'144;
-        settings.photons.count = 50'000;
-        settings.pathsPerPhatexel = 1;
-        settings.irradianceSamples = 4;
         SilentProgress progress;
-        bake = phat::bake(scene, settings, progress);
+        bake = phat::bake(scene, BakeSettings(), progress);
     }
     RendererInput input() const { return {scene, bake.atlas, bake.points, bake.phatexture}; }
 
@@ -33,86 +22,73 @@ struct BakedRoom {
     Bake bake;
 };
 
-FrameSettings frameOf(const Scene& scene, int samplesPerPixel) {
+const BakedRoom& bakedRoom(const std::string& name) {
+    static std::map<std::string, BakedRoom> rooms;
+    return rooms.try_emplace(name, name).first->second;
+}
+
+FrameSettings frameOf(const Scene& scene, Method method, int samplesPerPixel) {
     FrameSettings frame;
     frame.width = 640;
-    frame.height = 480;
+    frame.height = 360;
     frame.camera = scene.cameras.front();
+    frame.method = method;
     frame.samplesPerPixel = samplesPerPixel;
     return frame;
 }
 
-// A copy of the shaders whose display pass draws the number of its texelFetch calls.
-class CountingShaders {
-  public:
-    CountingShaders() {
-        std::string name = (fs::temp_directory_path() / "phat-bench-XXXXXX").string();
-        if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
-        folder = name;
-        fs::copy(kShaders, folder, fs::copy_options::recursive);
-        std::ifstream file(kShaders / "display.frag");
-        std::stringstream text;
-        text << "int reads = 0;\n"
-                "#define texelFetch(texels, place, level) (++reads, texelFetch(texels, place, level))\n"
-             << file.rdbuf();
-        std::string source = text.str();
-        const std::string result = "radiance = vec4(sum * alpha, alpha);";
-        const size_t place = source.find(result);
-        if (place == std::string::npos) throw std::runtime_error("display.frag writes its result otherwise");
-        source.replace(place, result.size(), "radiance = vec4(vec3(float(reads)), 1.0);");
-        std::ofstream(folder / "display.frag") << source;
-    }
-    ~CountingShaders() { fs::remove_all(folder); }
-    CountingShaders(const CountingShaders&) = delete;
-    CountingShaders& operator=(const CountingShaders&) = delete;
-
-    fs::path folder;
-};
-
-double readsPerPixel(const BakedRoom& room) {
-    const CountingShaders shaders;
-    Renderer renderer(room.input(), shaders.folder.string());
-    const Image counts = renderer.render(frameOf(room.scene, 1));
-    double sum = 0;
-    for (const glm::vec3& pixel : counts.pixels) sum += pixel.x;
-    return sum / double(counts.pixels.size());
-}
-
-// One iteration is a frame without anti-aliasing and one with the default's.
-void renderFrames(benchmark::State& state, const std::string& name) {
-    const BakedRoom room(name);
+// One iteration makes a renderer of a bake in memory, until it could draw.
+void makeRenderer(benchmark::State& state, const std::string& name) {
+    const BakedRoom& room = bakedRoom(name);
     const HeadlessContext context;
-    Renderer renderer(room.input(), kShaders.string());
-    const FrameSettings aliased = frameOf(room.scene, 1);
-    const FrameSettings smooth = frameOf(room.scene, FrameSettings().samplesPerPixel);
-    renderer.render(aliased);  // shadow maps and compilers
-    FrameTimes sum;
-    double smoothDisplay = 0;
-    for (auto _ : state) {
-        benchmark::DoNotOptimize(renderer.render(aliased));
-        const FrameTimes times = renderer.lastFrameTimes();
-        sum.relight += times.relight;
-        sum.pyramid += times.pyramid;
-        sum.display += times.display;
-        benchmark::DoNotOptimize(renderer.render(smooth));
-        smoothDisplay += renderer.lastFrameTimes().display;
-    }
-    const double toMilliseconds = 1e3 / double(state.iterations());
-    state.counters["relight_ms"] = toMilliseconds * sum.relight;
-    state.counters["pyramid_ms"] = toMilliseconds * sum.pyramid;
-    state.counters["display_ms_1_sample"] = toMilliseconds * sum.display;
-    state.counters["display_ms_default_samples"] = toMilliseconds * smoothDisplay;
-    state.counters["display_reads_per_pixel"] = readsPerPixel(room);
+    for (auto _ : state) Renderer(room.input(), kShaders);
+    Renderer renderer(room.input(), kShaders);
+    const auto perTexel = [&] {
+        return double(renderer.residentBytes().sum()) / double(room.bake.atlas.texelCount());
+    };
+    state.counters["bytes_per_texel"] = perTexel();
+    const double drawing = secondsOf([&] { renderer.render(frameOf(room.scene, Method::phatPyramid, 1)); });
+    const double again = secondsOf([&] { renderer.render(frameOf(room.scene, Method::phatPyramid, 1)); });
+    state.counters["first_pyramid_ms"] = 1e3 * (drawing - again);
+    state.counters["bytes_per_texel_pyramid"] = perTexel();
     state.SetLabel(context.rendererName());
 }
-BENCHMARK_CAPTURE(renderFrames, tabletop, "tabletop")
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime()
-    ->Iterations(2);
-BENCHMARK_CAPTURE(renderFrames, gallery, "gallery")
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime()
-    ->Iterations(2);
+
+// One iteration is a frame of one sample a pixel, as the window draws it while something moves.
+void drawFrames(benchmark::State& state, const std::string& name, Method method) {
+    const BakedRoom& room = bakedRoom(name);
+    const HeadlessContext context;
+    Renderer renderer(room.input(), kShaders);
+    FrameSettings frame = frameOf(room.scene, method, 1);
+    renderer.render(frame);  // shadow maps and compilers
+    std::array<double, kGpuPasses.size()> seconds{};
+    for (auto _ : state) {
+        // Another eye each time, for which the pyramid is made anew.
+        frame.camera.worldFromCamera[3].x += 1e-4f;
+        benchmark::DoNotOptimize(renderer.render(frame));
+        const FrameTimes times = renderer.lastFrameTimes();
+        for (size_t i = 0; i < seconds.size(); ++i) seconds[i] += times.*kGpuPasses[i].seconds;
+    }
+    for (size_t i = 0; i < seconds.size(); ++i)
+        state.counters[std::string(kGpuPasses[i].name) + "_ms"] =
+            1e3 * seconds[i] / double(state.iterations());
+    if (method == Method::phat) {
+        frame.inspection = {Inspected::reads};
+        const Image reads = renderer.render(frame);
+        state.counters["reads_per_pixel"] = countReads(reads, 0).mean + countReads(reads, 1).mean;
+    }
+    state.SetLabel(context.rendererName());
+}
+
+void tenTimes(benchmark::internal::Benchmark* measured) {
+    measured->Unit(benchmark::kMillisecond)->UseRealTime()->Iterations(10);
+}
+BENCHMARK_CAPTURE(makeRenderer, tabletop, "tabletop")->Apply(tenTimes);
+BENCHMARK_CAPTURE(makeRenderer, gallery, "gallery")->Apply(tenTimes);
+BENCHMARK_CAPTURE(drawFrames, tabletop, "tabletop", Method::phat)->Apply(tenTimes);
+BENCHMARK_CAPTURE(drawFrames, gallery, "gallery", Method::phat)->Apply(tenTimes);
+BENCHMARK_CAPTURE(drawFrames, tabletop_pyramid, "tabletop", Method::phatPyramid)->Apply(tenTimes);
+BENCHMARK_CAPTURE(drawFrames, gallery_pyramid, "gallery", Method::phatPyramid)->Apply(tenTimes);
 
 }  // namespace
 }  // namespace phat

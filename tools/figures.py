@@ -89,7 +89,7 @@ def seconds_of(said):
     """Of a picture; of a drawn one, of what every frame repeats (shadow maps are drawn once)."""
     seconds = said["seconds"]
     if isinstance(seconds, dict):
-        return sum(value for key, value in seconds.items() if key not in ("shadows", "prepareLookup"))
+        return sum(value for key, value in seconds.items() if key != "shadows")
     return seconds
 
 

@@ -111,9 +111,9 @@ def bakes_table(bakes):
         bake, drawn = one["bake"], one["drawn"]
         body.append([one["name"], f"{bake['atlas']['finestTexelSize'] * 1e3:.2f} to {bake['atlas']['texelSize'] * 1e3:.1f}",
                      f"{bake['atlas']['width'] * bake['atlas']['height'] / 1e6:.2f} M", seconds(bake["seconds"]),
-                     f"{one['fileBytes'] / 1e6:.1f}", seconds(drawn["seconds"]["prepareLookup"]), f"{drawn['bytesPerPhatexel']:.1f}",
+                     f"{one['fileBytes'] / 1e6:.1f}", f"{drawn['bytesPerPhatexel']:.1f}",
                      f"{one['reads']['mean']:.0f} / {one['reads']['max']:.0f}"])
-    return table(["bake", "texels, mm", "texels in the atlas", "bake, s", "file, MB", "prepare the lookup, s", "bytes a PHATexel",
+    return table(["bake", "texels, mm", "texels in the atlas", "bake, s", "file, MB", "bytes a PHATexel",
                   "reads a pixel, mean / most"], body)
 
 

@@ -5,10 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 
+#include "cli/data_folders.h"
+#include "cli/drawn_report.h"
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
-#include "cli/data_folders.h"
 #include "core/live_engine.h"
 #include "gl/gl_context.h"
 #include "io/bake_record.h"
@@ -106,27 +107,13 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
             View frame = view;
             frame.label += fmt::format("{}{:04}", view.label.empty() ? "" : ".", i);
             writePicture(options, frame, picture);
-            const FrameTimes times = renderer.lastFrameTimes();
-            reports.push_back({{"output", pathFor(frame, options.output)},
-                               {"method", options.method.name},
-                               {"width", view.width},
-                               {"height", view.height},
-                               {"samplesPerPixel", options.samplesPerPixel},
-                               {"gpu", context.rendererName()},
-                               {"animationSeconds", seconds},
-                               {"work", work},
-                               {"phatexels", engine.stats().phatexels - renewed},
-                               {"settled", engine.settled()},
-                               {"seconds",
-                                {{"move", moving},
-                                 {"follow", followed},
-                                 {"upload", uploaded},
-                                 {"relight", times.relight},
-                                 {"pyramid", times.pyramid},
-                                 {"shadows", times.shadows},
-                                 {"display", times.display},
-                                 {"reflections", times.reflections}}},
-                               {"reflectionRays", times.reflectionRays}});
+            json report = drawnReport(options, frame, renderer.lastFrameTimes(), context.rendererName());
+            report["seconds"].update({{"move", moving}, {"follow", followed}, {"upload", uploaded}});
+            report.update({{"animationSeconds", seconds},
+                           {"work", work},
+                           {"phatexels", engine.stats().phatexels - renewed},
+                           {"settled", engine.settled()}});
+            reports.push_back(std::move(report));
         }
         renewed = engine.stats().phatexels;
     }

@@ -1,11 +1,9 @@
 // The methods of `phat render` that OpenGL draws from a bake.
 
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 #include <optional>
 
 #include "cli/data_folders.h"
+#include "cli/drawn_report.h"
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
@@ -45,7 +43,8 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     const HeadlessContext context;
     const Method method = methodOf(options);
     std::optional<RayTracing> tracing;
-    if (method == Method::phat) tracing.emplace(baked, options.reflections, progress);
+    if (method == Method::phat && mayReflectSmoothly(scene.materials, options.reflections))
+        tracing.emplace(baked, options.reflections, progress);
     Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture}, shaderFolder());
     std::vector<json> reports;
     for (const View& view : views) {
@@ -57,23 +56,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
         const Image picture = renderer.render(frame);
         progress.throwIfStopped();
         writePicture(options, view, picture);
-        const FrameTimes times = renderer.lastFrameTimes();
-        reports.push_back({{"output", pathFor(view, options.output)},
-                           {"method", options.method.name},
-                           {"width", view.width},
-                           {"height", view.height},
-                           {"samplesPerPixel", options.samplesPerPixel},
-                           {"gpu", context.rendererName()},
-                           {"seconds",
-                            {{"relight", times.relight},
-                             {"pyramid", times.pyramid},
-                             {"shadows", times.shadows},
-                             {"depth", times.depth},
-                             {"lookup", times.lookup},
-                             {"pool", times.pool},
-                             {"display", times.display},
-                             {"reflections", times.reflections}}},
-                           {"reflectionRays", times.reflectionRays}});
+        reports.push_back(drawnReport(options, view, renderer.lastFrameTimes(), context.rendererName()));
         json& report = reports.back();
         if (renderer.bytesPerPhatexel() > 0) report["bytesPerPhatexel"] = renderer.bytesPerPhatexel();
         if (options.countReads) {

@@ -6,6 +6,10 @@
 namespace phat {
 namespace {
 
+// Of what is nearer the lookup asks fewer PHATexels, so that the noise of each counts: measured,
+// docs/pipeline.md.
+constexpr float kNearTexels = 160.0f;
+
 // Rounds of light samples for every texel, and further ones for those in penumbrae or noise.
 constexpr int kFirstRounds = 2, kFurtherRounds = 6;
 // Standard errors below this share need no further rounds: the filter removes them.
@@ -46,6 +50,11 @@ IncidentRadiance photonIncident(const GatherInput& input, const TexelRay& ray,
     return incident;
 }
 
+float texelMetersAt(const GatherInput& input, size_t texel) {
+    const uint32_t width = input.atlas.sizeTexels.x;
+    return input.atlas.charts[input.atlas.chartAt({texel % width, texel / width})].texelSizeMeters;
+}
+
 IncidentRadiance incidentAt(const GatherInput& input, const TexelDirection& chosen,
                             const TexelIrradiance& irradiance, const TexelRay& ray, size_t texel, int layer,
                             const BakeSettings& settings) {
@@ -53,7 +62,8 @@ IncidentRadiance incidentAt(const GatherInput& input, const TexelDirection& chos
     const Rng rng(hashOf(settings.seed + 0x9a7, uint64_t(layer), texel));
     switch (settings.radiance) {
         case RadianceSource::texels:
-            return incidentFromTexels(input, irradiance, ray.origin, ray.direction, path, rng);
+            return incidentFromTexels(input, irradiance, ray.origin, ray.direction, path,
+                                      kNearTexels * texelMetersAt(input, texel), rng);
         case RadianceSource::path:
             return traceIncident(input.rays, input.lights, ray.origin, ray.direction, path, rng);
         case RadianceSource::photons:

@@ -2,6 +2,7 @@
 
 #include "core/chart_fill.h"
 #include "core/parallel.h"
+#include "core/plane_fit.h"
 
 namespace phat {
 namespace {
@@ -19,65 +20,14 @@ constexpr float kMaxRadiusOverDistance = 0.25f;
 constexpr float kBetweenSteps = 1.7f;
 // Half the width of the confidence intervals that must meet, standard errors.
 constexpr float kConfidence = 3.0f;
+// A node that lies so many standard errors above its neighbours had a ray that the others missed.
+constexpr float kOutlierErrors = 6.0f;
 // Estimates are never taken to be better than this: a third of a percent cannot be seen.
 constexpr float kLeastRelativeError = 0.003f;
 // Normals farther apart than this are different surfaces to the light.
 constexpr float kLeastNormalCosine = 0.9f;
-// Variance added to the offsets, of the squared radius: a handful of nodes in a row make no plane.
-constexpr float kRidge = 0.01f;
 // In rays: the fit that tells a node's noise, a node's smoothing, a texel.
 constexpr uint64_t kNoiseWork = 4, kSmoothWork = 40, kTexelWork = 1;
-
-/// A weighted plane through values, read at the origin.
-class PlaneFit {
-  public:
-    void add(float weight, glm::vec2 offset, glm::vec3 value) {
-        const float light = luminance(value);
-        weights_ += weight;
-        weightsSquared_ += weight * weight;
-        lightSquared_ += weight * light * light;
-        offset_ += weight * offset;
-        xx_ += weight * offset.x * offset.x;
-        xy_ += weight * offset.x * offset.y;
-        yy_ += weight * offset.y * offset.y;
-        value_ += weight * value;
-        valueX_ += weight * offset.x * value;
-        valueY_ += weight * offset.y * value;
-        low_ = glm::min(low_, value);
-        high_ = glm::max(high_, value);
-    }
-    bool empty() const { return weights_ <= 0.0f; }
-
-    struct Estimate {
-        glm::vec3 value;
-        float residual;  // variance of the values' luminance that the plane leaves unexplained
-        float share;     // of the values' variance that is left in the estimate
-    };
-    /// pre: not empty().
-    Estimate atOrigin() const {
-        const glm::vec2 m = offset_ / weights_;
-        const glm::vec3 mean = value_ / weights_;
-        const float xx = xx_ / weights_ - m.x * m.x + kRidge, yy = yy_ / weights_ - m.y * m.y + kRidge;
-        const float xy = xy_ / weights_ - m.x * m.y;
-        const glm::vec3 vx = valueX_ / weights_ - m.x * mean, vy = valueY_ / weights_ - m.y * mean;
-        const float determinant = xx * yy - xy * xy;
-        const glm::vec3 slopeX = (yy * vx - xy * vy) / determinant;
-        const glm::vec3 slopeY = (xx * vy - xy * vx) / determinant;
-
-        const float residual = lightSquared_ / weights_ - square(luminance(mean)) -
-                               luminance(slopeX) * luminance(vx) - luminance(slopeY) * luminance(vy);
-        const float leverage = 1.0f + (yy * m.x * m.x - 2.0f * xy * m.x * m.y + xx * m.y * m.y) / determinant;
-        // Never beyond what was seen: outside the nodes a plane may go anywhere.
-        return {glm::clamp(mean - m.x * slopeX - m.y * slopeY, low_, high_), std::max(residual, 0.0f),
-                leverage * weightsSquared_ / square(weights_)};
-    }
-
-  private:
-    float weights_ = 0, weightsSquared_ = 0, lightSquared_ = 0, xx_ = 0, xy_ = 0, yy_ = 0;
-    glm::vec2 offset_{0};
-    glm::vec3 value_{0}, valueX_{0}, valueY_{0};
-    glm::vec3 low_{1e30f}, high_{-1e30f};
-};
 
 class Interpolator {
   public:
@@ -85,23 +35,35 @@ class Interpolator {
                  const ChartSet& charts)
         : levels_(levels), atlas_(atlas), points_(points), charts_(charts) {
         for (const IrradianceLevel& level : levels_) {
+            values_.push_back(level.value);
+            outlying_.emplace_back(level.texel.size(), glm::vec3(0));
             noise_.emplace_back(level.texel.size());
             smooth_.emplace_back(level.texel.size());
         }
     }
 
-    /// Noise of a level's nodes; of all nodes before any are smoothed.
+    // In this order, each for all nodes before the next, and the noise again where light was shared out.
     void findNoise(size_t level, size_t begin, size_t end) {
         forNodes(level, begin, end, [&](uint32_t node) {
-            const IrradianceLevel& here = levels_[level];
-            noise_[level][node] =
-                fitAround(here, node, kMinRadiusSteps * float(here.step)).atOrigin().residual;
+            noise_[level][node] = fitAround(level, node, kMinRadiusSteps * stepOf(level)).atOrigin().residual;
         });
     }
-    /// All nodes before any texel is read.
-    void smooth(size_t level, size_t begin, size_t end) {
+    void findOutliers(size_t level, size_t begin, size_t end) {
         forNodes(level, begin, end,
-                 [&](uint32_t node) { smooth_[level][node] = smoothed(levels_[level], node); });
+                 [&](uint32_t node) { outlying_[level][node] = outlyingPart(level, node); });
+    }
+    bool shareOutOutliers() {
+        bool any = false;
+        for (size_t level = 0; level < levels_.size(); ++level)
+            for (uint32_t node = 0; node < outlying_[level].size(); ++node) {
+                if (outlying_[level][node] == glm::vec3(0)) continue;
+                shareOut(level, node, outlying_[level][node]);
+                any = true;
+            }
+        return any;
+    }
+    void smooth(size_t level, size_t begin, size_t end) {
+        forNodes(level, begin, end, [&](uint32_t node) { smooth_[level][node] = smoothed(level, node); });
     }
 
     /// Whether the texel's group of the coarsest level has a node.
@@ -132,28 +94,62 @@ class Interpolator {
         });
     }
 
-    PlaneFit fitAround(const IrradianceLevel& level, uint32_t node, float radius) const {
+    float stepOf(size_t level) const { return float(levels_[level].step); }
+    float widestAround(size_t level) const {
+        return std::min(kMaxRadiusSteps * stepOf(level), kMaxRadiusTexels);
+    }
+
+    PlaneFit fitAround(size_t level, uint32_t node, float radius, bool withItself = true) const {
         PlaneFit fit;
-        gather(level.texel[node], radius, [&](size_t l, uint32_t n, bool, float weight, glm::vec2 offset) {
-            fit.add(weight, offset, levels_[l].value[n]);
-        });
+        gather(levels_[level].texel[node], radius,
+               [&](size_t l, uint32_t n, bool, float weight, glm::vec2 offset) {
+                   if (withItself || l != level || n != node) fit.add(weight, offset, values_[l][n]);
+               });
         return fit;
+    }
+
+    /// What a node has more than its neighbours, if that is no noise.
+    glm::vec3 outlyingPart(size_t level, uint32_t node) const {
+        const glm::vec3 value = values_[level][node];
+        const PlaneFit others = fitAround(level, node, kMinRadiusSteps * stepOf(level), false);
+        if (others.empty()) return glm::vec3(0);
+        const float light = luminance(value), expected = luminance(others.atOrigin().value);
+        // An outlier is a part of the noise at its own place: the cheaper question first.
+        if (light - expected <= 2.0f * std::sqrt(noise_[level][node])) return glm::vec3(0);
+        const float noise = noiseAround(level, node, widestAround(level));
+        if (light - expected <= kOutlierErrors * std::sqrt(noise)) return glm::vec3(0);
+        return value * (1.0f - expected / light);
+    }
+
+    /// A ray that meets a rare bright thing makes a spot that no smoothing removes, because it agrees with no
+    /// wider fit. Its light goes to all around, so that none is lost: it stands for what they missed.
+    void shareOut(size_t level, uint32_t node, glm::vec3 excess) {
+        const uint32_t texel = levels_[level].texel[node];
+        const float radius = widestAround(level);
+        float area = 0;  // texels, by weight
+        gather(texel, radius, [&](size_t l, uint32_t, bool split, float weight, glm::vec2) {
+            if (!split) area += weight * square(stepOf(l));
+        });
+        const glm::vec3 share = excess * square(stepOf(level)) / area;
+        values_[level][node] -= excess;
+        gather(texel, radius,
+               [&](size_t l, uint32_t n, bool, float weight, glm::vec2) { values_[l][n] += weight * share; });
     }
 
     /// Variance of the values around a node. The mean over many: with an estimate of its own, a place that a
     /// rare bright ray missed would seem to be quiet, and be taken at its word.
-    float noiseAround(const IrradianceLevel& level, uint32_t node, float radius) const {
+    float noiseAround(size_t level, uint32_t node, float radius) const {
         float sum = 0, weights = 0;
-        gather(level.texel[node], radius, [&](size_t l, uint32_t n, bool, float weight, glm::vec2) {
+        gather(levels_[level].texel[node], radius, [&](size_t l, uint32_t n, bool, float weight, glm::vec2) {
             sum += weight * noise_[l][n];
             weights += weight;
         });
         return sum / weights;
     }
 
-    float largestDistanceAround(const IrradianceLevel& level, uint32_t node, float radius) const {
+    float largestDistanceAround(size_t level, uint32_t node, float radius) const {
         float largest = 0;
-        gather(level.texel[node], radius, [&](size_t l, uint32_t n, bool, float, glm::vec2) {
+        gather(levels_[level].texel[node], radius, [&](size_t l, uint32_t n, bool, float, glm::vec2) {
             largest = std::max(largest, levels_[l].distanceTexels[n]);
         });
         return largest;
@@ -161,13 +157,13 @@ class Interpolator {
 
     /// The widest fit that agrees with all narrower ones: the confidence intervals of all still have a place
     /// in common. source: Katkovnik 1999, "A new method for varying adaptive bandwidth selection".
-    glm::vec3 smoothed(const IrradianceLevel& level, uint32_t node) const {
-        const float step = float(level.step);
-        const float around = std::min(kMaxRadiusSteps * step, kMaxRadiusTexels);
+    glm::vec3 smoothed(size_t level, uint32_t node) const {
+        const float step = stepOf(level);
+        const float around = widestAround(level);
         const float noise = noiseAround(level, node, around);
         const float widest = std::clamp(kMaxRadiusOverDistance * largestDistanceAround(level, node, around),
                                         kMinRadiusSteps * step, around);
-        glm::vec3 best = level.value[node];
+        glm::vec3 best = values_[level][node];
         float low = -1e30f, high = 1e30f;
         for (float radius = kMinRadiusSteps * step; radius <= widest; radius *= kRadiusRatio) {
             const PlaneFit::Estimate estimate = fitAround(level, node, radius).atOrigin();
@@ -231,6 +227,8 @@ class Interpolator {
     const Atlas& atlas_;
     const TexelPoints& points_;
     const ChartSet& charts_;
+    std::vector<std::vector<glm::vec3>> values_;  // [level][node], outliers shared out
+    std::vector<std::vector<glm::vec3>> outlying_;
     std::vector<std::vector<float>> noise_;       // [level][node], variance of the luminance
     std::vector<std::vector<glm::vec3>> smooth_;  // [level][node]
 };
@@ -270,21 +268,22 @@ Pieces interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas
                          const TexelPoints& points, const ChartSet& charts, IrradianceMap& map,
                          uint64_t pieceWork) {
     Interpolator interpolator(levels, atlas, points, charts);
-    for (const bool smooths : {false, true}) {
-        const uint64_t itemWork = smooths ? kSmoothWork : kNoiseWork;
+    const auto forAll = [&](auto step, uint64_t itemWork) -> Pieces {
         const size_t most = itemsAPiece(pieceWork, itemWork);
         for (size_t level = 0; level < levels.size(); ++level) {
             const size_t count = levels[level].texel.size();
             for (size_t begin = 0, end = 0; begin < count; begin = end) {
                 end = begin + std::min(most, count - begin);
-                if (smooths)
-                    interpolator.smooth(level, begin, end);
-                else
-                    interpolator.findNoise(level, begin, end);
-                co_yield itemWork * (end - begin);
+                (interpolator.*step)(level, begin, end);
+                co_yield itemWork*(end - begin);
             }
         }
-    }
+    };
+    for (Pieces p = forAll(&Interpolator::findNoise, kNoiseWork); p.next();) co_yield p.work();
+    for (Pieces p = forAll(&Interpolator::findOutliers, kNoiseWork); p.next();) co_yield p.work();
+    if (interpolator.shareOutOutliers())
+        for (Pieces p = forAll(&Interpolator::findNoise, kNoiseWork); p.next();) co_yield p.work();
+    for (Pieces p = forAll(&Interpolator::smooth, kSmoothWork); p.next();) co_yield p.work();
     map.assign(atlas.texelCount(), glm::vec3(0));
     std::vector<uint8_t> known(map.size(), 0);
     SilentProgress silent;
@@ -302,7 +301,7 @@ Pieces interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas
                 known[i] = 1;
             }
         });
-        co_yield kTexelWork * (last - first);
+        co_yield kTexelWork*(last - first);
     }
     fillWithinCharts(map, known, atlas);
 }

@@ -6,12 +6,15 @@
 #include "core/atlas_place.h"
 #include "core/path.h"
 #include "core/path_vertex.h"
+#include "core/sobol.h"
 
 namespace phat {
 namespace {
 
 // Walks that a lossless mirror gets for each path that is asked for: measured, see docs/pipeline.md.
 constexpr float kWalksPerPath = 3.0f;
+// How many times as many what is near gets.
+constexpr float kMostNear = 8.0f;
 
 // The share of diffuse irradiance over pi that is reflected toward the eye.
 glm::vec3 diffuseAlbedo(const Brdf& brdf, glm::vec3 towardEyeLocal) {
@@ -44,6 +47,22 @@ std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t
 
 namespace {
 
+// What one glossy reflection is made of, in [0, 1).
+struct StepNumbers {
+    glm::vec4 reflection;  // the lobe, the direction in it, whether the walk survives
+    glm::vec3 light;       // which area light, the place on it
+};
+
+StepNumbers stepNumbers(Rng& rng) {
+    const glm::vec2 lobe = rng.uniform2(), rest = rng.uniform2(), place = rng.uniform2();
+    return {{lobe, rest}, {place, rng.uniform()}};
+}
+
+// The same of walk `i` of those from one place, which are stratified together.
+StepNumbers firstStepNumbers(uint32_t i, uint64_t seed) {
+    return {shuffledSobol4(i, seed), glm::vec3(shuffledSobol4(i, seed + 3 * kSeedStep))};
+}
+
 /// A walk through mirrors and gloss until it ends in a texel. Each step returns whether it goes on.
 struct Walk {
     const TexelWorld& world;
@@ -58,7 +77,7 @@ struct Walk {
 
     glm::vec3 eyeLocal() const { return point.shading.toLocal(towardEye); }
     bool ends(int bouncesLeft);
-    bool reflectsGlossily(int bounce);
+    bool reflectsGlossily(int bounce, const StepNumbers& numbers);
 };
 
 // The diffuse part stops here, or the specular part goes on.
@@ -86,19 +105,20 @@ bool Walk::ends(int bouncesLeft) {
     return false;
 }
 
-bool Walk::reflectsGlossily(int bounce) {
+bool Walk::reflectsGlossily(int bounce, const StepNumbers& numbers) {
     const RayScene& rays = world.rays;
     const SurfacePoint glossy = withoutDiffuse(point);
     if (world.lights.hasArea())
-        found.light += throughput * areaLight(rays, world.lights, glossy, towardEye, rng, rayCount);
-    const float lobe = rng.uniform();
-    const BrdfSample sample = sampleBrdf(glossy.brdf, eyeLocal(), lobe, rng.uniform2());
+        found.light += throughput *
+                       areaLight(rays, world.lights, PathVertex(glossy, towardEye), numbers.light, rayCount);
+    const glm::vec4 u = numbers.reflection;
+    const BrdfSample sample = sampleBrdf(glossy.brdf, eyeLocal(), u.x, {u.y, u.z});
     if (sample.pdf <= 0.0f) return false;
     const glm::vec3 direction = glm::normalize(point.shading.toWorld(sample.direction));
     if (!leavesSurface(point, direction)) return false;
     throughput *= sample.weight;
     const float survival = survivalChance(bounce, throughput);
-    if (survival < 1.0f && rng.uniform() >= survival) return false;
+    if (survival < 1.0f && u.w >= survival) return false;
     throughput /= survival;
 
     ++rayCount;
@@ -127,7 +147,7 @@ IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t
               -direction, glm::vec3(1),   {}};
     walk.found.distance = hit.distance;
     for (int bounce = 0; bounce < maxBounces; ++bounce)
-        if (walk.ends(maxBounces - bounce) || !walk.reflectsGlossily(bounce)) break;
+        if (walk.ends(maxBounces - bounce) || !walk.reflectsGlossily(bounce, stepNumbers(rng))) break;
     return walk.found;
 }
 
@@ -160,11 +180,15 @@ glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& ir
 
     // The walks' noise counts by the albedo.
     const int walks = std::max(1, int(std::ceil(kWalksPerPath * glossyAlbedo * float(paths))));
+    const uint64_t seed = rng.bits64();
     glm::vec3 glossy(0);
     for (int i = 0; i < walks; ++i) {
         Walk walk{world, irradiance.area, rng, rayCount, hit, point, towardEye, glm::vec3(1), {}};
         for (int bounce = 0; bounce < settings.maxBounces; ++bounce)
-            if (!walk.reflectsGlossily(bounce) || walk.ends(settings.maxBounces - bounce - 1)) break;
+            if (!walk.reflectsGlossily(bounce,
+                                       bounce ? stepNumbers(rng) : firstStepNumbers(uint32_t(i), seed)) ||
+                walk.ends(settings.maxBounces - bounce - 1))
+                break;
         glossy += walk.found.light;
         if (walk.found.texel != kNoTexel)
             glossy += walk.found.weight * unpackRgb9e5(irradiance.indirect[walk.found.texel]);
@@ -174,16 +198,18 @@ glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& ir
 
 IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradiance& irradiance,
                                     glm::vec3 origin, glm::vec3 direction, const PathSettings& settings,
-                                    Rng rng) {
+                                    float nearMeters, Rng rng) {
     IncidentRadiance incident;
     incident.rays = 1;
     const Hit hit = input.rays.closestHit(origin, direction);
     if (!hit) return incident;
     incident.distance = hit.distance;
     const TexelWorld world{input.rays, input.lights, input.atlas, input.irradianceTexels};
+    PathSettings paths = settings;
+    paths.pathsPerHit *= int(std::clamp(nearMeters / hit.distance, 1.0f, kMostNear));
     incident.reflected =
         reflectedFromTexels(world, irradiance, hit, surfaceAt(input.rays.scene(), hit, direction), -direction,
-                            settings, rng, incident.rays);
+                            paths, rng, incident.rays);
     return incident;
 }
 

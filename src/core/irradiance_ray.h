@@ -55,9 +55,10 @@ glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& ir
                               Rng& rng, uint64_t& rayCount);
 
 /// What arrives along a ray, as traceIncident finds it, but with the irradiance of the texel that the ray
-/// hits in place of diffuse paths (reflectedFromTexels). Emission is not looked for. pre: |direction| = 1.
+/// hits in place of diffuse paths (reflectedFromTexels). Emission is not looked for. What is nearer than
+/// `nearMeters` gets more walks: fewer PHATexels share in the picture of it. pre: |direction| = 1.
 IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradiance& irradiance,
                                     glm::vec3 origin, glm::vec3 direction, const PathSettings& settings,
-                                    Rng rng);
+                                    float nearMeters, Rng rng);
 
 }  // namespace phat

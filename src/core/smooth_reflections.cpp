@@ -154,14 +154,16 @@ float tracedShare(Reflections reflections, float alpha) {
     return 1.0f - smoothstep(kAllTraced, kNoneTraced, std::sqrt(alpha));
 }
 
-bool mayReflectSmoothly(const Material& material, Reflections reflections) {
-    if (material.unlit || material.alphaMode == AlphaMode::blend) return false;
+bool mayReflectSmoothly(std::span<const Material> materials, Reflections reflections) {
     const auto may = [&](float roughness, const TextureSlot& slot) {
         return tracedShare(reflections,
                            slot.image >= 0 ? kMinAlpha : std::max(square(roughness), kMinAlpha)) > 0;
     };
-    return may(material.roughness, material.metallicRoughnessTexture) ||
-           (material.clearcoat > 0 && may(material.clearcoatRoughness, material.clearcoatRoughnessTexture));
+    return std::any_of(materials.begin(), materials.end(), [&](const Material& m) {
+        if (m.unlit || m.alphaMode == AlphaMode::blend) return false;
+        return may(m.roughness, m.metallicRoughnessTexture) ||
+               (m.clearcoat > 0 && may(m.clearcoatRoughness, m.clearcoatRoughnessTexture));
+    });
 }
 
 std::vector<SeenBySurface> traceReflections(const ReflectionScene& scene, const ReflectionView& view,

@@ -21,8 +21,8 @@ enum class Reflections : uint8_t {
 /// How far rays take the place of the lookup for a lobe, 0 to 1; 0 for alpha 0, "no lobe".
 float tracedShare(Reflections reflections, float alpha);
 
-/// Whether a material may have a lobe that rays answer, whatever its textures say.
-bool mayReflectSmoothly(const Material& material, Reflections reflections);
+/// Whether any of the materials may have a lobe that rays answer, whatever its textures say.
+bool mayReflectSmoothly(std::span<const Material> materials, Reflections reflections);
 
 /// A GGX lobe in scalars: its colour is the caller's.
 struct SmoothLobe {

@@ -89,16 +89,12 @@ void drawBackground(const DisplayPass& pass, const DisplayInput& input, const Ca
     glDepthMask(GL_TRUE);
     glClearBufferfv(GL_DEPTH, 0, &farthest);
     if (!shown || !input.scene.environment) return;
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_CULL_FACE);
-    const ShaderProgram& program = pass.backgroundProgram;
+    const ShaderProgram& program = pass.background.program;
     program.bind("environment", 0, input.scene.environment.name(), input.scene.environmentSampler.name());
     program.set("worldFromClip", camera.worldFromClipRotation);
     program.set("viewport", glm::vec2(size));
     program.set("turn", input.environmentTurn);
-    glBindVertexArray(pass.noVertices.name());
-    program.use();
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    pass.background.draw();
 }
 
 void drawDepth(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& camera) {
@@ -131,12 +127,12 @@ void bindCamera(const ShaderProgram& program, const CameraMatrices& camera, cons
 void bindShared(const ShaderProgram& program, const DisplayInput& input, const CameraMatrices& camera,
                 const FrameSettings& settings, const LookupTargets* looked, bool traced = false) {
     if (looked) {
-        program.set("tracedLayer", traced ? lookedUpLayers(input.lookupPass) : 0);
+        program.set("tracedLayer", traced ? lookedUpLayers(*input.lookupPass) : 0);
         program.bind("seen", 0, looked->seen.name());
         program.bind("tileLight", 1, input.atlas.tileLight.name());
     } else {
-        program.bind("relit", 0, input.relit.lobes.name());
-        program.bind("radii", 1, input.relit.radii.name());
+        program.bind("relit", 0, input.relit->lobes.name());
+        program.bind("radii", 1, input.relit->radii.name());
     }
     program.bind("tileTable", 2, input.atlas.tileTable.name());
     program.bind("irradiance", 3, input.atlas.irradiance.name());
@@ -158,21 +154,19 @@ void drawSurface(const ShaderProgram& program, const DisplayInput& input, const 
 
 // Behind what was drawn already: back to front, by the surfaces' middles; a surface's own back before its
 // front.
-void drawBlended(DisplayPass& pass, const DisplayInput& input, const CameraMatrices& matrices,
+void drawBlended(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& matrices,
                  const FrameSettings& settings) {
-    pass.blendOrder.clear();
+    std::vector<uint32_t> order;
     for (uint32_t i = 0; i < input.scene.draws.size(); ++i)
-        if (input.materials[input.scene.draws[i].material].alphaMode == AlphaMode::blend)
-            pass.blendOrder.push_back(i);
-    if (pass.blendOrder.empty()) return;
+        if (input.materials[input.scene.draws[i].material].alphaMode == AlphaMode::blend) order.push_back(i);
+    if (order.empty()) return;
     const Camera& camera = settings.camera;
     const glm::vec3 eye(camera.worldFromCamera[3]), backward(camera.worldFromCamera[2]);
     const auto depth = [&](uint32_t i) {
         const glm::vec3 toward = eye - input.scene.draws[i].center;
         return camera.perspective ? glm::dot(toward, toward) : glm::dot(toward, backward);
     };
-    std::stable_sort(pass.blendOrder.begin(), pass.blendOrder.end(),
-                     [&](uint32_t a, uint32_t b) { return depth(a) > depth(b); });
+    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return depth(a) > depth(b); });
 
     bindShared(pass.displayProgram, input, matrices, settings, nullptr);
     glEnable(GL_BLEND);
@@ -180,7 +174,7 @@ void drawBlended(DisplayPass& pass, const DisplayInput& input, const CameraMatri
     glDepthFunc(GL_LESS);
     glDepthMask(GL_FALSE);
     glEnable(GL_CULL_FACE);
-    for (uint32_t i : pass.blendOrder) {
+    for (uint32_t i : order) {
         const DrawRange& draw = input.scene.draws[i];
         if (input.materials[draw.material].doubleSided) {
             glCullFace(GL_FRONT);
@@ -209,12 +203,12 @@ void drawOpaque(const ShaderProgram& program, const DisplayInput& input) {
 
 void lookUp(const DisplayInput& input, const CameraMatrices& camera, const FrameSettings& settings,
             const LookupTargets& targets, uint32_t seed) {
-    const ShaderProgram& program = input.lookupPass.lookupProgram;
-    beginLookup(input.lookupPass, input.atlas, input.lookup, targets, drawsOf(settings.quality), seed);
+    const ShaderProgram& program = input.lookupPass->lookupProgram;
+    beginLookup(*input.lookupPass, input.atlas, input.lookup, targets, drawsOf(settings.quality), seed);
     bindCamera(program, camera, settings);
     drawOpaque(program, input);
     input.clock.ended(Pass::lookup);
-    poolDraws(input.lookupPass, targets);
+    poolDraws(*input.lookupPass, targets);
     input.clock.ended(Pass::pool);
 }
 
@@ -224,10 +218,8 @@ bool traceSmooth(const DisplayInput& input, const CameraMatrices& matrices, cons
     const glm::vec3 shown = shownParts(settings.component);
     if (!settings.traced || shown.x + shown.y == 0.0f) return false;
     const auto& [scene, reflections, progress] = *settings.traced;
-    if (std::none_of(input.materials.begin(), input.materials.end(),
-                     [&](const Material& m) { return mayReflectSmoothly(m, reflections); }))
-        return false;
-    const ShaderProgram& program = input.reflectionPass.program;
+    if (!mayReflectSmoothly(input.materials, reflections)) return false;
+    const ShaderProgram& program = input.reflectionPass->program;
     beginReflections(targets.reflections);
     bindCamera(program, matrices, settings);
     drawOpaque(program, input);
@@ -240,14 +232,14 @@ bool traceSmooth(const DisplayInput& input, const CameraMatrices& matrices, cons
                               frame,           shown.y > 0,         shown.x > 0};
     const std::vector<SeenBySurface> seen =
         traceReflections(scene, view, reflections, surfaces, progress, cost.rays);
-    uploadReflections(input.reflectionPass, targets.reflections, surfaces, seen, targets.lookup.seen.name(),
-                      lookedUpLayers(input.lookupPass));
+    uploadReflections(*input.reflectionPass, targets.reflections, surfaces, seen, targets.lookup.seen.name(),
+                      lookedUpLayers(*input.lookupPass));
     cost.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     input.clock.ended(Pass::none);
     return true;
 }
 
-void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
+void drawPicture(const DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
                  const FrameTargets& targets, glm::vec2 jitter, uint32_t frame, ReflectionCost& cost) {
     const CameraMatrices camera = matricesOf(settings.camera, targets.size, input.scene.bounds, jitter);
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
@@ -262,7 +254,7 @@ void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettin
     if (input.inspectProgram) {
         glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
         const ShaderProgram& program = *input.inspectProgram;
-        bindInspection(program, input.atlas, input.relit, settings.inspection);
+        bindInspection(program, input.atlas, *input.relit, settings.inspection);
         bindCamera(program, camera, settings);
         drawOpaque(program, input);
         glDepthMask(GL_TRUE);
@@ -286,15 +278,10 @@ void drawPicture(DisplayPass& pass, const DisplayInput& input, const FrameSettin
 }
 
 void accumulate(const DisplayPass& pass, const FrameTargets& targets, const PictureSum& sum) {
-    glBindFramebuffer(GL_FRAMEBUFFER, sum.target.name());
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_CULL_FACE);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
-    pass.accumulateProgram.bind("picture", 0, targets.picture.name());
-    glBindVertexArray(pass.noVertices.name());
-    pass.accumulateProgram.use();
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    pass.accumulate.program.bind("picture", 0, targets.picture.name());
+    pass.accumulate.draw(sum.target, sum.size);
     glDisable(GL_BLEND);
 }
 
@@ -325,15 +312,12 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, 
     pass.displayProgram = paper ? display({"PAPER"}) : display({});
     pass.lookedUpProgram = countReads ? display({"LOOKUP", "COUNT_READS"}) : display({"LOOKUP"});
     pass.depthProgram = ShaderProgram(folder, "surface.vert", "depth.frag");
-    pass.backgroundProgram = ShaderProgram(folder, "fullscreen.vert", "background.frag");
-    pass.accumulateProgram = ShaderProgram(folder, "fullscreen.vert", "accumulate.frag");
-    GLuint name = 0;
-    glCreateVertexArrays(1, &name);
-    pass.noVertices = GlVertexArray(name);
+    pass.background = FullscreenProgram(folder, "background.frag");
+    pass.accumulate = FullscreenProgram(folder, "accumulate.frag");
     return pass;
 }
 
-ReflectionCost display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
+ReflectionCost display(const DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
                        const FrameTargets& targets, PictureSum& sum) {
     const int count = std::max(1, settings.samplesPerPixel);
     if (sum.samples >= count) sum.samples = 0;

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "gl/fullscreen.h"
 #include "gl/lookup_pass.h"
 #include "gl/pass_clock.h"
 #include "gl/picture_sum.h"
@@ -26,9 +27,8 @@ struct FrameTargets {
 FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool traced);
 
 struct DisplayPass {
-    ShaderProgram displayProgram, lookedUpProgram, depthProgram, backgroundProgram, accumulateProgram;
-    GlVertexArray noVertices;
-    std::vector<uint32_t> blendOrder;  // reused from frame to frame
+    ShaderProgram displayProgram, lookedUpProgram, depthProgram;
+    FullscreenProgram background, accumulate;
 };
 
 /// `paper`: as of the RelightPass whose pyramid is displayed; `countReads`: see createLookupPass.
@@ -38,13 +38,14 @@ DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& a
 struct DisplayInput {
     const GpuScene& scene;
     const GpuAtlas& atlas;
-    const RelightPass& relit;
     const ShadowMaps& shadows;
     const GpuLookup& lookup;
-    const LookupPass& lookupPass;
-    const ReflectionPass& reflectionPass;
     const std::vector<Material>& materials;
-    const ShaderProgram* inspectProgram;  // inspect.frag, to be shown in place of light; else null
+    // Null where the picture does not need them.
+    const RelightPass* relit;
+    const LookupPass* lookupPass;
+    const ReflectionPass* reflectionPass;
+    const ShaderProgram* inspectProgram;  // inspect.frag, to be shown in place of light
     PassClock& clock;
     float environmentTurn = 0;  // see background.frag
 };
@@ -57,7 +58,7 @@ struct ReflectionCost {
 
 /// Adds the next jittered pictures of `settings.samplesPerPixel` to `sum`. Blended surfaces take their glossy
 /// light from the pyramid with either method, for a pixel of the lookup holds one surface.
-ReflectionCost display(DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
+ReflectionCost display(const DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
                        const FrameTargets& targets, PictureSum& sum);
 
 /// The eye of a camera.

@@ -155,15 +155,13 @@ LookupPass createLookupPass(const std::string& folder, const GpuLookup& lookup, 
     if (lookup.scrambles) defines.push_back("SCRAMBLES");
     if (countReads) defines.push_back("COUNT_READS");
     pass.lookupProgram = ShaderProgram(folder, "surface.vert", "lookup.frag", defines);
-    pass.poolProgram = ShaderProgram(folder, "fullscreen.vert", "pool.frag", defines);
-    GLuint name = 0;
-    glCreateVertexArrays(1, &name);
-    pass.noVertices = GlVertexArray(name);
+    pass.pool = FullscreenProgram(folder, "pool.frag", defines);
     return pass;
 }
 
 LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth, bool traced) {
     LookupTargets t;
+    t.size = size;
     const int layers = lookedUpLayers(pass);
     // Two a lobe, see uploadReflections.
     const int tracedLayers = traced ? (pass.clearcoat ? 4 : 2) : 0;
@@ -200,15 +198,10 @@ void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup&
 }
 
 void poolDraws(const LookupPass& pass, const LookupTargets& targets) {
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_CULL_FACE);
-    glBindVertexArray(pass.noVertices.name());
     const auto pool = [&](const GlTexture& from, const GlFramebuffer& to, glm::ivec2 alongWhich) {
-        pass.poolProgram.bind("seen", 0, from.name());
-        pass.poolProgram.set("alongWhich", alongWhich);
-        glBindFramebuffer(GL_FRAMEBUFFER, to.name());
-        pass.poolProgram.use();
-        glDrawArrays(GL_TRIANGLES, 0, 3);
+        pass.pool.program.bind("seen", 0, from.name());
+        pass.pool.program.set("alongWhich", alongWhich);
+        pass.pool.draw(to, targets.size);
     };
     pool(targets.seen, targets.pooledTarget, {1, 0});
     pool(targets.pooled, targets.seenTarget, {0, 1});

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "gl/fullscreen.h"
 #include "gl/gl_objects.h"
 #include "gl/phatexture_upload.h"
 #include "gl/shader_loader.h"
@@ -27,14 +28,15 @@ void updateProbe(const GpuLookup& gpu, const LiveUpdate::Place& tile, glm::uvec2
 
 /// Pictures between the passes, of the frame's size.
 struct LookupTargets {
-    GlTexture seen;    // RGBA32UI [layer], see shaders/lib/draws_out.glsl; then what rays see, see display.frag
+    glm::uvec2 size{0};
+    GlTexture seen;  // RGBA32UI [layer], see shaders/lib/draws_out.glsl; then what rays see, see display.frag
     GlTexture pooled;  // the same, pooled along the rows
     GlFramebuffer seenTarget, pooledTarget;
 };
 
 struct LookupPass {
-    ShaderProgram lookupProgram, poolProgram;
-    GlVertexArray noVertices;
+    ShaderProgram lookupProgram;
+    FullscreenProgram pool;
     bool clearcoat = false;
     bool areaLights = false;
 };

@@ -1,11 +1,7 @@
 #include "gl/phatexture_upload.h"
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include <bit>
 
-#include "core/octahedral.h"
-#include "core/shading.h"
 #include "core/tile_light.h"
 #include "gl/gl_error.h"
 #include "gl/textures.h"
@@ -116,63 +112,6 @@ GlTexture uploadTileLight(const Scene& scene, const Atlas& atlas, const Phatextu
     return texture;
 }
 
-uint8_t unorm8(float x) {
-    return uint8_t(std::clamp(x, 0.0f, 1.0f) * 255.0f + 0.5f);
-}
-
-struct TexelArrays {
-    std::vector<glm::i16vec4> normals;
-    std::vector<uint32_t> material;
-    std::vector<glm::u8vec4> texturesA, texturesB;
-};
-
-// The material's textures alone, without its factors, which may change. Means over the channels suffice: they
-// only weigh PHATexels.
-void sampleTextures(const Scene& scene, uint32_t triangle, glm::vec2 barycentric, glm::u8vec4& a,
-                    glm::u8vec4& b) {
-    const Material& m = scene.materialOf(triangle);
-    const glm::uvec3 t = scene.triangles[triangle];
-    glm::vec2 inside = glm::max(barycentric, glm::vec2(0));
-    inside /= std::max(inside.x + inside.y, 1.0f);
-    const glm::vec3 weights(1.0f - inside.x - inside.y, inside);
-    const auto mix = [&](const auto& values) {
-        return values[t.x] * weights.x + values[t.y] * weights.y + values[t.z] * weights.z;
-    };
-    const auto look = [&](const TextureSlot& slot, bool srgb) {
-        if (slot.image < 0) return glm::vec4(1);
-        return sampleTexture(scene, slot, slot.uvSet == 0 ? mix(scene.uv0) : mix(scene.uv1), srgb);
-    };
-    const glm::vec4 base = mix(scene.colors) * look(m.baseColorTexture, true);
-    const glm::vec4 metallicRoughness = look(m.metallicRoughnessTexture, false);
-    const glm::vec4 specularColor = look(m.specularColorTexture, true);
-    a = {unorm8((base.r + base.g + base.b) / 3.0f), unorm8(metallicRoughness.g), unorm8(metallicRoughness.b),
-         unorm8(look(m.specularTexture, false).a)};
-    b = {unorm8((specularColor.r + specularColor.g + specularColor.b) / 3.0f),
-         unorm8(look(m.clearcoatTexture, false).r), unorm8(look(m.clearcoatRoughnessTexture, false).g), 255};
-}
-
-TexelArrays sampleTexels(const Scene& scene, const Atlas& atlas, const TexelPoints& points) {
-    const size_t count = atlas.texelCount();
-    TexelArrays arrays{std::vector<glm::i16vec4>(count), std::vector<uint32_t>(count),
-                       std::vector<glm::u8vec4>(count), std::vector<glm::u8vec4>(count)};
-    oneapi::tbb::parallel_for(uint32_t(0), atlas.sizeTexels.y, [&](uint32_t y) {
-        for (uint32_t x = 0; x < atlas.sizeTexels.x; ++x) {
-            const size_t texel = size_t(y) * atlas.sizeTexels.x + x;
-            const uint32_t triangle = points.triangle[texel];
-            if (triangle == kNoTriangle) continue;  // covered ones may be bare one day
-            const bool back = atlas.charts[atlas.chartAt({x, y})].back;
-            const SurfacePoint at = surfaceAt(scene, triangle, points.barycentric[texel], back);
-            const glm::vec3 coat = at.shading.toWorld(at.brdf.clearcoatNormal);
-            const glm::vec4 folded(octahedralFromDirection(at.shading.normal), octahedralFromDirection(coat));
-            arrays.normals[texel] = glm::i16vec4(glm::round(glm::clamp(folded, -1.0f, 1.0f) * 32767.0f));
-            arrays.material[texel] = scene.surfaces[scene.triangleSurface[triangle]].material;
-            sampleTextures(scene, triangle, points.barycentric[texel], arrays.texturesA[texel],
-                           arrays.texturesB[texel]);
-        }
-    });
-    return arrays;
-}
-
 // Half floats end there: brighter irradiance is clamped.
 constexpr float kLargestHalf = 65504.0f;
 
@@ -190,10 +129,10 @@ GlTexture uploadIrradiance(const Phatexture& phatexture, glm::uvec2 size) {
     return texture;
 }
 
-void requireSizes(const Atlas& atlas, const TexelPoints& points, const Phatexture& phatexture) {
+void requireSizes(const Atlas& atlas, const Phatexture& phatexture) {
     const size_t count = atlas.texelCount();
     const auto fits = [&](size_t size) { return size == count || size == 0; };
-    bool good = count > 0 && points.triangle.size() == count && fits(phatexture.indirectIrradiance.size()) &&
+    bool good = count > 0 && fits(phatexture.indirectIrradiance.size()) &&
                 fits(phatexture.areaIrradiance.size()) &&
                 phatexture.tilePlaces.size() == atlas.tileChart.size();
     for (const auto* layers : {&phatexture.indirect, &phatexture.area})
@@ -204,9 +143,8 @@ void requireSizes(const Atlas& atlas, const TexelPoints& points, const Phatextur
 
 }  // namespace
 
-GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
-                     const Phatexture& phatexture) {
-    requireSizes(atlas, points, phatexture);
+GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const Phatexture& phatexture) {
+    requireSizes(atlas, phatexture);
     GpuAtlas gpu;
     gpu.sizeTexels = atlas.sizeTexels;
     gpu.coarsestTexelMeters = atlas.texelSizeMeters;
@@ -215,18 +153,6 @@ GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& 
     gpu.tileLight = uploadTileLight(scene, atlas, phatexture);
     gpu.tilePatches = uploadTilePatches(atlas, phatexture.tilePlaces);
     gpu.charts = uploadCharts(atlas);
-
-    const auto texture = [&](GLenum internal, GLenum format, GLenum type, const void* data) {
-        GlTexture made = createTexture2D(internal, atlas.sizeTexels);
-        glTextureSubImage2D(made.name(), 0, 0, 0, GLsizei(atlas.sizeTexels.x), GLsizei(atlas.sizeTexels.y),
-                            format, type, data);
-        return made;
-    };
-    const TexelArrays arrays = sampleTexels(scene, atlas, points);
-    gpu.normals = texture(GL_RGBA16_SNORM, GL_RGBA, GL_SHORT, arrays.normals.data());
-    gpu.materialIndex = texture(GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, arrays.material.data());
-    gpu.texturesA = texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, arrays.texturesA.data());
-    gpu.texturesB = texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, arrays.texturesB.data());
     gpu.irradiance = uploadIrradiance(phatexture, atlas.sizeTexels);
     const size_t layers = phatexture.indirect.size() + phatexture.area.size();
     gpu.phatexels = createTextureArray(GL_RG32UI, atlas.sizeTexels, std::max(1, int(layers)));
@@ -286,12 +212,6 @@ void updateGuides(const GpuAtlas& gpu, const LiveUpdate::Guides& block) {
 void updateTileLight(const GpuAtlas& gpu, const std::vector<glm::vec4>& light) {
     glTextureSubImage2D(gpu.tileLight.name(), 0, 0, 0, GLsizei(gpu.sizeTexels.x / kTileSize),
                         GLsizei(gpu.sizeTexels.y / kTileSize), GL_RGBA, GL_FLOAT, light.data());
-}
-
-void updateNormals(const GpuAtlas& gpu, const Scene& scene, const Atlas& atlas, const TexelPoints& points) {
-    const TexelArrays arrays = sampleTexels(scene, atlas, points);
-    glTextureSubImage2D(gpu.normals.name(), 0, 0, 0, GLsizei(gpu.sizeTexels.x), GLsizei(gpu.sizeTexels.y),
-                        GL_RGBA, GL_SHORT, arrays.normals.data());
 }
 
 }  // namespace phat

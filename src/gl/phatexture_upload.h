@@ -1,5 +1,5 @@
 #pragma once
-// The atlas, its texels' surfaces and the PHATexels on the GPU.
+// The atlas and the PHATexels on the GPU.
 
 #include "core/atlas.h"
 #include "core/live_update.h"
@@ -24,19 +24,14 @@ struct GpuAtlas {
     GlTexture tileTable;    // RGBA32UI: chart, block, the chart's texel size in metres (a float's bits)
     GlTexture tilePatches;  // RGBA32UI [tileY][2 tileX], see packTile
     GlTexture charts;       // RGBA32UI table: origin and size in tiles (y << 16 | x), first block, texel size
-    GlTexture normals;      // RGBA16_SNORM: octahedral shading normal, coat normal
-    GlTexture materialIndex;            // R32UI
-    GlTexture texturesA;                // RGBA8: mean base colour, roughness, metallic, specular
-    GlTexture texturesB;                // RGBA8: mean specular colour, clearcoat, clearcoat roughness
-    GlTexture tileLight;                // RGBA32F [tileY][tileX], see tileLight()
-    GlTexture irradiance;               // RGB16F: indirect, area
-    GlTexture phatexels;                // RG32UI [layer][y][x]: the sources' one after the other
+    GlTexture tileLight;    // RGBA32F [tileY][tileX], see tileLight()
+    GlTexture irradiance;   // RGB16F: indirect, area
+    GlTexture phatexels;    // RG32UI [layer][y][x]: the sources' one after the other
     std::vector<GpuPhatexels> sources;  // indirect, then area if there is any
 };
 
-/// Texels' surfaces by core/shading, so that relighting sees what the bake saw. Throws GlError.
-GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
-                     const Phatexture& phatexture);
+/// Throws GlError.
+GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const Phatexture& phatexture);
 
 /// Parts of it anew. `block`: of LiveUpdate::Guides.
 void updatePhatexels(const GpuAtlas& gpu, const LiveUpdate::Phatexels& tile);
@@ -44,7 +39,5 @@ void updateIrradiance(const GpuAtlas& gpu, const LiveUpdate::Irradiance& tile);
 void updatePlace(const GpuAtlas& gpu, const LiveUpdate::Place& tile);
 void updateGuides(const GpuAtlas& gpu, const LiveUpdate::Guides& block);
 void updateTileLight(const GpuAtlas& gpu, const std::vector<glm::vec4>& light);
-/// Normals of the texels, where charts have turned or texels are bare now.
-void updateNormals(const GpuAtlas& gpu, const Scene& scene, const Atlas& atlas, const TexelPoints& points);
 
 }  // namespace phat

@@ -2,20 +2,14 @@
 
 #include <algorithm>
 
+#include "gl/textures.h"
+
 namespace phat {
 
 PresentPass createPresentPass(const std::string& folder) {
     PresentPass pass;
-    pass.program = ShaderProgram(folder, "fullscreen.vert", "present.frag");
-    GLuint name = 0;
-    glCreateSamplers(1, &name);
-    pass.linear = GlSampler(name);
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-        glSamplerParameteri(name, filter, GL_LINEAR);
-    for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-        glSamplerParameteri(name, wrap, GL_CLAMP_TO_EDGE);
-    glCreateVertexArrays(1, &name);
-    pass.noVertices = GlVertexArray(name);
+    pass.present = FullscreenProgram(folder, "present.frag");
+    pass.linear = createSampler(GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE, GL_LINEAR, GL_LINEAR);
     return pass;
 }
 
@@ -23,10 +17,8 @@ void present(const PresentPass& pass, const Presented& left, const Presented& ri
              glm::ivec4 viewport, const PresentSettings& settings) {
     glBindFramebuffer(GL_FRAMEBUFFER, target);
     glViewport(viewport.x, viewport.y, viewport.z, viewport.w);
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_CULL_FACE);
     glDisable(GL_BLEND);
-    const ShaderProgram& program = pass.program;
+    const ShaderProgram& program = pass.present.program;
     program.bind("left", 0, left.texture, pass.linear.name());
     program.bind("right", 1, right.texture, pass.linear.name());
     program.set("leftScale", 1.0f / float(std::max(left.samples, 1)));
@@ -43,9 +35,7 @@ void present(const PresentPass& pass, const Presented& left, const Presented& ri
     setToneMap("leftToneMapping", "leftExposureStops", left.light);
     setToneMap("rightToneMapping", "rightExposureStops", right.light);
     program.set("difference", int(settings.difference));
-    glBindVertexArray(pass.noVertices.name());
-    program.use();
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    pass.present.draw();
     glBindSampler(0, 0);
     glBindSampler(1, 0);
 }

@@ -3,16 +3,15 @@
 
 #include <string>
 
+#include "gl/fullscreen.h"
 #include "gl/gl_objects.h"
 #include "gl/renderer.h"
-#include "gl/shader_loader.h"
 
 namespace phat {
 
 struct PresentPass {
-    ShaderProgram program;
+    FullscreenProgram present;
     GlSampler linear;
-    GlVertexArray noVertices;
 };
 
 PresentPass createPresentPass(const std::string& shaderFolder);

@@ -6,15 +6,6 @@
 namespace phat {
 namespace {
 
-void drawFullscreen(const RelightPass& pass, const ShaderProgram& program, const GlFramebuffer& target,
-                    glm::uvec2 size) {
-    glBindFramebuffer(GL_FRAMEBUFFER, target.name());
-    glViewport(0, 0, GLsizei(size.x), GLsizei(size.y));
-    glBindVertexArray(pass.noVertices.name());
-    program.use();
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-}
-
 // Indirect light's lobes come first among the base's and among the coats'; its irradiance comes last.
 bool ofIndirect(const GpuAtlas& atlas, int lobe) {
     return lobe % int(atlas.sources.size()) == 0;
@@ -73,7 +64,7 @@ RelightPass createRelightPass(const std::string& folder, const GpuAtlas& atlas, 
     RelightPass pass;
     pass.clearcoat = clearcoat;
     pass.paper = paper;
-    pass.materialProgram = ShaderProgram(folder, "fullscreen.vert", "texel_material.frag");
+    pass.material = FullscreenProgram(folder, "texel_material.frag");
     for (size_t s = 0; s < atlas.sources.size(); ++s) {
         const GpuPhatexels& source = atlas.sources[s];
         std::vector<std::string> defines;
@@ -81,37 +72,36 @@ RelightPass createRelightPass(const std::string& folder, const GpuAtlas& atlas, 
         if (source.texelPdf) defines.push_back("TEXEL_PDF");
         if (clearcoat) defines.push_back("CLEARCOAT");
         const char* shader = paper && s == 0 ? "relight_paper.frag" : "relight.frag";
-        pass.relightPrograms.emplace_back(folder, "fullscreen.vert", shader, defines);
+        pass.relight.emplace_back(folder, shader, defines);
     }
-    pass.pyramidProgram = ShaderProgram(folder, "fullscreen.vert", "pyramid.frag");
-    pass.radiusProgram = ShaderProgram(folder, "fullscreen.vert", "radius.frag");
-    GLuint name = 0;
-    glCreateVertexArrays(1, &name);
-    pass.noVertices = GlVertexArray(name);
+    pass.pyramid = FullscreenProgram(folder, "pyramid.frag");
+    pass.radius = FullscreenProgram(folder, "radius.frag");
     createTargets(pass, atlas);
     checkGl("creating the relight targets");
     return pass;
 }
 
-void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const std::vector<Material>& materials) {
+void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const GpuTexelSurfaces& surfaces,
+                    const std::vector<Material>& materials) {
     const GlTexture table = createTable(packFactors(materials));
-    const ShaderProgram& program = pass.materialProgram;
-    program.bind("texelMaterial", 0, atlas.materialIndex.name());
-    program.bind("texelTexturesA", 1, atlas.texturesA.name());
-    program.bind("texelTexturesB", 2, atlas.texturesB.name());
+    const ShaderProgram& program = pass.material.program;
+    program.bind("texelMaterial", 0, surfaces.materialIndex.name());
+    program.bind("texelTexturesA", 1, surfaces.texturesA.name());
+    program.bind("texelTexturesB", 2, surfaces.texturesB.name());
     program.bind("materialTable", 3, table.name());
-    drawFullscreen(pass, program, pass.brdfTarget, atlas.sizeTexels);
+    pass.material.draw(pass.brdfTarget, atlas.sizeTexels);
 }
 
-void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, const Eye& eye) {
+void relight(const RelightPass& pass, const GpuAtlas& atlas, const GpuTexelSurfaces& surfaces,
+             GLuint splitSum, const Eye& eye) {
     for (size_t s = 0; s < atlas.sources.size(); ++s) {
         const GpuPhatexels& source = atlas.sources[s];
-        const ShaderProgram& program = pass.relightPrograms[s];
+        const ShaderProgram& program = pass.relight[s].program;
         program.bind("tileTable", 0, atlas.tileTable.name());
         program.bind("phatexels", 1, atlas.phatexels.name());
         program.bind("guidePdf", 2, source.guidePdf.name());
         program.bind("tilePatches", 4, atlas.tilePatches.name());
-        program.bind("texelNormals", 5, atlas.normals.name());
+        program.bind("texelNormals", 5, surfaces.normals.name());
         program.bind("texelBrdf", 6, pass.texelBrdf.name());
         program.bind("splitSumTable", 8, splitSum);
         program.bind("tileLight", 9, atlas.tileLight.name());
@@ -121,13 +111,13 @@ void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, co
         program.set("firstLayer", source.firstLayer);
         program.set("layerCount", source.layerCount);
         program.set("guideCount", source.guideCount);
-        drawFullscreen(pass, program, pass.relightTargets[s], atlas.sizeTexels);
+        pass.relight[s].draw(pass.relightTargets[s], atlas.sizeTexels);
     }
 }
 
 void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas) {
     const GLuint lobes = pass.lobes.name(), statistics = pass.statistics.name();
-    const ShaderProgram& pyramid = pass.pyramidProgram;
+    const ShaderProgram& pyramid = pass.pyramid.program;
     pyramid.bind("finerLobe", 0, lobes);
     pyramid.bind("finerStatistics", 1, statistics);
     for (int level = 1; level <= kTopLevel; ++level) {
@@ -135,14 +125,13 @@ void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas) {
         exposeLevels(statistics, level - 1);
         for (int lobe = 0; lobe < pass.lobeCount; ++lobe) {
             pyramid.set("lobeIndex", lobe);
-            drawFullscreen(pass, pyramid, pass.pyramidTargets[lobe][level - 1],
-                           atlas.sizeTexels >> uint32_t(level));
+            pass.pyramid.draw(pass.pyramidTargets[lobe][level - 1], atlas.sizeTexels >> uint32_t(level));
         }
     }
     exposeLevels(lobes, -1);
     exposeLevels(statistics, -1);
 
-    const ShaderProgram& radius = pass.radiusProgram;
+    const ShaderProgram& radius = pass.radius.program;
     radius.bind("tileTable", 0, atlas.tileTable.name());
     radius.bind("pyramid", 1, lobes);
     radius.bind("statistics", 2, statistics);
@@ -151,7 +140,7 @@ void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas) {
         if (isMean(pass, atlas, lobe)) continue;
         radius.set("lobeIndex", lobe);
         radius.set("areaLights", ofIndirect(atlas, lobe) ? 0 : 1);
-        drawFullscreen(pass, radius, pass.radiusTargets[lobe], atlas.sizeTexels / kTileSize);
+        pass.radius.draw(pass.radiusTargets[lobe], atlas.sizeTexels / kTileSize);
     }
 }
 

@@ -4,9 +4,10 @@
 #include <vector>
 
 #include "core/scene.h"
+#include "gl/fullscreen.h"
 #include "gl/gl_objects.h"
 #include "gl/phatexture_upload.h"
-#include "gl/shader_loader.h"
+#include "gl/texel_surfaces.h"
 
 namespace phat {
 
@@ -14,10 +15,9 @@ namespace phat {
 inline constexpr int kTopLevel = 3;
 
 struct RelightPass {
-    ShaderProgram materialProgram;
-    std::vector<ShaderProgram> relightPrograms;  // [source]
-    ShaderProgram pyramidProgram, radiusProgram;
-    GlVertexArray noVertices;
+    FullscreenProgram material;
+    std::vector<FullscreenProgram> relight;  // [source]
+    FullscreenProgram pyramid, radius;
 
     bool clearcoat = false;
     bool paper = false;    // indirect light as the paper has it, see shaders/relight_paper.frag
@@ -37,14 +37,16 @@ RelightPass createRelightPass(const std::string& shaderFolder, const GpuAtlas& a
                               bool paper);
 
 /// Applies the materials' factors to the texels' textures.
-void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const std::vector<Material>& materials);
+void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const GpuTexelSurfaces& surfaces,
+                    const std::vector<Material>& materials);
 
 /// Where the eye is; for parallel projections the direction toward it.
 struct Eye {
     glm::vec3 place{0};
     bool atInfinity = false;
 };
-void relight(const RelightPass& pass, const GpuAtlas& atlas, GLuint splitSum, const Eye& eye);
+void relight(const RelightPass& pass, const GpuAtlas& atlas, const GpuTexelSurfaces& surfaces,
+             GLuint splitSum, const Eye& eye);
 void buildPyramid(const RelightPass& pass, const GpuAtlas& atlas);
 
 }  // namespace phat

@@ -55,6 +55,10 @@ struct Renderer::State {
     };
 
     std::string shaderFolder;
+    // The scene as it is now, for what is made of it later.
+    const Scene* shownScene = nullptr;
+    const Atlas* shownAtlas = nullptr;
+    const TexelPoints* shownPoints = nullptr;
     std::vector<Material> materials;
     std::vector<PunctualLight> lights;
     float environmentTurn = 0;
@@ -66,9 +70,11 @@ struct Renderer::State {
     FrameTargets targets;
     PassClock clock;
     double bytesPerPhatexel = 0;
-    ReflectionCost reflections;
+    ReflectionCost reflectionCost;
 
-    // Made when they are first needed: compiling takes a while.
+    // Made when they are first needed: compiling takes a while, and so do the texels' surfaces.
+    std::optional<GpuTexelSurfaces> surfaces;
+    bool surfacesTurned = false;
     std::optional<Relit> relit, relitPaper;
     std::optional<LookupPass> lookupPass, countingLookupPass;
     std::optional<ReflectionPass> reflectionPass;
@@ -81,35 +87,69 @@ struct Renderer::State {
             made.emplace().pass = createRelightPass(shaderFolder, atlas, anyClearcoat(materials), paper);
         return *made;
     }
+    void show(const Scene& now, const Atlas& itsAtlas, const TexelPoints& points) {
+        shownScene = &now;
+        shownAtlas = &itsAtlas;
+        shownPoints = &points;
+    }
     /// What the pyramids are made of has changed.
     void texelsChanged() {
         for (auto* made : {&relit, &relitPaper})
             if (*made) (*made)->materialsChanged = true;
     }
-    /// The pyramid as it is seen from `from`, if it is not that already.
-    void renew(Relit& of, const Eye& from) {
-        if (!of.materialsChanged && from.place == of.eye.place && from.atInfinity == of.eye.atInfinity) return;
-        if (of.materialsChanged) applyMaterials(of.pass, atlas, materials);
-        relight(of.pass, atlas, scene.splitSum.name(), from);
+    const GpuTexelSurfaces& surfacesNow() {
+        if (!surfaces)
+            surfaces = uploadTexelSurfaces(*shownScene, *shownAtlas, *shownPoints);
+        else if (surfacesTurned)
+            updateNormals(*surfaces, *shownScene, *shownAtlas, *shownPoints);
+        surfacesTurned = false;
+        return *surfaces;
+    }
+    /// The pyramid as it is seen from `from`.
+    const RelightPass& renewed(bool paper, const Eye& from) {
+        Relit& of = relitFor(paper);
+        if (!of.materialsChanged && from.place == of.eye.place && from.atInfinity == of.eye.atInfinity)
+            return of.pass;
+        const GpuTexelSurfaces& under = surfacesNow();
+        clock.ended(Pass::none);  // the CPU's work
+        if (of.materialsChanged) applyMaterials(of.pass, atlas, under, materials);
+        relight(of.pass, atlas, under, scene.splitSum.name(), from);
         clock.ended(Pass::relight);
         buildPyramid(of.pass, atlas);
         clock.ended(Pass::pyramid);
         of.materialsChanged = false;
         of.eye = from;
+        return of.pass;
     }
-    LookupPass& lookupFor(bool counting) {
+    const LookupPass& lookupFor(bool counting) {
         std::optional<LookupPass>& made = counting ? countingLookupPass : lookupPass;
         if (!made) made = createLookupPass(shaderFolder, lookup, anyClearcoat(materials), counting);
         return *made;
     }
-    DisplayPass& displayFor(bool paper, bool counting) {
+    const DisplayPass& displayFor(bool paper, bool counting) {
         std::optional<DisplayPass>& made = paper ? displayPaper : counting ? countingDisplay : display;
         if (!made) made = createDisplayPass(shaderFolder, atlas, anyClearcoat(materials), paper, counting);
         return *made;
     }
-    const ShaderProgram* inspecting() {
+    const ReflectionPass& reflections() {
+        if (!reflectionPass) reflectionPass = createReflectionPass(shaderFolder, anyClearcoat(materials));
+        return *reflectionPass;
+    }
+    const ShaderProgram& inspecting() {
         if (!inspectProgram) inspectProgram.emplace(shaderFolder, "surface.vert", "inspect.frag");
-        return &*inspectProgram;
+        return *inspectProgram;
+    }
+    /// What of the settings this bake can show.
+    FrameSettings possible(FrameSettings settings) const {
+        const Inspected what = settings.inspection.what;
+        // The views of the pyramid are of ours, not of the paper's.
+        if (what == Inspected::reads)
+            settings.method = Method::phat;
+        else if (what != Inspected::nothing)
+            settings.method = Method::phatPyramid;
+        if (settings.method == Method::phat && lookup.guideCount == 0) settings.method = Method::phatPyramid;
+        if (settings.method != Method::phat) settings.traced = nullptr;
+        return settings;
     }
     /// A clear coat changes what the shaders are made of.
     void dropPasses() {
@@ -125,10 +165,11 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     requireOpenGl45();
     state_ = std::make_unique<State>();
     state_->shaderFolder = shaderFolder;
+    state_->show(input.scene, input.atlas, input.points);
     state_->materials = input.scene.materials;
     state_->lights = input.scene.lights;
     state_->scene = uploadScene(input.scene, input.atlas);
-    state_->atlas = uploadAtlas(input.scene, input.atlas, input.points, input.phatexture);
+    state_->atlas = uploadAtlas(input.scene, input.atlas, input.phatexture);
     state_->lookup = uploadLookup(input.phatexture, input.atlas);
     if (state_->lookup.guideCount > 0) state_->bytesPerPhatexel = bytesOfPhatexel(input.phatexture);
     if (input.scene.environment) state_->environmentWidth = input.scene.environment->radiance.width;
@@ -141,53 +182,35 @@ Renderer::~Renderer() = default;
 
 void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     State& s = *state_;
-    FrameSettings settings = wanted;
-    const bool canLookUp = s.lookup.guideCount > 0;
+    const FrameSettings settings = s.possible(wanted);
     const Inspected what = settings.inspection.what;
-    if (what == Inspected::reads) settings.method = Method::phat;
-    // The views of the pyramid are of ours, not of the paper's.
-    const bool texelsShown = what != Inspected::reads && what != Inspected::nothing;
-    if (texelsShown) settings.method = Method::phatPyramid;
-    if (!canLookUp && settings.method == Method::phat) settings.method = Method::phatPyramid;
-    const bool lookedUp = settings.method == Method::phat;
-    const bool pyramid = !lookedUp || anyBlended(s.materials);
-    const bool paper = settings.method == Method::phatPaper, counting = what == Inspected::reads && lookedUp;
-    const RelightPass notRelit;
-    DisplayPass& displayPass = s.displayFor(paper, counting);
-    const LookupPass none;
-    const LookupPass& lookupPass = canLookUp ? s.lookupFor(counting) : none;
-    if (!s.reflectionPass) s.reflectionPass = createReflectionPass(s.shaderFolder, anyClearcoat(s.materials));
+    const bool lookedUp = settings.method == Method::phat, paper = settings.method == Method::phatPaper;
+    const bool counting = lookedUp && what == Inspected::reads;
+    const LookupPass* lookupPass = s.lookup.guideCount > 0 ? &s.lookupFor(counting) : nullptr;
+    const ReflectionPass* reflectionPass = settings.traced ? &s.reflections() : nullptr;
+    const DisplayPass& displayPass = s.displayFor(paper, counting);
 
     const glm::uvec2 size(std::max(settings.width, 1), std::max(settings.height, 1));
-    const bool traced = settings.traced && lookedUp;
-    if (s.targets.size != size || (traced && !s.targets.reflections.target))
-        s.targets = createFrameTargets(size, canLookUp ? &lookupPass : nullptr, traced);
+    if (s.targets.size != size || (reflectionPass && !s.targets.reflections.target))
+        s.targets = createFrameTargets(size, lookupPass, reflectionPass != nullptr);
     if (sum.size != size) sum = createPictureSum(size);
 
     // A query needs a complete framebuffer; a context without a window has none of its own.
     glBindFramebuffer(GL_FRAMEBUFFER, sum.target.name());
     s.clock.restart();
-
     glDisable(GL_BLEND);
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_CULL_FACE);
-    const Eye eye = eyeOf(settings.camera);
-
     if (!s.shadows.depth) {
         s.shadows = renderShadowMaps(s.lights, s.scene, s.materials, displayPass.depthProgram);
         s.clock.ended(Pass::shadows);
     }
-
-    glDisable(GL_BLEND);
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_CULL_FACE);
-    if (pyramid) s.renew(s.relitFor(paper), eye);
-
-    s.reflections = phat::display(displayPass,
-                                  {s.scene, s.atlas, pyramid ? s.relitFor(paper).pass : notRelit, s.shadows, s.lookup,
-                                   lookupPass, *s.reflectionPass, s.materials,
-                                   texelsShown ? s.inspecting() : nullptr, s.clock, s.environmentTurn},
-                                  settings, s.targets, sum);
+    const RelightPass* relit = nullptr;
+    if (!lookedUp || anyBlended(s.materials)) relit = &s.renewed(paper, eyeOf(settings.camera));
+    const bool texelsShown = what != Inspected::nothing && what != Inspected::reads;
+    s.reflectionCost =
+        display(displayPass,
+                {s.scene, s.atlas, s.shadows, s.lookup, s.materials, relit, lookupPass, reflectionPass,
+                 texelsShown ? &s.inspecting() : nullptr, s.clock, s.environmentTurn},
+                settings, s.targets, sum);
     checkGl("drawing a frame");
 }
 
@@ -207,8 +230,8 @@ FrameTimes Renderer::lastFrameTimes() const {
     times.lookup = clock.seconds(Pass::lookup);
     times.pool = clock.seconds(Pass::pool);
     times.display = clock.seconds(Pass::display);
-    times.reflections = state_->reflections.seconds;
-    times.reflectionRays = state_->reflections.rays;
+    times.reflections = state_->reflectionCost.seconds;
+    times.reflectionRays = state_->reflectionCost.rays;
     return times;
 }
 
@@ -221,6 +244,7 @@ ResidentBytes Renderer::residentBytes() const {
     ResidentBytes bytes = residentBytesOf(s.scene, s.atlas, s.lookup, s.shadows, s.targets);
     for (const auto* relit : {&s.relit, &s.relitPaper})
         if (*relit) bytes.pyramid += pyramidBytes((*relit)->pass);
+    if (s.surfaces) bytes.pyramid += surfaceBytes(*s.surfaces);
     return bytes;
 }
 
@@ -242,8 +266,8 @@ void Renderer::setLights(const std::vector<PunctualLight>& lights) {
 void Renderer::moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points) {
     State& s = *state_;
     phat::moveScene(s.scene, scene, atlas);
-    // The passes over all texels read their normals; the lookup does not.
-    if (anyBlended(s.materials)) updateNormals(s.atlas, scene, atlas, points);
+    s.show(scene, atlas, points);
+    s.surfacesTurned = true;
     s.lights = scene.lights;
     s.shadows = {};
     s.texelsChanged();

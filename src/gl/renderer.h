@@ -5,6 +5,7 @@
 // Needs a current context (HeadlessContext, or the viewer's window). Draws what phat render writes and what
 // the viewer shows; holds no light transport of its own.
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -42,7 +43,7 @@ enum class Inspected : uint8_t {
     density,    // a checker of texels; blue as coarse as anywhere, red an eighth
     pyramid,    // a level of the relit PHATexels, seen from the eye: light
     samples,    // effective number in the pyramid's cone: black 1, red 6, yellow 40, white 256
-    reads,      // of texels by the lookup: red for indirect light, green for area lights; the numbers themselves
+    reads,  // of texels by the lookup: red for indirect light, green for area lights; the numbers themselves
 };
 struct Inspection {
     Inspected what = Inspected::nothing;
@@ -93,7 +94,7 @@ ReadCount countReads(const Image& picture, int source);
 struct FrameTimes {
     double relight = 0;
     double pyramid = 0;
-    double shadows = 0;  // first frame only
+    double shadows = 0;  // when lights or things have changed
     double depth = 0;    // with the background
     double lookup = 0;
     double pool = 0;
@@ -101,8 +102,25 @@ struct FrameTimes {
     double reflections = 0;  // rays on the CPU
     uint64_t reflectionRays = 0;
 
-    double gpu() const { return relight + pyramid + shadows + depth + lookup + pool + display; }
+    double gpu() const;
 };
+/// The GPU's passes in the order in which they run.
+struct NamedPass {
+    const char* name;
+    double FrameTimes::*seconds;
+};
+inline constexpr std::array<NamedPass, 7> kGpuPasses = {{{"relight", &FrameTimes::relight},
+                                                         {"pyramid", &FrameTimes::pyramid},
+                                                         {"shadows", &FrameTimes::shadows},
+                                                         {"depth", &FrameTimes::depth},
+                                                         {"lookup", &FrameTimes::lookup},
+                                                         {"pool", &FrameTimes::pool},
+                                                         {"display", &FrameTimes::display}}};
+inline double FrameTimes::gpu() const {
+    double sum = 0;
+    for (const NamedPass& pass : kGpuPasses) sum += this->*pass.seconds;
+    return sum;
+}
 
 /// Bytes in the GPU's memory.
 struct ResidentBytes {
@@ -117,7 +135,9 @@ struct ResidentBytes {
     uint64_t sum() const { return scene + phatexels + lookup + irradiance + pyramid + shadows + frame; }
 };
 
-/// What the renderer needs of a bake. Everything is uploaded in the constructor; the CPU's copies may go.
+/// What the renderer needs of a bake. Scene, atlas and points must outlive it: a picture that needs the
+/// surface under every texel (the pyramid's methods, blended surfaces, views of data) reads them when it is
+/// first drawn. The PHATexels are read by the constructor alone.
 struct RendererInput {
     const Scene& scene;
     const Atlas& atlas;
@@ -152,7 +172,8 @@ class Renderer {
     void turnEnvironment(int columns);
 
     /// Everything is where it is in `scene` now, which has the triangles of the one that was uploaded;
-    /// shadows follow at the next frame. `points`: of the same scene.
+    /// shadows follow at the next frame. `points`: of the same scene. All three take the place of
+    /// RendererInput's and must stay until the next call.
     void moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points);
     /// Takes over parts of a bake that were renewed, for at most about `seconds`. Places go first, because
     /// moveScene has moved what is there already; a block's tiles are never parted. What is done is taken out

@@ -33,7 +33,6 @@ ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, cons
     bytes.lookup = bytesOf(lookup.warps, lookup.probes, lookup.scrambles, atlas.tilePatches, atlas.charts,
                            atlas.tileTable, atlas.tileLight);
     bytes.irradiance = textureBytes(atlas.irradiance);
-    bytes.pyramid += bytesOf(atlas.normals, atlas.materialIndex, atlas.texturesA, atlas.texturesB);
     bytes.shadows = bytesOf(shadows.depth, shadows.lightTable);
     const ReflectionTargets& traced = targets.reflections;
     bytes.frame = bytesOf(targets.picture, targets.depth, targets.lookup.seen, targets.lookup.pooled,
@@ -43,6 +42,10 @@ ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, cons
 
 uint64_t pyramidBytes(const RelightPass& pass) {
     return bytesOf(pass.texelBrdf, pass.lobes, pass.statistics, pass.radii);
+}
+
+uint64_t surfaceBytes(const GpuTexelSurfaces& surfaces) {
+    return bytesOf(surfaces.normals, surfaces.materialIndex, surfaces.texturesA, surfaces.texturesB);
 }
 
 }  // namespace phat

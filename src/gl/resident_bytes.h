@@ -5,9 +5,10 @@
 
 namespace phat {
 
-/// Without the passes' own pyramids.
+/// Without what is made for the pyramids alone, but for the guides' densities.
 ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, const GpuLookup& lookup,
                               const ShadowMaps& shadows, const FrameTargets& targets);
 uint64_t pyramidBytes(const RelightPass& pass);
+uint64_t surfaceBytes(const GpuTexelSurfaces& surfaces);
 
 }  // namespace phat

@@ -108,16 +108,6 @@ void uploadImages(const Scene& scene, GpuScene& gpu) {
     glTextureSubImage2D(gpu.white.name(), 0, 0, 0, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, &white);
 }
 
-GlSampler createSampler(GLenum wrapU, GLenum wrapV, GLenum minFilter, GLenum magFilter) {
-    GLuint name = 0;
-    glCreateSamplers(1, &name);
-    glSamplerParameteri(name, GL_TEXTURE_WRAP_S, GLint(wrapU));
-    glSamplerParameteri(name, GL_TEXTURE_WRAP_T, GLint(wrapV));
-    glSamplerParameteri(name, GL_TEXTURE_MIN_FILTER, GLint(minFilter));
-    glSamplerParameteri(name, GL_TEXTURE_MAG_FILTER, GLint(magFilter));
-    return GlSampler(name);
-}
-
 size_t samplerIndex(const TextureSlot& slot) {
     return (size_t(slot.wrapU) * 3 + size_t(slot.wrapV)) * 2 + (slot.nearest ? 1 : 0);
 }

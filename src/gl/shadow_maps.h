@@ -1,5 +1,5 @@
 #pragma once
-// Depth pictures from every punctual light, made once: the scene does not move.
+// Depth pictures from every punctual light, made anew when lights or things have moved.
 
 #include <vector>
 

@@ -68,6 +68,16 @@ uint64_t textureBytes(const GlTexture& texture) {
     return bytes;
 }
 
+GlSampler createSampler(GLenum wrapU, GLenum wrapV, GLenum minFilter, GLenum magFilter) {
+    GLuint name = 0;
+    glCreateSamplers(1, &name);
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_S, GLint(wrapU));
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_T, GLint(wrapV));
+    glSamplerParameteri(name, GL_TEXTURE_MIN_FILTER, GLint(minFilter));
+    glSamplerParameteri(name, GL_TEXTURE_MAG_FILTER, GLint(magFilter));
+    return GlSampler(name);
+}
+
 GlFramebuffer createFramebuffer(const std::vector<Attachment>& colors, GLuint depth) {
     GLuint name = 0;
     glCreateFramebuffers(1, &name);
@@ -83,6 +93,7 @@ GlFramebuffer createFramebuffer(const std::vector<Attachment>& colors, GLuint de
     }
     if (depth != 0) glNamedFramebufferTexture(name, GL_DEPTH_ATTACHMENT, depth, 0);
     glNamedFramebufferDrawBuffers(name, GLsizei(buffers.size()), buffers.data());
+    checkGl("creating a framebuffer");  // an attachment that found no memory says so
     if (glCheckNamedFramebufferStatus(name, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
         throw GlError("the graphics driver cannot draw to float textures");
     return framebuffer;
@@ -103,6 +114,9 @@ GlTexture createTable(std::span<const glm::vec4> values) {
 void checkGl(const char* doing) {
     const GLenum error = glGetError();
     if (error == GL_NO_ERROR) return;
+    // Further ones must not be taken for those of what comes next. A lost context never ends to report.
+    for (int i = 0; i < 16 && glGetError() != GL_NO_ERROR; ++i) {
+    }
     if (error == GL_OUT_OF_MEMORY) throw GlError(fmt::format("out of video memory while {}", doing));
     throw GlError(fmt::format("OpenGL error 0x{:04x} while {}", error, doing));
 }

@@ -17,6 +17,8 @@ GlTexture createTextureArray(GLenum format, glm::uvec2 size, int layers, int lev
 /// Of all levels and layers; 0 for an empty name.
 uint64_t textureBytes(const GlTexture& texture);
 
+GlSampler createSampler(GLenum wrapU, GLenum wrapV, GLenum minFilter, GLenum magFilter);
+
 /// Layer or level of a texture as a colour attachment.
 struct Attachment {
     GLuint texture = 0;

@@ -1,6 +1,7 @@
 #include "viewer/document.h"
 
 #include <algorithm>
+#include <system_error>
 
 #include "core/animation.h"
 #include "io/bake_record.h"
@@ -9,6 +10,12 @@
 
 namespace phat {
 namespace {
+
+// Of a file that is gone, none that a file has: reading it says what is wrong.
+std::filesystem::file_time_type lastWrite(const std::string& path) {
+    std::error_code gone;
+    return std::filesystem::last_write_time(path, gone);
+}
 
 void writeBake(const std::string& out, const std::string& source, const std::string& environment,
                BakedScene& baked) {
@@ -34,11 +41,11 @@ void writeBake(const std::string& out, const std::string& source, const std::str
 Document::Document(const std::string& file, const std::string& environment)
     : path(file),
       environmentPath(environment),
+      writeTime(lastWrite(file)),
       baked(readSceneFile(file, environment)),
       hasBake(!baked.phatexture.indirect.empty()),
       shown(scene()),
       edits(noEdits(scene())),
-      writeTime(std::filesystem::last_write_time(file)),
       applied_(edits.now()),
       inFile_(edits.now()) {}
 
@@ -87,7 +94,7 @@ std::string Document::save() {
     if (isBakedFile(path)) {
         writeEdits(path, path, inFile_, edits.now());
         inFile_ = edits.now();
-        writeTime = std::filesystem::last_write_time(path);
+        writeTime = lastWrite(path);
         return path;
     }
     const std::string out = std::filesystem::path(path).replace_extension(".phat.glb").string();

@@ -56,12 +56,12 @@ struct Document {
 
     std::string path;
     std::string environmentPath;
+    std::filesystem::file_time_type writeTime;  // of the file before it was read, so that no change is missed
     BakedScene baked;  // the scene as it was read; PHATexels and covered texels as renewed
     bool hasBake = false;
     Scene shown;  // with the edits, and moved
     EditHistory edits;
     Playback playback;
-    std::filesystem::file_time_type writeTime;  // of the file as it was read
 
   private:
     struct BakedLight {

@@ -57,7 +57,7 @@ void drawSelectionPanel(ViewerState& state, Edit& edit) {
     }
     const Surface& surface = scene.surfaces[*state.selectedSurface];
     Material& material = edit.next.materials[surface.material];
-    panelText(
+    wrappedText(
         fmt::format("{}, material {}", surface.name, material.name.empty() ? "(unnamed)" : material.name));
     // Without any area lamp at the start there are no PHATexels for such light.
     const bool canGlow = !state.document->baked.phatexture.area.empty();
@@ -76,7 +76,7 @@ void drawLightsPanel(ViewerState& state, Edit& edit) {
     for (size_t i = 0; i < edit.next.lights.size(); ++i) {
         ImGui::PushID(int(i));
         PunctualLight& light = edit.next.lights[i];
-        panelText(light.name);
+        wrappedText(light.name);
         float power = std::max({light.intensity.x, light.intensity.y, light.intensity.z});
         glm::vec3 color = power > 0 ? light.intensity / power : glm::vec3(1);
         bool changed = ImGui::ColorEdit3("Colour", &color.x, ImGuiColorEditFlags_Float);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "viewer/input.h"
 #include "viewer/panel_parts.h"
@@ -45,8 +46,8 @@ void drawKeys() {
 }
 
 std::string samplesLine(const char* source, Pictures::SideReport report) {
-    return report.samples >= report.wanted ? std::string(source)
-                                           : fmt::format("{}, {} samples", source, report.samples);
+    if (report.samples >= report.wanted) return source;
+    return fmt::format("{}, {} sample{}", source, report.samples, report.samples == 1 ? "" : "s");
 }
 
 // What is being moved, at the window's upper edge, and the axis that it keeps to.
@@ -86,8 +87,12 @@ void drawFiles(const ViewerState& state, PanelWishes& wishes) {
         if (ImGui::SmallButton("Read it again")) wishes.open = state.document->path;
     }
     if (state.recentFiles.empty() || !ImGui::CollapsingHeader("Recent files")) return;
-    for (const std::string& path : state.recentFiles)
-        if (ImGui::Selectable(path.c_str())) wishes.open = path;
+    for (const std::string& path : state.recentFiles) {
+        ImGui::PushID(path.c_str());
+        if (ImGui::Selectable(std::filesystem::path(path).filename().c_str())) wishes.open = path;
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", path.c_str());
+        ImGui::PopID();
+    }
 }
 
 // What each side shows, at the window's lower edge.
@@ -96,8 +101,8 @@ void drawLabels(const ViewerState& state, const PanelInput& input, float leftEdg
     ImDrawList* list = ImGui::GetBackgroundDrawList();
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const float line = ImGui::GetTextLineHeight();
-    const auto label = [&](float x, const std::string& words) {
-        const ImVec2 place(x, size.y - 2 * line);
+    const auto label = [&](float x, const std::string& words, int row = 0) {
+        const ImVec2 place(x, size.y - float(2 + row) * line);
         list->AddText({place.x + 1, place.y + 1}, IM_COL32(0, 0, 0, 255), words.c_str());
         list->AddText(place, IM_COL32(255, 255, 255, 255), words.c_str());
     };
@@ -112,8 +117,11 @@ void drawLabels(const ViewerState& state, const PanelInput& input, float leftEdg
     const std::string right = samplesLine(kSourceNames[size_t(state.view.right)], pictures.right());
     const float wipe = leftEdge + state.view.wipe * (size.x - leftEdge);
     if (!state.view.difference) list->AddLine({wipe, 0}, {wipe, size.y}, IM_COL32(255, 255, 255, 160));
-    label(std::max(wipe - width(left) - line, leftEdge), left);
-    label(std::min(wipe + line, size.x - width(right)), right);
+    const float leftX = std::max(wipe - width(left) - line, leftEdge + line);
+    const float rightX = std::min(wipe + line, size.x - width(right) - line);
+    label(leftX, left);
+    // Above it where the line is too near to an edge for both.
+    label(rightX, right, rightX < leftX + width(left) + line ? 1 : 0);
 }
 
 // Over the picture, where it moves nothing that a hand may be about to press.

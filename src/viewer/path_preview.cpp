@@ -53,6 +53,7 @@ void PathPreview::pause() {
 
 std::optional<PathPreview::Refined> PathPreview::take() {
     const std::lock_guard lock(mutex_);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
     return std::exchange(ready_, std::nullopt);
 }
 
@@ -108,6 +109,10 @@ void PathPreview::refine(const View& view, uint64_t version) {
             wake_();
         }
     } catch (const Interrupted&) {
+    } catch (...) {  // such as out of memory
+        const std::lock_guard lock(mutex_);
+        failure_ = std::current_exception();
+        wake_();
     }
 }
 

@@ -2,6 +2,7 @@
 // The path tracer's picture of the current view, refined beside the window's own thread.
 
 #include <condition_variable>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -38,7 +39,7 @@ class PathPreview {
     void show(View view);
     /// Nothing to do until the next show().
     void pause();
-    /// The newest picture of the view that was asked for last, once.
+    /// The newest picture of the view that was asked for last, once. Throws what its tracing threw.
     std::optional<Refined> take();
 
     /// Refinement ends here.
@@ -59,6 +60,7 @@ class PathPreview {
     std::condition_variable changed_;
     std::optional<View> wanted_;
     std::optional<Refined> ready_;
+    std::exception_ptr failure_;
     std::atomic<uint64_t> version_ = 0;  // of what is wanted
     bool quit_ = false;
     std::thread thread_;

@@ -87,9 +87,7 @@ const TracedReflections& Pictures::reflections(const ViewerState& state, double 
 bool Pictures::mayTrace(const ViewerState& state, const Side& side) const {
     if (!state.view.raysAtRest || side.tooManyRays) return false;
     if (side.source != Source::phat && side.source != Source::direct) return false;
-    const auto& materials = state.document->edits.now().materials;
-    return std::any_of(materials.begin(), materials.end(),
-                       [](const Material& m) { return mayReflectSmoothly(m, Reflections::automatic); });
+    return mayReflectSmoothly(state.document->edits.now().materials, Reflections::automatic);
 }
 
 void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 size, int samplesPerPixel,
@@ -103,15 +101,14 @@ void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 
     side.wanted = samplesPerPixel;
     side.byRays = rays;
     side.counts = settings.inspection.what == Inspected::reads;
-    side.light = settings.inspection.what == Inspected::nothing ||
-                 settings.inspection.what == Inspected::radiance ||
-                 settings.inspection.what == Inspected::pyramid;
+    side.light = showsLight(settings.inspection.what);
     try {
         state.renderer->draw(settings, sum);
     } catch (const Interrupted&) {
+        // At once without them: what was begun is black.
         side.tooManyRays = true;
         sum.samples = 0;
-        return;
+        return draw(state, side, sum, size, samplesPerPixel, false);
     }
     frameTimes_ = state.renderer->lastFrameTimes();
     secondsPerPixel_ = frameTimes_.gpu() / (double(size.x) * double(size.y));
@@ -210,7 +207,8 @@ bool Pictures::refine(ViewerState& state, glm::uvec2 size) {
 void Pictures::measure(const ViewerState& state) {
     if (measuring_.valid()) {
         if (measuring_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-        metrics_ = measuring_.get();
+        const Metrics metrics = measuring_.get();
+        if (measuringVersion_ == state.version) metrics_ = metrics;
     }
     if (!state.view.compare) return;
     const auto ready = [&](const Side& side) {
@@ -222,6 +220,7 @@ void Pictures::measure(const ViewerState& state) {
     const int samples = std::max(left().samples, right().samples);
     if (!ready(sides_[0]) || !ready(sides_[1]) || (metrics_ && samples < 2 * measuredSamples_)) return;
     measuredSamples_ = samples;
+    measuringVersion_ = state.version;
     const auto picture = [](const Side& side) {
         return side.source == Source::pathTracer ? side.traced : readMean(side.drawn);
     };

@@ -90,6 +90,7 @@ class Pictures {
     std::optional<Reads> reads_;
     std::optional<Metrics> metrics_;
     std::future<Metrics> measuring_;
+    uint64_t measuringVersion_ = 0;  // of the state whose pictures are being measured
     int measuredSamples_ = 0;
 };
 

@@ -60,17 +60,17 @@ void drawTexelUnderMouse(const ViewerState& state) {
         panelText("No PHATexel under the mouse.");
         return;
     }
-    panelText(fmt::format("Texel {}, {} of {:.1f} mm, chart {}", found->texel.x, found->texel.y,
-                          1e3f * found->texelMeters, found->chart));
+    wrappedText(fmt::format("Texel {}, {} of {:.1f} mm, chart {}", found->texel.x, found->texel.y,
+                            1e3f * found->texelMeters, found->chart));
     const Phatexel& p = found->phatexel;
     if (!p.valid)
         panelText("holds no value");
     else if (p.distance >= kFarDistance)
-        panelText(fmt::format("{:.3g} {:.3g} {:.3g} W/(m2 sr) from afar", p.radiance.r, p.radiance.g,
-                              p.radiance.b));
+        wrappedText(fmt::format("{:.3g} {:.3g} {:.3g} W/(m2 sr) from afar", p.radiance.r, p.radiance.g,
+                                p.radiance.b));
     else
-        panelText(fmt::format("{:.3g} {:.3g} {:.3g} W/(m2 sr) from {:.3g} m", p.radiance.r, p.radiance.g,
-                              p.radiance.b, p.distance));
+        wrappedText(fmt::format("{:.3g} {:.3g} {:.3g} W/(m2 sr) from {:.3g} m", p.radiance.r, p.radiance.g,
+                                p.radiance.b, p.distance));
 }
 
 }  // namespace
@@ -95,11 +95,10 @@ void drawComparePanel(ViewerState& state, const Pictures& pictures) {
     ImGui::SetNextItemOpen(state.view.compare, ImGuiCond_Appearing);
     if (!ImGui::CollapsingHeader("Compare")) return;
     ViewSettings& view = state.view;
-    bool changed = ImGui::Checkbox("Split the window", &view.compare);
-    changed |= choose("Right", view.right, kSourceNames);
+    ImGui::Checkbox("Split the window", &view.compare);  // the left picture stays as far as it is
+    if (choose("Right", view.right, kSourceNames)) state.touch();
     ImGui::SliderFloat("Wipe", &view.wipe, 0, 1, "%.2f");
     ImGui::Checkbox("Show the difference", &view.difference);
-    if (changed) state.touch();
     if (!view.compare || view.left == Source::phatexels || view.right == Source::phatexels) return;
     if (const auto metrics = pictures.metrics()) {
         panelText(fmt::format("MAE/mean {:.4f}   bias {:+.2f} %", metrics->maeOverMean, 100 * metrics->bias));
@@ -158,16 +157,10 @@ void drawPhatexelPanel(ViewerState& state, const Pictures& pictures) {
 void drawPerformancePanel(ViewerState& state, const Pictures& pictures) {
     if (!ImGui::CollapsingHeader("Performance") || !state.renderer) return;
     const FrameTimes times = pictures.frameTimes();
-    row("relight", 1e3 * times.relight);
-    row("pyramid", 1e3 * times.pyramid);
-    row("shadow maps", 1e3 * times.shadows);
-    row("depth", 1e3 * times.depth);
-    row("lookup", 1e3 * times.lookup);
-    row("pooling", 1e3 * times.pool);
-    row("display", 1e3 * times.display);
-    row("all of it, on the GPU", 1e3 * times.gpu());
+    for (const NamedPass& pass : kGpuPasses) row(pass.name, 1e3 * times.*pass.seconds);
+    row("all on the GPU", 1e3 * times.gpu());
     row("rays, on the CPU", 1e3 * times.reflections);
-    panelText(fmt::format("a pixel for {0} x {0} of the window's", pictures.coarseness()));
+    panelText(fmt::format("a pixel drawn for {0} x {0} of the window", pictures.coarseness()));
     if (pictures.tooManyRays()) wrappedText("Smooth surfaces are looked up: rays would take too long here.");
     ImGui::Separator();
     const ResidentBytes bytes = state.renderer->residentBytes();

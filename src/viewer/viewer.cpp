@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/live_light.h"
+#include "gl/gl_error.h"
 #include "io/bake_record.h"
 #include "io/image_file.h"
 #include "viewer/background_bake.h"
@@ -363,10 +364,13 @@ bool Viewer::frame() {
         applyChanges();
         more |= turn() || !renewed_.empty();
         if (state_.document) more |= pictures_.refine(state_, pictureSize());
-    } catch (const std::exception& error) {  // such as out of video memory
-        state_.message = sentenceOf(error);
+    } catch (const GlError& error) {  // such as out of video memory
+        state_.message = error.what();
         state_.renderer.reset();
         light_.reset();
+        turntable_.reset();
+    } catch (const std::exception& error) {  // such as a disk that is full
+        state_.message = sentenceOf(error);
         turntable_.reset();
     }
     window_.clear();

@@ -31,13 +31,14 @@ RendererWorld twoFloors(float distance) {
 
 // Radii of the tiles, [tileY][tileX], seen from straight above.
 std::vector<float> radiiOf(const RendererWorld& world) {
-    const GpuAtlas atlas = uploadAtlas(world.scene, world.atlas, world.points, world.phatexture);
+    const GpuAtlas atlas = uploadAtlas(world.scene, world.atlas, world.phatexture);
+    const GpuTexelSurfaces surfaces = uploadTexelSurfaces(world.scene, world.atlas, world.points);
     const RelightPass pass = createRelightPass(kShaderFolder, atlas, false, false);
     GlTexture splitSum = createTexture2D(GL_RG32F, glm::uvec2(kSplitSumSize));
     glTextureSubImage2D(splitSum.name(), 0, 0, 0, kSplitSumSize, kSplitSumSize, GL_RG, GL_FLOAT,
                         splitSumTable().data());
-    applyMaterials(pass, atlas, world.scene.materials);
-    relight(pass, atlas, splitSum.name(), {{0, 1, 0}, true});
+    applyMaterials(pass, atlas, surfaces, world.scene.materials);
+    relight(pass, atlas, surfaces, splitSum.name(), {{0, 1, 0}, true});
     buildPyramid(pass, atlas);
     std::vector<glm::vec4> values(world.atlas.tileChart.size());
     glGetTextureImage(pass.radii.name(), 0, GL_RGBA, GL_FLOAT, GLsizei(values.size() * sizeof(glm::vec4)),

@@ -14,14 +14,6 @@ class RendererFurnace : public ::testing::Test {
     HeadlessContext context_;
 };
 
-Material metal(float roughness) {
-    Material material;
-    material.baseColor = {0.9f, 0.6f, 0.3f, 1};
-    material.metallic = 1;
-    material.roughness = roughness;
-    return material;
-}
-
 RendererWorld furnaceFloor(const Material& material, glm::vec3 radiance) {
     Scene scene;
     addFloor(scene, material, 2);

@@ -17,14 +17,6 @@ class RendererPaper : public ::testing::Test {
 constexpr uint32_t kTiles = 16;  // 16,384 PHATexels
 const Camera kAbove = lookAtCamera({0, 3, 0.6f}, {0, 0, 0}, 22);
 
-Material metal(float roughness) {
-    Material material;
-    material.baseColor = {0.9f, 0.6f, 0.3f, 1};
-    material.metallic = 1;
-    material.roughness = roughness;
-    return material;
-}
-
 Material coatedPlastic() {
     Material material;
     material.baseColor = {0.5f, 0.4f, 0.3f, 1};

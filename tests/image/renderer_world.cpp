@@ -109,6 +109,14 @@ void fillPhatexels(RendererWorld& world, uint32_t surface, const LightAt& light,
     }
 }
 
+Material metal(float roughness) {
+    Material material;
+    material.baseColor = {0.9f, 0.6f, 0.3f, 1};
+    material.metallic = 1;
+    material.roughness = roughness;
+    return material;
+}
+
 Guide bumpyGuide(uint64_t seed) {
     std::array<float, kGuideCells> cells;
     Rng random(hashOf(seed, 77));

@@ -36,6 +36,9 @@ using LightAt = std::function<glm::vec3(glm::vec3 position, glm::vec3 directionW
 void fillPhatexels(RendererWorld& world, uint32_t surface, const LightAt& light,
                    float distance = kFarDistance);
 
+/// Of the colour of gold.
+Material metal(float roughness);
+
 /// A guide whose cells differ by up to 1:8, the same for every seed.
 Guide bumpyGuide(uint64_t seed);
 

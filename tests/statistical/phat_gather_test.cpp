@@ -140,10 +140,10 @@ TEST(PhatGather, LampMatchesThePathTracer) {
     plastic.metallic = 0;
     plastic.roughness = 0.4f;
     for (const Material& floor : {metal(0.4f), plastic}) {
-        const World world(room(floor, lambert(0.6f)));
-        const Comparison found = compare(world, {0, false, Component::direct}, 200);
+        const World world(room(floor, lambert(0.6f)), 120'000);
+        const Comparison found = compare(world, {0, false, Component::direct}, 1000);
         EXPECT_NEAR(found.mean, found.expected, 0.05 * found.expected);
-        EXPECT_LT(found.meanDifference, 0.15 * found.expected);
+        EXPECT_LT(found.meanDifference, 0.1 * found.expected);
     }
 }
 

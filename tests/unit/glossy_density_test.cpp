@@ -122,7 +122,14 @@ TEST(GlossyAtlas, PlateHasNineTimesTheTexelsOnItsArea) {
     AtlasSettings settings;
     settings.texelBudget = 1 << 18;
     const Atlas atlas = atlasOf(scene, settings);
-    EXPECT_NEAR(texelsPerSquareMeter(scene, atlas, 2) / texelsPerSquareMeter(scene, atlas, 0), 9, 0.01);
+    // Either may be kFillFreedom off along a length.
+    EXPECT_NEAR(texelsPerSquareMeter(scene, atlas, 2) / texelsPerSquareMeter(scene, atlas, 0), 9,
+                9 * (std::pow(kFillFreedom, 4) - 1));
+    AtlasSettings exact = settings;
+    exact.texelSizeMeters = atlas.texelSizeMeters;
+    const Atlas ofThatSize = atlasOf(scene, exact);
+    EXPECT_NEAR(texelsPerSquareMeter(scene, ofThatSize, 2) / texelsPerSquareMeter(scene, ofThatSize, 0), 9,
+                0.01);
     for (uint32_t t = 0; t < 4; ++t) {
         const glm::dvec2 sigma = singularValues(scene, atlas, t);
         EXPECT_NEAR(sigma.x, 1, 1e-3);
@@ -151,7 +158,7 @@ TEST(GlossyAtlas, DensityOneIsUniform) {
     settings.glossyDensity = 1;
     const Scene glossy = floorAndPlate(1, metal(0.22f)), rough = floorAndPlate(1, metal(0.9f));
     const Atlas atlas = atlasOf(glossy, settings);
-    EXPECT_EQ(atlas.finestTexelSizeMeters(), atlas.texelSizeMeters);
+    EXPECT_GE(atlas.finestTexelSizeMeters() * square(float(kFillFreedom)), 0.9999f * atlas.texelSizeMeters);
     settings.glossyDensity = 3;
     EXPECT_EQ(atlasOf(rough, settings).triangleTexels, atlas.triangleTexels);
 }

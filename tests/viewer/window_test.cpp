@@ -156,6 +156,36 @@ TEST_F(ViewerWindow, EditsWithoutANewBakeAsSetDoes) {
     EXPECT_EQ(window.close(), 0);
 }
 
+// Means of squares of pixels: what is left is what changed in the large, however coarse the picture is.
+Image inBlocks(const Image& image) {
+    constexpr int kSide = 10;
+    Image blocks(image.width / kSide, image.height / kSide);
+    for (int y = 0; y < blocks.height * kSide; ++y)
+        for (int x = 0; x < blocks.width * kSide; ++x)
+            blocks.at(x / kSide, y / kSide) += image.at(x, y) / float(kSide * kSide);
+    return blocks;
+}
+
+// No frame shows a slider's new value beside a picture of the old one.
+TEST_F(ViewerWindow, ShowsAnEditInTheFrameThatTakesIt) {
+    WindowDriver window(kWindow, {baked()});
+    window.settle();
+    window.click(kTable);
+    window.settle();
+    window.moveTo(kRoughnessEnd);
+    window.settle();
+    const Image before = window.screenshot();
+    window.hold(1, true);
+    Image first = window.screenshot();
+    for (int i = 0; i < 10'000 && largestDifference(panelsOf(first), panelsOf(before)) == 0; ++i)
+        first = window.screenshot();
+    window.hold(1, false);
+    window.settle();
+    const Image after = inBlocks(pictureOf(window.screenshot())), seen = inBlocks(pictureOf(first));
+    EXPECT_LT(meanDifference(seen, after), 0.3 * meanDifference(seen, inBlocks(pictureOf(before))));
+    EXPECT_EQ(window.close(), 0);
+}
+
 TEST_F(ViewerWindow, WipesBetweenTwoPictures) {
     WindowDriver window(kWindow, {baked()});
     window.settle();

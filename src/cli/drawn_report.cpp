@@ -1,0 +1,22 @@
+#include "cli/drawn_report.h"
+
+namespace phat {
+
+using nlohmann::json;
+
+json drawnReport(const RenderOptions& options, const View& view, const FrameTimes& times,
+                 const std::string& gpu) {
+    json seconds;
+    for (const NamedPass& pass : kGpuPasses) seconds[pass.name] = times.*pass.seconds;
+    seconds["reflections"] = times.reflections;
+    return {{"output", pathFor(view, options.output)},
+            {"method", options.method.name},
+            {"width", view.width},
+            {"height", view.height},
+            {"samplesPerPixel", options.samplesPerPixel},
+            {"gpu", gpu},
+            {"seconds", std::move(seconds)},
+            {"reflectionRays", times.reflectionRays}};
+}
+
+}  // namespace phat

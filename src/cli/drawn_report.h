@@ -1,0 +1,15 @@
+#pragma once
+// What --json prints of a picture that OpenGL drew.
+
+#include <nlohmann/json.hpp>
+
+#include "cli/render_camera.h"
+#include "cli/render_options.h"
+
+namespace phat {
+
+/// `gpu`: its name. `seconds` by pass, so that more can be added.
+nlohmann::json drawnReport(const RenderOptions& options, const View& view, const FrameTimes& times,
+                           const std::string& gpu);
+
+}  // namespace phat

@@ -1,0 +1,27 @@
+#include "gl/fullscreen.h"
+
+namespace phat {
+
+FullscreenProgram::FullscreenProgram(const std::string& folder, const std::string& fragmentFile,
+                                     const std::vector<std::string>& defines)
+    : program(folder, "fullscreen.vert", fragmentFile, defines) {
+    GLuint name = 0;
+    glCreateVertexArrays(1, &name);
+    noVertices = GlVertexArray(name);
+}
+
+void FullscreenProgram::draw() const {
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    glBindVertexArray(noVertices.name());
+    program.use();
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void FullscreenProgram::draw(const GlFramebuffer& target, glm::uvec2 size) const {
+    glBindFramebuffer(GL_FRAMEBUFFER, target.name());
+    glViewport(0, 0, GLsizei(size.x), GLsizei(size.y));
+    draw();
+}
+
+}  // namespace phat
