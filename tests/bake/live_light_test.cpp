@@ -50,12 +50,18 @@ TEST(LiveLight, AfterAnyChangesAndBackItIsTheUntouchedBake) {
         light.follow(randomPose(scene, rng), eye, rng.uniform() < 0.9f);
         std::this_thread::sleep_for(std::chrono::microseconds(int(10'000 * rng.uniform())));
         if (rng.uniform() < 0.7f) taker.take(light, baked.atlas);
+        // However slow the machine, not all changes are overtaken by the next.
+        const size_t before = taker.portions;
+        for (int wait = 0; i % 20 == 19 && taker.portions == before && wait < 30'000; ++wait) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            taker.take(light, baked.atlas);
+        }
         const LiveLight::Report report = light.report();
         EXPECT_LE(overall(report.renewed), 1.0f);
     }
     light.follow(poseOf(scene), eye, true);
     taker.settle(light, baked.atlas);
-    EXPECT_GT(taker.portions, size_t(moves) / 20);
+    EXPECT_GE(taker.portions, size_t(moves) / 20);
     EXPECT_GT(woken, 0);
     expectEqual(taker.phatexture, baked.phatexture);
     expectEqualBytes(taker.states, baked.points.state, "covered texels");
