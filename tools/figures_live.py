@@ -132,12 +132,14 @@ bake of about a million texels. All light at the middles of {PIXELS} pixels of t
 ![](figures/live.svg)
 
 What renewal costs the window (`phat_live`): drawing has one core, renewal the other, the crate goes there and back, a quarter of a
-million texels. A few frames at rest and a few while renewed take turns.
+million texels. A few frames at rest and a few while renewed take turns. Before it began the machine's load was {cost['loadBefore']:.1f}: where that
+is far from 0, these times say little.
 
 {frames}
 
 Renewed to the end while drawing: {renewal['phatexelsPerSecond']:,.0f} PHATexels a second of processor time; a bake's photons and gathering on one
-thread: {full['phatexelsPerSecond']:,.0f}, so **{100 * renewal['phatexelsPerSecond'] / full['phatexelsPerSecond']:.0f} %**. No piece of work took more than {cost['longestPieceMs']:.0f} ms.
+thread: {full['phatexelsPerSecond']:,.0f}, so **{100 * renewal['phatexelsPerSecond'] / full['phatexelsPerSecond']:.0f} %**; what is
+renewed twice on the way counts once. No piece of work took more than {cost['longestPieceMs']:.0f} ms.
 
 """
 
@@ -149,7 +151,7 @@ def main():
     page = ROOT / "docs/results.md"
     text = page.read_text()
     old = re.search(rf"^{TITLE}\n.*?(?=^## )", text, re.M | re.S)
-    place = old.span() if old else (text.index("## The path tracer"),) * 2
+    place = old.span() if old else (re.search(r"^## (The path tracer|Convergence)$", text, re.M).start(),) * 2
     page.write_text(text[:place[0]] + live_section(result) + text[place[1]:])
     shop.say("docs/results.md")
 

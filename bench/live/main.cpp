@@ -33,7 +33,7 @@ constexpr int kFramesATurn = 5;
 struct Options {
     std::string baked, node = "crate", out;
     float meters = -0.2f;
-    int width = 640, height = 360, frames = 40;
+    int width = 640, height = 360, frames = 20;
 };
 
 double processorSeconds() {
@@ -81,6 +81,8 @@ LivePose moved(const Scene& scene, const Options& options, bool away) {
 }
 
 nlohmann::json measure(const Options& options) {
+    double load = 0;  // of other work: 1 for each busy core
+    getloadavg(&load, 1);
     const BakedScene baked = readBakedFile(options.baked);
     const Scene& scene = baked.loaded.scene;
     const BakeSettings settings = settingsOf(baked.record);
@@ -132,6 +134,7 @@ nlohmann::json measure(const Options& options) {
     const double whole = bakeProcessorSeconds(baked, settings);
     const double speed = double(valid) / renewal, bakeSpeed = double(valid) / whole;
     return {{"gpu", context.rendererName()},
+            {"loadBefore", load},
             {"width", options.width},
             {"height", options.height},
             {"idle", summary(idle)},
