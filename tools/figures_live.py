@@ -101,7 +101,7 @@ def plot_live(path, result):
         "table top": [(f["rays"] / 1e6, f["table"]["clean"] / bake) for f in result["frames"]],
         "where the crate stood": [(f["rays"] / 1e6, f["ghost"]["clean"] / result["bake"]["ghost"]["clean"]) for f in result["frames"]],
         "a full bake (dashed)": goal,
-    }, "million rays since the crate moved", "MAE / mean, in multiples of a full bake's")
+    }, "million rays since the crate moved", "MAE / mean, in multiples of a full bake's", log_y=True)
 
 
 def live_section(result):
