@@ -64,8 +64,8 @@ const rest = (page) =>
     });
 
 // The samples, the shaders and the driver are the same; half floats, the compiler's rounding and three.js's own
-// filter of shadows are left. (SwiftShader rounds corners to another grid, so that what is narrower than a pixel
-// and brighter than the room, as gallery's lamps seen from the side, is hit by other samples.)
+// filter of shadows are left. (By SwiftShader, gallery misses its lamps' narrow sides with other samples: edges of
+// triangles and filters of textures are the driver's.)
 async function comparePictures(t, { file, folder, site }, angle) {
     const reference = join(folder, 'reference.exr');
     const options = ['--size', '160x90', '--spp', '4', '--reflections', 'lookup', '--quiet'];
