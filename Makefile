@@ -35,7 +35,7 @@ bench: setup
 # QUICK=1: few pixels and samples, a few minutes.
 figures: release
 	tools/setup figures
-	cmake --build build/release --target phat_peers -j $(BUILD_JOBS)
+	cmake --build build/release --target phat_peers phat_live -j $(BUILD_JOBS)
 	tools/figures.py $(if $(QUICK),--quick)
 
 out/tabletop.png: out/tabletop.phat.glb

@@ -15,10 +15,11 @@ import sys
 
 import goals
 from figures_cost import cost, pan, path_speed
+from figures_live import live, plot_live
 from figures_page import write_page
 from figures_plot import line_plot, slope
 from figures_profile import pyramid_profile
-from figures_run import PEERS, PHAT, ROOT, Workshop, compare, run
+from figures_run import LIVE, PEERS, PHAT, ROOT, Workshop, compare, run
 from figures_surfaces import (DATA, DEFAULT_TEXELS, ROUGHNESS, SEEDS, TABLE, Reference, Surface, Surfaces, default_bake,
                               scene_surfaces, table_surfaces)
 
@@ -103,7 +104,7 @@ class Figures:
         self.surfaces = Surfaces(shop, plan.reference)
         self.docs = ROOT / "docs/figures"
         self.docs.mkdir(parents=True, exist_ok=True)
-        self.written = {"figure-7.svg", "roughness.svg", "convergence.svg"}
+        self.written = {"figure-7.svg", "roughness.svg", "convergence.svg", "live.svg"}
         self.methods = render_methods()
         self.peer_facts = {}  # (scene, name): what phat_peers said
 
@@ -350,7 +351,7 @@ def main():
     parser.add_argument("--quick", action="store_true", help="few pixels, few samples: a few minutes")
     parser.add_argument("--fresh", action="store_true", help="forget what earlier runs made")
     options = parser.parse_args()
-    for program in (PHAT, PEERS):
+    for program in (PHAT, PEERS, LIVE):
         if not program.exists():
             sys.exit(f"{program.relative_to(ROOT)} is not built: make figures builds it")
     plan = QUICK if options.quick else FULL
@@ -373,6 +374,8 @@ def main():
     results["peers_elsewhere"] = figures.peers_elsewhere()
     results["cost"] = cost(figures)
     results["pan"] = pan(figures)
+    results["live"] = live(shop)
+    plot_live(figures.docs / "live.svg", results["live"])
     results["path_speed"] = path_speed(figures)
     results["goals"] = figures.goals()
     results["bakes"] = figures.bakes()

@@ -1,5 +1,6 @@
 """docs/results.md, from what figures.py measured."""
 
+from figures_live import live_section
 from figures_plot import slope
 from figures_run import table
 from goals import goals_table
@@ -247,7 +248,7 @@ in the middle of the table, one sample each; `path` has {pan['spp']} samples a p
 
 {pan_table(pan)}
 
-## The path tracer
+{live_section(results["live"])}## The path tracer
 
 On `scenes/tabletop.glb`, 480x270, all light, `path` with {speed['spp']} samples a pixel has a relMSE of {speed['relMse']:.4f} against Cycles' picture in {speed['seconds']:.1f} s.
 The error of independent samples falls with their number: .01 takes about **{speed['samples']:.0f} samples and {speed['secondsToError']:.0f} s**, {speed['guideSeconds']:.1f} s of them to learn the guide.

@@ -9,6 +9,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PHAT = ROOT / "build/release/phat"
 PEERS = ROOT / "build/release/bench/peers/phat_peers"
+LIVE = ROOT / "build/release/bench/live/phat_live"
 SHADERS = ROOT / "shaders"
 
 

@@ -38,7 +38,9 @@ struct Document {
     Changes show();
     /// `shown` as the live engine takes it.
     LivePose pose() const;
-    /// Whether that is how the file has it.
+    /// Whether things may be elsewhere than at rest.
+    bool isMoved() const { return !worldFromRest_.empty(); }
+    /// Whether all is as the file has it.
     bool isAtRest() const;
     /// Of `shown`: for picking and for reflections.
     const RayScene& rays() const;

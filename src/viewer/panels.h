@@ -1,7 +1,7 @@
 #pragma once
 // The panels: what they change, they change in the state.
 
-#include "viewer/live_light.h"
+#include "core/live_light.h"
 #include "viewer/pictures.h"
 #include "viewer/viewer_state.h"
 

@@ -7,12 +7,12 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/live_light.h"
 #include "gl/gl_error.h"
 #include "io/bake_record.h"
 #include "io/image_file.h"
 #include "viewer/background_bake.h"
 #include "viewer/input.h"
-#include "viewer/live_light.h"
 #include "viewer/panels.h"
 #include "viewer/recent_files.h"
 #include "viewer/render_command_line.h"
@@ -198,7 +198,7 @@ void Viewer::applyChanges() {
     Document::Changes changes = document.show();
     if (changes.any) state_.touch();
     if (!state_.renderer) return;
-    if (std::exchange(rendererIsNew_, false)) changes = {true, !document.pose().worldFromRest.empty()};
+    if (std::exchange(rendererIsNew_, false)) changes = {true, document.isMoved()};
     if (changes.any) {
         const SceneEdits& edits = document.edits.now();
         if (changes.moved)
@@ -218,7 +218,7 @@ void Viewer::followLight(bool changed) {
     try {
         if (!light_) {
             // Things that have moved need their places renewed, even where light waits.
-            if (document.pose().worldFromRest.empty() && (!follows || document.isAtRest())) return;
+            if (!document.isMoved() && (!follows || document.isAtRest())) return;
             light_ = std::make_unique<LiveLight>(
                 LiveLight::Start{document.scene(), baked.atlas, baked.points, baked.phatexture,
                                  settingsOf(baked.record)},
@@ -291,8 +291,8 @@ void Viewer::keepPicture() {
 void Viewer::save() {
     if (light_) light_->waitUntilStarted();  // it reads what is moved while that is written
     const std::string out = state_.document->save();
-    const bool moved = !state_.document->edits.now().motions.empty();
-    state_.message = fmt::format("Saved as {}{}.", out, moved ? ", things where they were" : "");
+    state_.message = fmt::format("Saved as {}{}.", out,
+                                 state_.document->isMoved() ? "; what was moved is not" : "");
     rememberFile(out);
 }
 
@@ -331,7 +331,7 @@ void Viewer::fulfill(const PanelWishes& panels, const Wishes& keys) {
         if (!panels.open.empty()) open(panels.open);
         if (panels.copyCommand) {
             window_.setClipboard(renderCommandLine(state_, glm::ivec2(pictureSize())));
-            state_.message = state_.document->pose().worldFromRest.empty()
+            state_.message = !state_.document->isMoved()
                                  ? "The command is in the clipboard."
                                  : "The command is in the clipboard; it shows things at rest.";
         }

@@ -61,7 +61,8 @@ void writeMovedScene(const std::string& out, double meters) {
     std::memcpy(&length, bytes.data() + 12, 4);
     auto gltf = nlohmann::json::parse(bytes.begin() + 20, bytes.begin() + 20 + length);
     for (auto& node : gltf["nodes"])
-        if (node.value("name", "") == "crate") node["translation"][0] = node["translation"][0].get<double>() + meters;
+        if (node.value("name", "") == "crate")
+            node["translation"][0] = node["translation"][0].get<double>() + meters;
     std::string text = gltf.dump();
     text.resize((text.size() + 3) / 4 * 4, ' ');
     std::string file(bytes.begin(), bytes.begin() + 20);
@@ -93,12 +94,13 @@ TEST_F(LiveWindow, LightFollowsWhatIsMoved) {
     window.settle();
     const Image kept = readPicture(window.folder().file("phat-0001.exr"));
 
-    // It is the picture of a bake with the crate there, on another atlas.
+    // It is the picture of a bake with the crate there, but for another atlas: a fiftieth of the change. Two
+    // seeds of so coarse a bake are a third of it apart; light that stays behind (below) would be a seventh.
     writeMovedScene(folder->file("moved.glb"), 0.15);
     bake(folder->file("moved.glb"), folder->file("moved.phat.glb"));
     const Image expected = rendered(folder->file("moved.phat.glb")), unmoved = rendered(baked());
     EXPECT_GT(meanDifference(unmoved, expected), 0.02);
-    EXPECT_LT(meanDifference(kept, expected), 0.02 * meanDifference(unmoved, expected));
+    EXPECT_LT(meanDifference(kept, expected), 0.1 * meanDifference(unmoved, expected));
 
     // Without the light that follows, the old reflection stays where it was.
     window.key("l");
@@ -149,7 +151,8 @@ TEST_F(LiveWindow, ScrubsAndPlaysTheFilesAnimation) {
     window.key("p");
     window.settle();
     const Image kept = readPicture(window.folder().file("phat-0001.exr"));
-    const Image expected = rendered(baked(), {"--animate", "1:1", "--fps", "1", "--work-per-frame", "1000000"});
+    const Image expected =
+        rendered(baked(), {"--animate", "1:1", "--fps", "1", "--work-per-frame", "1000000"});
     EXPECT_GT(meanDifference(expected, rendered(baked())), 0.01);
     EXPECT_LE(largestDifference(kept, expected), 1e-5f);
 

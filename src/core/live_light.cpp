@@ -1,10 +1,11 @@
-#include "viewer/live_light.h"
+#include "core/live_light.h"
 
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <utility>
 
 namespace phat {
@@ -14,6 +15,12 @@ namespace {
 constexpr uint64_t kWorkAtOnce = 10'000;
 // The speed is that of about so long.
 constexpr double kSpeedSeconds = 1;
+
+double processorSeconds() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
+}
 
 }  // namespace
 
@@ -111,9 +118,11 @@ bool LiveLight::step(LiveEngine& engine) {
         engine.setPose(wanted->pose);
     }
     const auto start = std::chrono::steady_clock::now();
+    const double processorStart = processorSeconds();
     const bool rests = !renews || engine.settled();
     if (!rests) engine.advance(kWorkAtOnce, Stop(stop_));
-    noteWork(engine, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    noteWork(engine, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
+             processorSeconds() - processorStart);
 
     bool taker = false;
     {
@@ -138,13 +147,15 @@ bool LiveLight::step(LiveEngine& engine) {
     return !quit_;
 }
 
-void LiveLight::noteWork(const LiveEngine& engine, double seconds) {
+void LiveLight::noteWork(const LiveEngine& engine, double seconds, double processor) {
     const LiveShare renewed = engine.renewed();
     const std::lock_guard lock(mutex_);
     const uint64_t now = engine.stats().phatexels, more = now - report_.phatexels;
     report_.renewed = renewed;
     report_.phatexels = now;
     report_.seconds += seconds;
+    report_.processorSeconds += processor;
+    report_.longestSeconds = std::max(report_.longestSeconds, processor);
     // An exponential mean.
     const float keep = float(std::exp(-seconds / kSpeedSeconds));
     recentSeconds_ = recentSeconds_ * keep + seconds;

@@ -1,15 +1,15 @@
 #pragma once
-// The light that follows what is changed in the window: the core's live engine on a thread of its own.
+// The live engine on a thread of its own, for a window that goes on drawing.
 
 #include <atomic>
 #include <condition_variable>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <thread>
 
 #include "core/live_engine.h"
-#include "viewer/background.h"
 
 namespace phat {
 
@@ -22,6 +22,8 @@ inline float overall(const LiveShare& share) {
 
 class LiveLight {
   public:
+    /// Called from the thread when there is something to take; must be safe from any thread.
+    using Wake = std::function<void()>;
     /// What it begins with; its thread reads it until waitUntilStarted() returns.
     struct Start {
         const Scene& rest;
@@ -30,7 +32,7 @@ class LiveLight {
         const Phatexture& baked;
         BakeSettings settings;
     };
-    /// `wake` is called when there is something to take. `cores` 0: all but the window's.
+    /// `cores` 0: all but the window's.
     LiveLight(const Start& start, int cores, Wake wake);
     /// Stops in the middle of a piece of work.
     ~LiveLight();
@@ -51,6 +53,8 @@ class LiveLight {
         uint64_t phatexels = 0;  // so far
         double seconds = 0;      // of work so far
         double phatexelsPerSecond = 0;
+        double processorSeconds = 0;  // of its thread: all of them, where it has one core
+        double longestSeconds = 0;    // between two looks at what is wanted
     };
     Report report() const;
 
@@ -64,7 +68,7 @@ class LiveLight {
     void run(const Start& start);
     /// Goes on until there is nothing to do, then waits; false: to end.
     bool step(LiveEngine& engine);
-    void noteWork(const LiveEngine& engine, double seconds);
+    void noteWork(const LiveEngine& engine, double seconds, double processorSeconds);
 
     Wake wake_;
     mutable std::mutex mutex_;

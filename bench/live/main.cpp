@@ -1,0 +1,168 @@
+// phat_live: frame times while the light is renewed on another core against those of a light at rest, and
+// PHATexels a second of the renewal against those of a bake.
+//
+// The drawing has one core (LP_NUM_THREADS=1 where OpenGL is Mesa's), the renewal another.
+
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <glm/gtc/matrix_transform.hpp>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "core/live_light.h"
+#include "core/photon_map.h"
+#include "gl/gl_context.h"
+#include "gl/picture_sum.h"
+#include "gl/renderer.h"
+#include "io/bake_record.h"
+#include "io/baked_file.h"
+
+namespace phat {
+namespace {
+
+// As the window's.
+constexpr double kUploadSeconds = 0.004;
+// Frames of either kind follow each other so closely that other work on the machine meets both.
+constexpr int kFramesATurn = 5;
+
+struct Options {
+    std::string baked, node = "crate", out;
+    float meters = -0.2f;
+    int width = 640, height = 360, frames = 40;
+};
+
+double processorSeconds() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
+}
+
+double quantile(std::vector<double> values, double share) {
+    std::sort(values.begin(), values.end());
+    return values.at(size_t(share * double(values.size() - 1) + 0.5));
+}
+
+nlohmann::json summary(const std::vector<double>& seconds) {
+    return {{"frames", seconds.size()},
+            {"medianMs", 1e3 * quantile(seconds, 0.5)},
+            {"p95Ms", 1e3 * quantile(seconds, 0.95)}};
+}
+
+// Photons and gathering are what the engine renews; atlas and seams it keeps.
+double bakeProcessorSeconds(const BakedScene& baked, const BakeSettings& settings) {
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    SilentProgress progress;
+    const Scene& scene = baked.loaded.scene;
+    const RayScene rays(scene);
+    const LightSampler lights(scene);
+    const std::vector<Frame> frames = blockFrames(baked.atlas, baked.points);
+    const std::vector<uint8_t> wanted = irradianceTexels(baked.atlas, baked.points);
+    const double start = processorSeconds();
+    const PhotonMap photons = tracePhotons(rays, lights, settings.photons, progress);
+    const PhotonIndex index(photons.photons);
+    std::atomic<uint64_t> rayCount = 0;
+    gatherLight({rays, lights, baked.atlas, baked.points, frames, photons, index, wanted}, settings, progress,
+                nullptr, rayCount);
+    return processorSeconds() - start;
+}
+
+LivePose moved(const Scene& scene, const Options& options, bool away) {
+    LivePose pose{{}, scene.lights, scene.materials};
+    pose.worldFromRest.assign(scene.nodes.size(), glm::mat4(1));
+    for (size_t n = 0; n < scene.nodes.size(); ++n)
+        if (scene.nodes[n].name == options.node && away)
+            pose.worldFromRest[n] = glm::translate(glm::mat4(1), {options.meters, 0, 0});
+    return pose;
+}
+
+nlohmann::json measure(const Options& options) {
+    const BakedScene baked = readBakedFile(options.baked);
+    const Scene& scene = baked.loaded.scene;
+    const BakeSettings settings = settingsOf(baked.record);
+    const HeadlessContext context;
+    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture}, PHAT_SOURCE_DIR "/shaders");
+    FrameSettings frame;
+    frame.width = options.width;
+    frame.height = options.height;
+    frame.camera = scene.cameras.empty() ? defaultCamera(scene) : scene.cameras.front();
+    frame.samplesPerPixel = 1;
+    PictureSum sum;
+    renderer.draw(frame, sum);
+    renderer.lastFrameTimes();
+
+    LiveLight light({scene, baked.atlas, baked.points, baked.phatexture, settings}, 1, [] {});
+    light.waitUntilStarted();
+    LiveUpdate renewed;
+    const auto draw = [&] {
+        const auto start = std::chrono::steady_clock::now();
+        if (renewed.empty())
+            if (auto update = light.take()) renewed = std::move(*update);
+        if (!renewed.empty()) renderer.takeUpdate(renewed, kUploadSeconds);
+        renderer.draw(frame, sum);
+        renderer.lastFrameTimes();  // waits
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    std::vector<double> idle, updating;
+    bool away = false;
+    for (int turn = 0; int(updating.size()) < options.frames; ++turn) {
+        if (light.report().settled) away = !away;
+        light.follow(moved(scene, options, away), frame.camera, true);
+        for (int i = 0; i < kFramesATurn && !light.report().settled; ++i) updating.push_back(draw());
+        light.follow(moved(scene, options, away), frame.camera, false);
+        while (!light.report().settled || !renewed.empty()) draw();  // what it still hands over
+        for (int i = 0; i < kFramesATurn; ++i) idle.push_back(draw());
+    }
+    // From the untouched light to that of the other place, to the end.
+    light.follow(moved(scene, options, false), frame.camera, true);
+    const auto settle = [&] {
+        while (!light.report().settled) draw();
+        return light.report().processorSeconds;
+    };
+    const double before = settle();
+    light.follow(moved(scene, options, true), frame.camera, true);
+    const double renewal = settle() - before;
+    uint64_t valid = 0;
+    for (size_t i = 0; i < baked.points.state.size(); ++i) valid += baked.points.valid(i);
+    valid *= baked.phatexture.indirect.size() + baked.phatexture.area.size();
+    const double whole = bakeProcessorSeconds(baked, settings);
+    const double speed = double(valid) / renewal, bakeSpeed = double(valid) / whole;
+    return {{"gpu", context.rendererName()},
+            {"width", options.width},
+            {"height", options.height},
+            {"idle", summary(idle)},
+            {"updating", summary(updating)},
+            {"phatexels", valid},
+            {"renewal", {{"processorSeconds", renewal}, {"phatexelsPerSecond", speed}}},
+            {"bake", {{"processorSeconds", whole}, {"phatexelsPerSecond", bakeSpeed}}},
+            {"longestPieceMs", 1e3 * light.report().longestSeconds}};
+}
+
+}  // namespace
+}  // namespace phat
+
+int main(int argc, char** argv) {
+    setenv("LP_NUM_THREADS", "1", 0);
+    phat::Options options;
+    CLI::App app("What light that follows costs the window");
+    app.add_option("BAKED", options.baked)->required();
+    app.add_option("--node", options.node, "What moves there and back");
+    app.add_option("--meters", options.meters, "How far, along x");
+    app.add_option("--frames", options.frames, "Of each kind");
+    app.add_option("-o", options.out, "JSON; default: the terminal");
+    CLI11_PARSE(app, argc, argv);
+    try {
+        const std::string text = phat::measure(options).dump(1) + "\n";
+        if (options.out.empty())
+            std::cout << text;
+        else
+            std::ofstream(options.out) << text;
+    } catch (const std::exception& error) {
+        std::cerr << "phat_live: " << error.what() << "\n";
+        return 1;
+    }
+}
