@@ -24,7 +24,7 @@ constexpr float kRadiusOverDistance = 1.0f;
 constexpr double kLeastSamples = 16.0;
 constexpr float kGrowth = 1.4f;  // at least
 // Samples beyond which a wider radius would cost time and gain nothing.
-constexpr double kPlentyOfSamples = 64.0;
+constexpr double kPlentyOfSamples = 512.0;
 // Tiles that face elsewhere are of another part of the surface.
 constexpr float kLeastNormalCosine = 0.5f;
 // Distances are stored in steps of 5.6 %: a ray to where the light came from must stop short of it.

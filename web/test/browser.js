@@ -35,12 +35,14 @@ export async function serve(folder, prefix = '/', others = {}) {
     return { url: `http://127.0.0.1:${server.address().port}${prefix}`, close: () => server.close() };
 }
 
-export function launch() {
+// `angle`: what WebGL is drawn by, 'swiftshader' or 'gl-egl', the system's driver, which `phat render` uses, too.
+export function launch(angle = 'swiftshader') {
     return chromium.launch({
         executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
         args: [
             '--no-sandbox',
-            '--use-angle=swiftshader',
+            '--use-gl=angle',
+            `--use-angle=${angle}`,
             '--enable-unsafe-swiftshader',
             '--ignore-gpu-blocklist',
             '--disable-quic',

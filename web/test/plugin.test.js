@@ -1,18 +1,24 @@
 // The plug-in in a page of somebody else's.
 import assert from 'node:assert/strict';
-import { readFile } from 'node:fs/promises';
+import { mkdtemp, readFile, readdir, rm } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import validator from 'gltf-validator';
 import { launch, serve } from './browser.js';
-import { maeOverMean, makeRoom, meanOf } from './room.js';
+import { maeOverMean, makeRoom, meanOf, phat } from './room.js';
 
-let browser, room, server, page;
+const repository = new URL('../../', import.meta.url).pathname;
+let browser, room, server, page, folder;
 
 before(async () => {
     [browser, room] = await Promise.all([launch(), makeRoom()]);
-    const web = new URL('..', import.meta.url).pathname;
-    server = await serve(web, '/', { 'test/room.phat.glb': room.file, 'examples/room.phat.glb': room.file });
+    folder = await mkdtemp(join(tmpdir(), 'phat-files-'));
+    server = await serve(join(repository, 'web'), '/', {
+        'test/room.phat.glb': room.file,
+        'examples/room.phat.glb': room.file,
+        'test/baked.glb': join(folder, 'baked.glb'),
+    });
     page = await browser.newPage();
     await page.goto(`${server.url}test/plugin.html`);
     await page.waitForFunction(() => globalThis.ready);
@@ -21,6 +27,7 @@ after(async () => {
     await browser?.close();
     server?.close();
     await room?.dispose();
+    if (folder) await rm(folder, { recursive: true });
 });
 
 test('gltf-validator finds no error in what is baked and in what a page loads', async () => {
@@ -32,6 +39,37 @@ test('gltf-validator finds no error in what is baked and in what a page loads', 
         externalResourceFunction: async (uri) => new Uint8Array(await readFile(join(room.site, uri))),
     });
     assert.equal(split.issues.numErrors, 0, JSON.stringify(split.issues));
+});
+
+// What the loader's tests read is what a bake must carry along, whatever it is.
+test('gltf-validator and three.js alone read what is baked from files of all sorts', async () => {
+    const errorsOf = async (path) => {
+        const { issues } = await validator.validateBytes(new Uint8Array(await readFile(path)), { maxIssues: 0 });
+        return issues.numErrors;
+    };
+    const refused = [];
+    const loaderFiles = await readdir(join(repository, 'tests/data/loader'));
+    for (const name of [
+        'scenes/cornell-glossy.glb',
+        'scenes/gallery.glb',
+        ...loaderFiles.filter((file) => file.endsWith('.glb')).map((file) => `tests/data/loader/${file}`),
+    ]) {
+        const input = join(repository, name),
+            baked = join(folder, 'baked.glb');
+        try {
+            await phat('bake', input, '-o', baked, '--resolution', '20k', '--photons', '1k', '--quiet');
+        } catch (error) {
+            assert.match(error.stderr, /requires the extension|no triangles/);
+            refused.push(name);
+            continue;
+        }
+        // ClearCoatTest has an error of its own.
+        const own = name.endsWith('ClearCoatTest.glb') ? await errorsOf(input) : 0;
+        assert.equal(await errorsOf(baked), own, name);
+        assert.ok((await page.evaluate((n) => meshesOf(`baked.glb?${n}`), name)) > 0, name);
+    }
+    // Compressed meshes and files without triangles.
+    assert.equal(refused.length, 5, refused.join());
 });
 
 test('lights what three.js alone leaves dark, and leaves no trace when it is disposed', async () => {

@@ -14,14 +14,15 @@ export async function phat(...args) {
     return (await promisify(execFile)(program, args)).stdout;
 }
 
-// tabletop: area lights, a textured metal and diffuse things. Small, because SwiftShader draws it.
-export async function makeRoom() {
+// tabletop: area lights, a textured metal and diffuse things; gallery has a point light, too. Small, because
+// SwiftShader draws it.
+export async function makeRoom(scene = 'tabletop') {
     const folder = await mkdtemp(join(tmpdir(), 'phat-web-'));
-    const file = join(folder, 'tabletop.phat.glb'),
+    const file = join(folder, `${scene}.phat.glb`),
         site = join(folder, 'site');
     await phat(
         'bake',
-        join(scenes, 'tabletop.glb'),
+        join(scenes, `${scene}.glb`),
         '-o',
         file,
         '--resolution',

@@ -1,5 +1,13 @@
 // The page that `phat web` writes: a baked room to walk through.
-import { PCFShadowMap, PerspectiveCamera, Scene, WebGLRenderer, LinearSRGBColorSpace, Vector2 } from 'three';
+import {
+    LinearSRGBColorSpace,
+    PCFShadowMap,
+    PerspectiveCamera,
+    Scene,
+    ShaderChunk,
+    Vector2,
+    WebGLRenderer,
+} from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { PhatexturesExtension, isSupported, jitterOf } from '../src/index.js';
 import { Navigation, defaultCamera, sphereOf } from './navigation.js';
@@ -13,6 +21,9 @@ const kSamples = 32;
 const kMovingSeconds = 0.04,
     kRestSeconds = 0.6;
 const kRelativeCost = { fast: 1, default: 3, high: 8 };
+// Fine enough that a shadow's border is as sharp as in `phat render`, where maps are of 2048.
+const kShadowTexels = 1024,
+    kShadowOffset = 0.01; // metres
 const kLeastScale = 0.25,
     kScaleSteps = 8;
 
@@ -33,8 +44,29 @@ function createRenderer() {
     const renderer = new WebGLRenderer({ canvas, context });
     renderer.outputColorSpace = LinearSRGBColorSpace; // present.frag encodes
     renderer.shadowMap.enabled = true;
+    renderer.shadowMap.autoUpdate = false;
     renderer.shadowMap.type = PCFShadowMap;
     return renderer;
+}
+
+function prepareShadow(light) {
+    light.castShadow = true;
+    light.shadow.mapSize.setScalar(kShadowTexels);
+    light.shadow.normalBias = kShadowOffset;
+}
+
+// three.js blunts a lamp's highlight where normals turn within a pixel. Here many pictures are averaged, and
+// highlights of the bake are not blunted.
+function keepRoughness(material) {
+    const { onBeforeCompile, customProgramCacheKey } = material;
+    material.onBeforeCompile = function (shader, renderer) {
+        onBeforeCompile.call(this, shader, renderer);
+        shader.fragmentShader = shader.fragmentShader.replace(
+            '#include <lights_physical_fragment>',
+            ShaderChunk.lights_physical_fragment.replaceAll(/.* \+= geometryRoughness;/g, ''),
+        );
+    };
+    material.customProgramCacheKey = () => `keepRoughness ${customProgramCacheKey.call(material)}`;
 }
 
 function load(url, onProgress) {
@@ -66,14 +98,15 @@ class Viewer {
             if (object.isMesh) {
                 object.castShadow = object.receiveShadow = true;
                 if (object.material.isMeshStandardMaterial) materials.add(object.material);
-                if (object.material.map)
-                    object.material.map.anisotropy = Math.min(8, renderer.capabilities.getMaxAnisotropy());
             }
-            if (object.isLight) {
-                object.castShadow = !object.isAmbientLight;
-                if (object.shadow) object.shadow.normalBias = 0.02;
-            }
+            if (object.shadow) prepareShadow(object);
         });
+        const anisotropy = Math.min(8, renderer.capabilities.getMaxAnisotropy()); // twin: createSamplers
+        for (const material of materials) {
+            for (const texture of Object.values(material)) if (texture?.isTexture) Object.assign(texture, { anisotropy });
+            keepRoughness(material);
+        }
+        this.drawShadows();
         const cameras = gltf.cameras.filter((camera) => camera.isPerspectiveCamera);
         createPanel(
             this,
@@ -87,6 +120,7 @@ class Viewer {
         new ResizeObserver(() => this.resize()).observe(canvas);
         canvas.addEventListener('webglcontextrestored', () => {
             this.pending = null;
+            this.drawShadows();
             this.changed();
         });
         this.previous = performance.now();
@@ -99,6 +133,11 @@ class Viewer {
                 console.error(error);
             }
         });
+    }
+
+    // Once: nothing moves.
+    drawShadows() {
+        this.renderer.shadowMap.needsUpdate = true;
     }
 
     resize() {
