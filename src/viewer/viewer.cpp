@@ -7,15 +7,15 @@
 #include <chrono>
 #include <cmath>
 
-#include "core/live_light.h"
 #include "gl/gl_error.h"
-#include "io/bake_record.h"
 #include "io/image_file.h"
 #include "viewer/background_bake.h"
 #include "viewer/input.h"
+#include "viewer/light_follower.h"
 #include "viewer/panels.h"
 #include "viewer/recent_files.h"
 #include "viewer/render_command_line.h"
+#include "viewer/sentence.h"
 #include "viewer/window.h"
 
 namespace phat {
@@ -34,14 +34,6 @@ std::string freeName(const char* prefix, const Endings&... endings) {
         const std::string name = fmt::format("{}{:04}", prefix, i);
         if (!(std::filesystem::exists(name + endings) || ...)) return name;
     }
-}
-
-// Renewed PHATexels are uploaded for so long a frame.
-constexpr double kUploadSeconds = 0.004;
-
-std::string sentenceOf(const std::exception& error) {
-    if (dynamic_cast<const std::bad_alloc*>(&error)) return "There is not enough memory.";
-    return error.what();
 }
 
 class Viewer {
@@ -72,7 +64,6 @@ class Viewer {
     void tryOpen(const std::string& path);
     void takeBake();
     void applyChanges();
-    void followLight(bool changed);
     /// Whether the animation goes on.
     bool play();
     void fulfill(const PanelWishes& panels, const Wishes& keys);
@@ -97,11 +88,7 @@ class Viewer {
     ViewerState state_;
     std::unique_ptr<BackgroundBake> bake_;
     bool rendererIsNew_ = false;
-    std::unique_ptr<LiveLight> light_;
-    bool cannotRenew_ = false;  // this bake's PHATexels
-    LiveUpdate renewed_;        // what is not uploaded yet
-    bool lightFollows_ = false;
-    glm::mat4 litFor_{1};  // the eye that light was last asked for
+    LightFollower light_;
     std::chrono::steady_clock::time_point lastFrame_{};
     int framesLeft_ = kFramesAfterEvent;
 
@@ -118,7 +105,6 @@ void Viewer::open(const std::string& path) {
     const bool again = state_.document && state_.document->path == path;
     bake_.reset();
     light_.reset();
-    renewed_ = {};
     state_.renderer.reset();
     pictures_.reset();
     state_.grab.reset();
@@ -152,8 +138,6 @@ void Viewer::useBake() {
     pictures_.takeNewBake();
     state_.document->forgetRenewedLight();
     light_.reset();
-    cannotRenew_ = false;
-    renewed_ = {};
     state_.renderer.reset();
     state_.renderer = std::make_unique<Renderer>(
         RendererInput{baked.loaded.scene, baked.atlas, baked.points, baked.phatexture},
@@ -186,8 +170,7 @@ bool Viewer::play() {
     const double passed = std::chrono::duration<double>(now - std::exchange(lastFrame_, now)).count();
     if (!state_.document || !state_.document->playback.playing) return false;
     Playback& playback = state_.document->playback;
-    const double length =
-        double(state_.document->scene().animations[size_t(playback.animation)].seconds());
+    const double length = double(state_.document->scene().animations[size_t(playback.animation)].seconds());
     if (length > 0) playback.seconds = std::fmod(playback.seconds + passed, length);
     return true;
 }
@@ -207,50 +190,12 @@ void Viewer::applyChanges() {
         state_.renderer->setLights(document.shown.lights);
         state_.renderer->turnEnvironment(edits.environmentColumns);
     }
-    followLight(changes.any);
-}
-
-void Viewer::followLight(bool changed) {
-    if (bake_ || cannotRenew_) return;
-    Document& document = *state_.document;
-    const BakedScene& baked = document.baked;
-    const bool follows = state_.view.liveLight;
-    try {
-        if (!light_) {
-            // Things that have moved need their places renewed, even where light waits.
-            if (!document.isMoved() && (!follows || document.isAtRest())) return;
-            light_ = std::make_unique<LiveLight>(
-                LiveLight::Start{document.scene(), baked.atlas, baked.points, baked.phatexture,
-                                 settingsOf(baked.record)},
-                0, Window::wake);
-            changed = true;
-        }
-        const Camera& eye = state_.navigation.camera;
-        const bool turned = eye.worldFromCamera != litFor_ && !light_->report().settled;
-        if (changed || turned || follows != lightFollows_) {
-            light_->follow(document.pose(), eye, follows);
-            lightFollows_ = follows;
-            litFor_ = eye.worldFromCamera;
-        }
-        if (renewed_.empty()) {
-            std::optional<LiveUpdate> update = light_->take();
-            if (!update) return;
-            renewed_ = std::move(*update);
-            document.takeLight(renewed_);
-        }
-    } catch (const std::exception& error) {
-        state_.message = fmt::format("The light cannot follow: {}.", sentenceOf(error));
-        light_.reset();
-        cannotRenew_ = true;
-        return;
-    }
-    state_.renderer->takeUpdate(renewed_, kUploadSeconds);
-    ++state_.lightVersion;
+    if (!bake_) light_.follow(state_, changes.any);
 }
 
 PanelInput Viewer::panelInput() const {
     PanelInput input{pictures_, {}, 0, {}, window_.uiScale(), turntable_.has_value()};
-    if (light_) input.light = light_->report();
+    input.light = light_.report();
     if (!bake_) return input;
     const auto report = bake_->report();
     input.bakeStatus =
@@ -289,10 +234,10 @@ void Viewer::keepPicture() {
 }
 
 void Viewer::save() {
-    if (light_) light_->waitUntilStarted();  // it reads what is moved while that is written
+    light_.waitUntilStarted();  // it reads what is moved while that is written
     const std::string out = state_.document->save();
-    state_.message = fmt::format("Saved as {}{}.", out,
-                                 state_.document->isMoved() ? "; what was moved is not" : "");
+    state_.message =
+        fmt::format("Saved as {}{}.", out, state_.document->isMoved() ? "; what was moved is not" : "");
     rememberFile(out);
 }
 
@@ -362,7 +307,7 @@ bool Viewer::frame() {
     bool more = play();
     try {
         applyChanges();
-        more |= turn() || !renewed_.empty();
+        more |= turn() || light_.hasMore();
         if (state_.document) more |= pictures_.refine(state_, pictureSize());
     } catch (const GlError& error) {  // such as out of video memory
         state_.message = error.what();

@@ -1,0 +1,71 @@
+#include "viewer/light_follower.h"
+
+#include <fmt/format.h>
+
+#include "io/bake_record.h"
+#include "viewer/sentence.h"
+#include "viewer/window.h"
+
+namespace phat {
+namespace {
+
+// Renewed PHATexels are uploaded for so long a frame.
+constexpr double kUploadSeconds = 0.004;
+
+}  // namespace
+
+void LightFollower::reset() {
+    *this = {};
+}
+
+void LightFollower::begin(const Document& document) {
+    const BakedScene& baked = document.baked;
+    light_ = std::make_unique<LiveLight>(LiveLight::Start{document.scene(), baked.atlas, baked.points,
+                                                          baked.phatexture, settingsOf(baked.record)},
+                                         0, Window::wake);
+}
+
+void LightFollower::follow(ViewerState& state, bool changed) {
+    if (failed_) return;
+    Document& document = *state.document;
+    const bool renews = state.view.liveLight;
+    try {
+        if (!light_) {
+            // Things that have moved need their places renewed, even where light waits.
+            if (!document.isMoved() && (!renews || document.isAtRest())) return;
+            begin(document);
+            changed = true;
+        }
+        const Camera& eye = state.navigation.camera;
+        const bool turned = eye.worldFromCamera != eye_ && !light_->report().settled;
+        if (changed || turned || renews != renews_) {
+            light_->follow(document.pose(), eye, renews);
+            renews_ = renews;
+            eye_ = eye.worldFromCamera;
+        }
+        if (renewed_.empty()) {
+            std::optional<LiveUpdate> update = light_->take();
+            if (!update) return;
+            renewed_ = std::move(*update);
+            document.takeLight(renewed_);
+        }
+    } catch (const std::exception& error) {
+        state.message = fmt::format("The light cannot follow: {}.", sentenceOf(error));
+        light_.reset();
+        failed_ = true;
+        return;
+    }
+    state.renderer->takeUpdate(renewed_, kUploadSeconds);
+    ++state.lightVersion;
+}
+
+void LightFollower::waitUntilStarted() {
+    if (light_) light_->waitUntilStarted();
+}
+
+std::optional<LiveLight::Report> LightFollower::report() const {
+    if (!light_) return {};
+    return light_->report();
+}
+
+}  // namespace phat

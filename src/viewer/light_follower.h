@@ -1,0 +1,36 @@
+#pragma once
+// Light that follows what is changed in the window: the live engine beside the renderer.
+
+#include <memory>
+#include <optional>
+
+#include "core/live_light.h"
+#include "viewer/viewer_state.h"
+
+namespace phat {
+
+class LightFollower {
+  public:
+    /// Forgets what was renewed, for another bake.
+    void reset();
+    /// Asks for the light of what is shown now and gives the renderer what has been renewed, for so long as a
+    /// frame can spare. The first change begins it. What goes wrong is told in the state's message, and light
+    /// stays as it is until reset(). `changed`: since the last call. pre: a renderer and a whole bake.
+    void follow(ViewerState& state, bool changed);
+    /// There is more to give than the last frame had time for.
+    bool hasMore() const { return !renewed_.empty(); }
+    /// Before what it reads is written to.
+    void waitUntilStarted();
+    std::optional<LiveLight::Report> report() const;
+
+  private:
+    void begin(const Document& document);
+
+    std::unique_ptr<LiveLight> light_;
+    bool failed_ = false;
+    LiveUpdate renewed_;  // not uploaded yet
+    bool renews_ = false;
+    glm::mat4 eye_{1};  // that light was last asked for
+};
+
+}  // namespace phat
