@@ -126,8 +126,10 @@ nlohmann::json measure(const Options& options) {
         return light.report().processorSeconds;
     };
     const double before = settle();
+    const uint64_t renewedBefore = light.report().phatexels;
     light.follow(moved(scene, options, true), frame.camera, true);
     const double renewal = settle() - before;
+    const uint64_t renewals = light.report().phatexels - renewedBefore;
     uint64_t valid = 0;
     for (size_t i = 0; i < baked.points.state.size(); ++i) valid += baked.points.valid(i);
     valid *= baked.phatexture.indirect.size() + baked.phatexture.area.size();
@@ -140,7 +142,11 @@ nlohmann::json measure(const Options& options) {
             {"idle", summary(idle)},
             {"updating", summary(updating)},
             {"phatexels", valid},
-            {"renewal", {{"processorSeconds", renewal}, {"phatexelsPerSecond", speed}}},
+            {"renewal",
+             {{"processorSeconds", renewal},
+              {"phatexelsPerSecond", speed},
+              {"renewals", renewals},
+              {"renewalsPerSecond", double(renewals) / renewal}}},
             {"bake", {{"processorSeconds", whole}, {"phatexelsPerSecond", bakeSpeed}}},
             {"longestPieceMs", 1e3 * light.report().longestSeconds}};
 }
