@@ -74,14 +74,15 @@ bool LiveEngine::movedIsDue(LiveTask task) {
 }
 
 void LiveEngine::beginDueMap() {
-    if (areaIsDue())
-        beginMap(true, {});
-    else if (indirectIsDue())
-        beginMap(false, {});
-    else if (movedIsDue(LiveTask::areaLight))
+    // What has moved is few texels, and seen to be wrong at once.
+    if (movedIsDue(LiveTask::areaLight))
         beginMap(true, movedSince(areaMapScene_));
     else if (movedIsDue(LiveTask::nodes) && allNodesKnown(state_))
         beginMap(false, movedSince(indirectMapScene_));
+    else if (areaIsDue())
+        beginMap(true, {});
+    else if (indirectIsDue())
+        beginMap(false, {});
 }
 
 void LiveEngine::beginMap(bool area, ChartSet charts) {

@@ -16,8 +16,9 @@ constexpr float kLeastValue = 0.25f;
 constexpr float kMovedBonus = 2.0f;
 
 // Shares of the work, by LiveTask. Responding to a change comes first by far, and is soon done; blocks that
-// are renewed before the light around them is known have to be renewed again.
-constexpr double kShare[kLiveTasks] = {8, 2, 3, 3, 8, 3};
+// are renewed before the light around them is known have to be renewed again. A map that is begun keeps
+// nearly all else waiting.
+constexpr double kShare[kLiveTasks] = {8, 2, 3, 3, 100, 3};
 
 bool isSeen(const Camera& eye, const TilePatch& patch, glm::vec3 normal, float radius) {
     const glm::mat4 cameraFromWorld = glm::inverse(eye.worldFromCamera);
