@@ -334,6 +334,13 @@ TEST_F(ViewerWindow, SurvivesLongUseInFlatMemory) {
         for (const double mb : megabytes) std::printf(" %.0f", mb);
         std::printf("\n");
     }
+    if (megabytes.size() >= 6) {
+        const auto middle = megabytes.begin() + long(megabytes.size() / 2);
+        const auto mean = [](auto begin, auto end) {
+            return std::accumulate(begin, end, 0.0) / double(end - begin);
+        };
+        EXPECT_LT(mean(middle, megabytes.end()), 1.1 * mean(megabytes.begin(), middle));
+    }
     EXPECT_EQ(window.close(), 0) << window.errors();
     EXPECT_EQ(window.errors(), "");
 }
