@@ -104,6 +104,10 @@ def elsewhere_table(figures, rows):
                    f"{row['noise']:.3f}"] for row in rows])
 
 
+def reads_text(reads):
+    return "; ".join(f"{reads[of]['mean']:.0f} / {reads[of]['max']:.0f}" for of in ("indirect", "area"))
+
+
 def bakes_table(bakes):
     """Of the first seed's."""
     body = []
@@ -112,9 +116,9 @@ def bakes_table(bakes):
         body.append([one["name"], f"{bake['atlas']['finestTexelSize'] * 1e3:.2f} to {bake['atlas']['texelSize'] * 1e3:.1f}",
                      f"{bake['atlas']['width'] * bake['atlas']['height'] / 1e6:.2f} M", seconds(bake["seconds"]),
                      f"{one['fileBytes'] / 1e6:.1f}", f"{drawn['bytesPerPhatexel']:.1f}",
-                     f"{one['reads']['mean']:.0f} / {one['reads']['max']:.0f}"])
+                     reads_text(one["reads"])])
     return table(["bake", "texels, mm", "texels in the atlas", "bake, s", "file, MB", "bytes a PHATexel",
-                  "reads a pixel, mean / most"], body)
+                  "reads a pixel, mean / most: indirect; area lights"], body)
 
 
 def cost_table(rows):
@@ -123,10 +127,11 @@ def cost_table(rows):
         ms, counts = row["milliseconds"], row["instructions"]
         label = f"`{row['method']}`" + (f", `--quality {row['quality']}`" if row["quality"] else "")
         total = sum(value for key, value in ms.items() if key != "shadows")
-        body.append([label, *(decimal(ms[key]) for key in ("relight", "pyramid", "display", "reflections")), decimal(total),
-                     "" if row["reads"] is None else f"{row['reads']['mean']:.0f} / {row['reads']['max']:.0f}",
+        drawn = sum(ms[key] for key in ("depth", "lookup", "pool", "display"))
+        body.append([label, *map(decimal, (ms["relight"], ms["pyramid"], drawn, ms["reflections"], total)),
+                     "" if row["reads"] is None else reads_text(row["reads"]),
                      ", ".join(f"{name} {count}" for name, count in counts.items())])
-    return table(["frame", "relight, ms", "pyramid, ms", "lookup and display, ms", "rays, ms", "all, ms", "reads a pixel, mean / most",
+    return table(["frame", "relight, ms", "pyramid, ms", "lookup and display, ms", "rays, ms", "all, ms", "reads a pixel, mean / most: indirect; area lights",
                   "SPIR-V instructions"], body)
 
 
@@ -219,7 +224,7 @@ material and roughness. Errors are two standard errors over bakes with different
 
 {goals_table(results["goals"])}
 
-What these bakes take and hold; reads of a single frame at the size above, for the indirect glossy light:
+What these bakes take and hold; reads of a single frame at the size above, for glossy light:
 
 {bakes_table(results["bakes"])}
 
