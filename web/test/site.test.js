@@ -165,6 +165,39 @@ test('turns by pointer and flies by keys', async () => {
     await page.close();
 });
 
+test('turns and zooms by fingers', async () => {
+    const page = await loaded(await open(server.url));
+    const eye = () => page.evaluate(() => viewer.camera.position.toArray());
+    const client = await page.context().newCDPSession(page);
+    const touch = (type, ...places) =>
+        client.send('Input.dispatchTouchEvent', {
+            type,
+            touchPoints: places.map(([x, y], id) => ({ x, y, id })),
+        });
+    const first = await eye();
+    await touch('touchStart', [60, 60]);
+    await touch('touchMove', [80, 55]);
+    await touch('touchMove', [100, 50]);
+    await touch('touchEnd');
+    await page.waitForFunction(
+        (from) => viewer.camera.position.distanceTo({ x: from[0], y: from[1], z: from[2] }) > 0.1,
+        first,
+    );
+    const toMiddle = () =>
+        page.evaluate(() => viewer.camera.position.distanceTo(viewer.navigation.controls.target));
+    const before = await toMiddle();
+    await touch('touchStart', [60, 45], [100, 45]);
+    await touch('touchMove', [50, 45], [110, 45]);
+    await touch('touchMove', [40, 45], [120, 45]);
+    await touch('touchEnd');
+    await page.waitForFunction(
+        (far) => viewer.camera.position.distanceTo(viewer.navigation.controls.target) < 0.8 * far,
+        before,
+    );
+    assert.deepEqual(page.problems, []);
+    await page.close();
+});
+
 test('follows its sliders', async () => {
     const page = await loaded(await open(server.url));
     await rest(page);
