@@ -8,7 +8,6 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdlib>
-#include <ctime>
 #include <fstream>
 #include <glm/gtc/matrix_transform.hpp>
 #include <iostream>
@@ -16,6 +15,7 @@
 
 #include "core/live_light.h"
 #include "core/photon_map.h"
+#include "core/processor_time.h"
 #include "gl/gl_context.h"
 #include "gl/picture_sum.h"
 #include "gl/renderer.h"
@@ -35,12 +35,6 @@ struct Options {
     float meters = -0.2f;
     int width = 640, height = 360, frames = 20;
 };
-
-double processorSeconds() {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
-}
 
 double quantile(std::vector<double> values, double share) {
     std::sort(values.begin(), values.end());
@@ -62,13 +56,13 @@ double bakeProcessorSeconds(const BakedScene& baked, const BakeSettings& setting
     const LightSampler lights(scene);
     const std::vector<Frame> frames = blockFrames(baked.atlas, baked.points);
     const std::vector<uint8_t> wanted = irradianceTexels(baked.atlas, baked.points);
-    const double start = processorSeconds();
+    const double start = threadProcessorSeconds();
     const PhotonMap photons = tracePhotons(rays, lights, settings.photons, progress);
     const PhotonIndex index(photons.photons);
     std::atomic<uint64_t> rayCount = 0;
     gatherLight({rays, lights, baked.atlas, baked.points, frames, photons, index, wanted}, settings, progress,
                 nullptr, rayCount);
-    return processorSeconds() - start;
+    return threadProcessorSeconds() - start;
 }
 
 LivePose moved(const Scene& scene, const Options& options, bool away) {

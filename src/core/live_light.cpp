@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <utility>
+
+#include "core/processor_time.h"
 
 namespace phat {
 namespace {
@@ -15,12 +16,6 @@ namespace {
 constexpr uint64_t kWorkAtOnce = 10'000;
 // The speed is that of about so long.
 constexpr double kSpeedSeconds = 1;
-
-double processorSeconds() {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
-}
 
 }  // namespace
 
@@ -118,11 +113,11 @@ bool LiveLight::step(LiveEngine& engine) {
         engine.setPose(wanted->pose);
     }
     const auto start = std::chrono::steady_clock::now();
-    const double processorStart = processorSeconds();
+    const double processorStart = threadProcessorSeconds();
     const bool rests = !renews || engine.settled();
     if (!rests) engine.advance(kWorkAtOnce, Stop(stop_));
     noteWork(engine, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
-             processorSeconds() - processorStart);
+             threadProcessorSeconds() - processorStart);
 
     bool taker = false;
     {
@@ -133,7 +128,10 @@ bool LiveLight::step(LiveEngine& engine) {
     LiveUpdate update;
     if (taker) update = engine.takeUpdate();
     const bool any = !update.empty();
+    // A look at every item: for those who are told of something new alone.
+    const LiveShare renewed = any || rests ? engine.renewed() : LiveShare{};
     std::unique_lock lock(mutex_);
+    if (any || rests) report_.renewed = renewed;
     if (any) ready_ = std::move(update);
     // All is done and the last portion is on its way.
     const bool done = rests && taker && !wanted_;
@@ -148,10 +146,8 @@ bool LiveLight::step(LiveEngine& engine) {
 }
 
 void LiveLight::noteWork(const LiveEngine& engine, double seconds, double processor) {
-    const LiveShare renewed = engine.renewed();
     const std::lock_guard lock(mutex_);
     const uint64_t now = engine.stats().phatexels, more = now - report_.phatexels;
-    report_.renewed = renewed;
     report_.phatexels = now;
     report_.seconds += seconds;
     report_.processorSeconds += processor;
