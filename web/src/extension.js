@@ -6,9 +6,6 @@ import {
     FloatType,
     LinearFilter,
     LinearSRGBColorSpace,
-    Matrix4,
-    Vector2,
-    Vector3,
 } from 'three';
 import {
     canLookUp,
@@ -19,10 +16,9 @@ import {
     readGuides,
     readLayer,
 } from './file.js';
-import { isSupported } from './gl.js';
 import { injectLight } from './inject.js';
 import { isBlended } from './material.js';
-import { Passes } from './passes.js';
+import { Rendering } from './rendering.js';
 import { gatherSurfaces, surfaceMeshes, triangleCount } from './surfaces.js';
 
 // loader.register((parser) => new PhatexturesExtension(parser))
@@ -48,11 +44,6 @@ export class PhatexturesExtension {
     }
 }
 
-function isVisible(object) {
-    for (let o = object; o; o = o.parent) if (!o.visible) return false;
-    return true;
-}
-
 export class BakedLight {
     constructor(root, parser, description, bake) {
         this.root = root;
@@ -62,9 +53,7 @@ export class BakedLight {
         this.wipe = 1;
         this.progress = 0;
         this.bake = bake;
-        this.passes = null;
-        this.drawnFor = { frame: -1, camera: null };
-        this.drawing = false;
+        this.renderings = new Map(); // by their renderers
         const pictures = () => ({ light: new ExternalTexture(), depth: new ExternalTexture() });
         this.pictures = { opaque: pictures(), blended: pictures() };
         const materials = new Set();
@@ -72,15 +61,16 @@ export class BakedLight {
             const { onBeforeRender } = mesh;
             mesh.onBeforeRender = (renderer, scene, camera, ...rest) => {
                 onBeforeRender.call(mesh, renderer, scene, camera, ...rest);
-                this.draw(renderer, camera);
+                this.draw(renderer, camera, rest[1]);
             };
             if (mesh.material.isMeshStandardMaterial) materials.add(mesh.material);
             return () => {
                 mesh.onBeforeRender = onBeforeRender;
             };
         });
-        this.injected = [...materials].map(injectLight);
-        this.undo.push(...this.injected.map(({ undo }) => undo));
+        this.corner = { value: [0, 0] };
+        this.materials = new Map([...materials].map((m) => [m, injectLight(m, this.corner)]));
+        this.materials.forEach(({ undo }) => this.undo.push(undo));
         this.ready = this.load(parser, description);
         this.ready.catch(() => {}); // whoever awaits it is told
         this.environment = null;
@@ -120,97 +110,40 @@ export class BakedLight {
                 layerCount: layers.length,
             };
             this.bake = { ...this.bake, lookup };
-            this.forgetPasses();
+            this.renderings.forEach((rendering) => rendering.forget());
             this.progress = layers.length / indirect.layers.length;
         }
         return this;
     }
 
-    forgetPasses() {
-        this.passes?.dispose();
-        this.passes = null;
-        this.drawnFor.frame = -1;
+    // Before a surface is drawn: the light of the picture that it is drawn in.
+    draw(renderer, camera, material) {
+        // Post-processing draws with materials of its own, which show no light.
+        if (!this.materials.has(material)) return;
+        if (!this.renderings.has(renderer)) this.renderings.set(renderer, new Rendering(renderer));
+        const shown = this.renderings.get(renderer).draw(this, camera);
+        if (shown) this.show(shown);
     }
 
-    // Draws the passes once a frame and camera, before the first of the surfaces.
-    draw(renderer, camera) {
-        const { frame } = renderer.info.render;
-        if (this.drawing || (this.drawnFor.frame === frame && this.drawnFor.camera === camera)) return;
-        this.drawnFor = { frame, camera };
-        const gl = renderer.getContext();
-        if (gl.isContextLost()) return;
-        this.drawing = true;
-        const target = renderer.getRenderTarget(),
-            face = renderer.getActiveCubeFace(),
-            level = renderer.getActiveMipmapLevel();
-        try {
-            if (this.passes?.renderer !== renderer) this.usePasses(renderer, gl);
-            const { x: width, y: height } = target
-                ? new Vector2(target.width, target.height)
-                : renderer.getDrawingBufferSize(new Vector2());
-            this.passes.draw(this.viewOf(camera, width, height), this);
-            this.showPictures(this.passes.targets);
-        } finally {
-            this.drawing = false;
-            renderer.resetState();
-            renderer.setRenderTarget(target, face, level);
-        }
-    }
-
-    showPictures(targets) {
+    show({ targets, corner }) {
+        this.corner.value = corner;
         for (const kind of ['opaque', 'blended']) {
             this.pictures[kind].light.sourceTexture = targets[kind]?.light ?? null;
             this.pictures[kind].depth.sourceTexture = targets[kind]?.depth ?? null;
         }
-        for (const { material, uniforms } of this.injected) {
+        for (const [material, { uniforms }] of this.materials) {
             const { light, depth } = this.pictures[isBlended(material) ? 'blended' : 'opaque'];
             uniforms.phatLight.value = light;
             uniforms.phatDepth.value = depth;
         }
     }
 
-    usePasses(renderer, gl) {
-        if (!isSupported(gl))
-            throw new Error('baked light needs WebGL 2 with float render targets (EXT_color_buffer_float)');
-        this.forgetPasses();
-        this.passes = new Passes(renderer, this.bake);
-        // What was made in the lost context is gone with it.
-        renderer.domElement.addEventListener(
-            'webglcontextrestored',
-            (this.onRestored = () => {
-                this.passes = null;
-                this.drawnFor.frame = -1;
-            }),
-            { once: true },
-        );
-    }
-
-    // In the space that the light was baked in.
-    viewOf(camera, width, height) {
-        const rootFromWorld = new Matrix4().copy(this.root.matrixWorld).invert();
-        const clipFromWorld = new Matrix4()
-            .multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse)
-            .multiply(this.root.matrixWorld);
-        const eye = new Vector3();
-        if (camera.isOrthographicCamera)
-            eye.set(0, 0, 1).transformDirection(camera.matrixWorld).transformDirection(rootFromWorld);
-        else eye.setFromMatrixPosition(camera.matrixWorld).applyMatrix4(rootFromWorld);
-        return {
-            width,
-            height,
-            clipFromWorld: clipFromWorld.elements,
-            eye: eye.toArray(),
-            eyeAtInfinity: camera.isOrthographicCamera ? 1 : 0,
-            isVisible: (mesh) => this.enabled && isVisible(mesh) && camera.layers.test(mesh.layers),
-        };
-    }
-
     dispose() {
         this.disposed = true;
         this.undo.forEach((undo) => undo());
         this.undo = [];
-        this.passes?.renderer.domElement.removeEventListener('webglcontextrestored', this.onRestored);
-        this.forgetPasses();
+        this.renderings.forEach((rendering) => rendering.dispose());
+        this.renderings.clear();
         this.environment?.dispose();
         for (const { light, depth } of Object.values(this.pictures))
             [light, depth].forEach((texture) => texture.dispose());

@@ -5,8 +5,10 @@
 const declarations = `
 uniform highp sampler2D phatLight;
 uniform highp sampler2D phatDepth;
+uniform ivec2 phatCorner;
 vec3 phatLightHere() {
-    ivec2 last = textureSize(phatLight, 0) - 1, here = min(ivec2(gl_FragCoord.xy), last), best = here;
+    ivec2 last = textureSize(phatLight, 0) - 1;
+    ivec2 here = clamp(ivec2(gl_FragCoord.xy) - phatCorner, ivec2(0), last), best = here;
     float z = gl_FragCoord.z, least = abs(texelFetch(phatDepth, here, 0).r - z);
     if (least > fwidth(z)) {
         for (int i = 0; i < 4; ++i) {
@@ -31,9 +33,10 @@ clearcoatSpecularIndirect = vec3(0.0);
 #endif
 `;
 
-// Returns the uniforms phatLight and phatDepth, and a function that undoes it.
-export function injectLight(material) {
-    const uniforms = { phatLight: { value: null }, phatDepth: { value: null } };
+// `corner`: of the pictures in what is drawn to, a uniform. Returns the uniforms phatLight and phatDepth, and a function
+// that undoes it.
+export function injectLight(material, corner) {
+    const uniforms = { phatLight: { value: null }, phatDepth: { value: null }, phatCorner: corner };
     const { onBeforeCompile, customProgramCacheKey } = material;
     material.onBeforeCompile = function (shader, renderer) {
         onBeforeCompile.call(this, shader, renderer);
@@ -55,5 +58,5 @@ export function injectLight(material) {
         Object.assign(material, { onBeforeCompile, customProgramCacheKey });
         material.needsUpdate = true;
     };
-    return { material, uniforms, undo };
+    return { uniforms, undo };
 }

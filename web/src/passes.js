@@ -19,6 +19,9 @@ import { uploadAtlas, uploadProbes, uploadScrambles, uploadWarps } from './table
 
 const kSplitSumSize = 64; // twin: src/core/brdf.h
 const kFirstMaterialUnit = 7;
+// Views whose pictures are kept: a page's own and a second one, as long as both are drawn.
+const kKeptSizes = 2,
+    kKeptDraws = 8;
 // twin: drawsOf in src/gl/display_pass.cpp
 const kDraws = {
     fast: { count: 2, lampBits: 2 },
@@ -55,6 +58,8 @@ export class Passes {
         this.white = whiteTexture(gl);
         this.shadows = noShadows(gl);
         this.atlas = uploadAtlas(gl, bake.atlas);
+        this.targets = [];
+        this.drawCount = 0;
         this.rows = new Float32Array(4 * kMaterialRows);
         this.uploadLookup();
         this.createPrograms(bake.surfaces.draws.some(({ mesh }) => hasClearcoat(mesh.material)));
@@ -135,9 +140,24 @@ export class Passes {
         gl.viewport(0, 0, width, height);
     }
 
-    replaceTargets(targets) {
-        disposeTargets(this.gl, this.targets);
-        this.targets = targets;
+    // Pictures of a view's size. Views of two sizes may be drawn in turn; what is not used any more is freed.
+    targetsFor({ width, height }) {
+        const { gl } = this,
+            hasBlended = this.hasBlended(),
+            fits = (t) => t.width === width && t.height === height && Boolean(t.blended) === hasBlended;
+        const targets =
+            this.targets.find(fits) ?? createTargets(gl, width, height, this.layers, hasBlended);
+        targets.lastUse = ++this.drawCount;
+        const all = [targets, ...this.targets.filter((t) => t !== targets)];
+        const isKept = (t, i) => i < kKeptSizes && this.drawCount - t.lastUse < kKeptDraws;
+        all.filter((t, i) => !isKept(t, i)).forEach((t) => disposeTargets(gl, t));
+        this.targets = all.filter(isKept);
+        return targets;
+    }
+
+    freeTargets() {
+        this.targets.forEach((targets) => disposeTargets(this.gl, targets));
+        this.targets = [];
     }
 
     hasBlended() {
@@ -199,7 +219,7 @@ export class Passes {
         gl.depthMask(false);
     }
 
-    lookUp(view, target, quality, seed) {
+    lookUp(view, shared, target, quality, seed) {
         const { gl, atlas, bake, lookupProgram: program } = this;
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.seenTarget);
         for (let layer = 0; layer < this.layers; ++layer) gl.clearBufferuiv(gl.COLOR, layer, [0, 0, 0, 0]);
@@ -222,11 +242,11 @@ export class Passes {
         program.set('drawCount', count);
         program.set('lampBits', lampBits);
         this.drawSurfaces(program, view, true);
-        this.poolDraws(target);
+        this.poolDraws(shared, target);
     }
 
-    poolDraws(target) {
-        const { gl, targets, poolProgram: program } = this;
+    poolDraws(shared, target) {
+        const { gl, poolProgram: program } = this;
         gl.disable(gl.DEPTH_TEST);
         gl.disable(gl.CULL_FACE);
         gl.bindVertexArray(this.noVertices);
@@ -237,17 +257,17 @@ export class Passes {
             program.set('alongWhich', alongWhich);
             gl.drawArrays(gl.TRIANGLES, 0, 3);
         };
-        pool(targets.seen, targets.pooledTarget, [1, 0]);
-        pool(targets.pooled, target.seenTarget, [0, 1]);
+        pool(shared.seen, shared.pooledTarget, [1, 0]);
+        pool(shared.pooled, target.seenTarget, [0, 1]);
         gl.bindVertexArray(this.vertices.vertexArray);
         gl.enable(gl.DEPTH_TEST);
     }
 
-    display(view, target, show) {
-        const { gl, targets, atlas, displayProgram: program } = this;
+    display(view, shared, target, show) {
+        const { gl, atlas, displayProgram: program } = this;
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.lightTarget);
         program.use();
-        program.bind('seen', 0, gl.TEXTURE_2D_ARRAY, targets.seen);
+        program.bind('seen', 0, gl.TEXTURE_2D_ARRAY, shared.seen);
         program.bind('tileLight', 1, gl.TEXTURE_2D, atlas.tileLight);
         program.bind('tileTable', 2, gl.TEXTURE_2D, atlas.tileTable);
         program.bind('irradiance', 3, gl.TEXTURE_2D_ARRAY, atlas.irradiance);
@@ -261,35 +281,29 @@ export class Passes {
     }
 
     // `view`: { width, height, clipFromWorld, eye, eyeAtInfinity, isVisible(mesh) }; the rest: see BakedLight.
-    // Leaves WebGL's state to the caller.
+    // Returns the view's targets. Leaves WebGL's state to the caller.
     draw(view, { quality, seed, wipe }) {
-        const { gl } = this;
         this.uploadMaps();
         const coatAppears =
             !this.clearcoat && this.bake.surfaces.draws.some(({ mesh }) => hasClearcoat(mesh.material));
         if (coatAppears) {
             this.disposePrograms();
             this.createPrograms(true);
-            this.replaceTargets(null);
+            this.freeTargets();
         }
-        const { targets } = this;
-        if (
-            targets?.width !== view.width ||
-            targets?.height !== view.height ||
-            Boolean(targets?.blended) !== this.hasBlended()
-        )
-            this.replaceTargets(createTargets(gl, view.width, view.height, this.layers, this.hasBlended()));
-        this.drawKind({ ...view, blended: false }, this.targets.opaque, quality, seed, wipe);
-        if (this.targets.blended)
-            this.drawKind({ ...view, blended: true }, this.targets.blended, quality, seed, wipe);
+        const targets = this.targetsFor(view);
+        for (const kind of ['opaque', 'blended'])
+            if (targets[kind])
+                this.drawKind({ ...view, blended: kind === 'blended' }, targets, targets[kind], quality, seed, wipe);
+        return targets;
     }
 
-    drawKind(view, target, quality, seed, wipe) {
+    drawKind(view, shared, target, quality, seed, wipe) {
         const { gl } = this;
         this.resetState(view.width, view.height);
         gl.bindVertexArray(this.vertices.vertexArray);
         this.drawDepth(view, target);
-        this.lookUp(view, target, quality, seed);
+        this.lookUp(view, shared, target, quality, seed);
         const left = Math.round(wipe * view.width);
         gl.enable(gl.SCISSOR_TEST);
         for (const [x, width, show] of [
@@ -297,7 +311,7 @@ export class Passes {
             [left, view.width - left, [1, 0, 0]],
         ]) {
             gl.scissor(x, 0, width, view.height);
-            if (width > 0) this.display(view, target, show);
+            if (width > 0) this.display(view, shared, target, show);
         }
         gl.disable(gl.SCISSOR_TEST);
         gl.bindVertexArray(null);
@@ -310,7 +324,7 @@ export class Passes {
 
     dispose() {
         const { gl } = this;
-        this.replaceTargets(null);
+        this.freeTargets();
         this.disposePrograms();
         for (const texture of [
             ...Object.values(this.atlas),

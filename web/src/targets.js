@@ -24,7 +24,7 @@ export function createTargets(gl, width, height, layers, hasBlended) {
 }
 
 export function disposeTargets(gl, targets) {
-    const { opaque = {}, blended = {}, ...shared } = targets ?? {};
+    const { opaque = {}, blended = {}, ...shared } = targets;
     for (const object of Object.values({ ...shared }).concat(Object.values(opaque), Object.values(blended))) {
         if (object instanceof WebGLTexture) gl.deleteTexture(object);
         else if (object instanceof WebGLFramebuffer) gl.deleteFramebuffer(object);

@@ -1,0 +1,93 @@
+// What one renderer has drawn of a baked light.
+import { Matrix4, Vector3, Vector4 } from 'three';
+import { isSupported } from './gl.js';
+import { Passes } from './passes.js';
+
+function isVisible(object) {
+    for (let o = object; o; o = o.parent) if (!o.visible) return false;
+    return true;
+}
+
+// A camera in the space of `root`, where the light was baked.
+function viewOf(root, camera) {
+    const rootFromWorld = new Matrix4().copy(root.matrixWorld).invert();
+    const clipFromWorld = new Matrix4()
+        .multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse)
+        .multiply(root.matrixWorld);
+    const eye = new Vector3();
+    if (camera.isOrthographicCamera)
+        eye.set(0, 0, 1).transformDirection(camera.matrixWorld).transformDirection(rootFromWorld);
+    else eye.setFromMatrixPosition(camera.matrixWorld).applyMatrix4(rootFromWorld);
+    return {
+        clipFromWorld: clipFromWorld.elements,
+        eye: eye.toArray(),
+        eyeAtInfinity: camera.isOrthographicCamera ? 1 : 0,
+    };
+}
+
+export class Rendering {
+    constructor(renderer) {
+        this.renderer = renderer;
+        this.passes = null;
+        this.drawnFor = null;
+        // What was made in the lost context is gone with it.
+        this.onRestored = () => {
+            this.passes = null;
+            this.drawnFor = null;
+        };
+        renderer.domElement.addEventListener('webglcontextrestored', this.onRestored);
+    }
+
+    // Draws the passes in the middle of a call of `renderer.render`, and leaves it as it was. Nothing is drawn where
+    // nothing has changed: the light is that of a call, a camera, and a target (three.js draws what is behind glass
+    // into another one first). Returns { targets, corner }, the pictures and where they are in the target, or null.
+    draw(light, camera) {
+        const { renderer } = this,
+            gl = renderer.getContext(),
+            target = renderer.getRenderTarget(),
+            { frame } = renderer.info.render,
+            last = this.drawnFor;
+        if (gl.isContextLost()) return null;
+        if (last?.frame === frame && last.camera === camera && last.target === target) return last.shown;
+        // The cameras of an ArrayCamera have viewports of their own.
+        const viewport = camera.viewport ?? renderer.getCurrentViewport(new Vector4());
+        const [x, y, width, height] = viewport.toArray().map(Math.floor);
+        if (width < 1 || height < 1) return null;
+        const face = renderer.getActiveCubeFace(),
+            level = renderer.getActiveMipmapLevel(),
+            clearColor = gl.getParameter(gl.COLOR_CLEAR_VALUE);
+        try {
+            this.passes ??= this.createPasses(gl, light.bake);
+            const isSeen = (mesh) => light.enabled && isVisible(mesh) && camera.layers.test(mesh.layers);
+            const targets = this.passes.draw(
+                { ...viewOf(light.root, camera), width, height, isVisible: isSeen },
+                light,
+            );
+            this.drawnFor = { frame, camera, target, shown: { targets, corner: [x, y] } };
+        } finally {
+            renderer.resetState();
+            renderer.setRenderTarget(target, face, level);
+            renderer.state.viewport(viewport);
+            // renderer.clear takes the colour that was set last.
+            gl.clearColor(...clearColor);
+        }
+        return this.drawnFor.shown;
+    }
+
+    createPasses(gl, bake) {
+        if (!isSupported(gl))
+            throw new Error('baked light needs WebGL 2 with float render targets (EXT_color_buffer_float)');
+        return new Passes(this.renderer, bake);
+    }
+
+    forget() {
+        this.passes?.dispose();
+        this.passes = null;
+        this.drawnFor = null;
+    }
+
+    dispose() {
+        this.forget();
+        this.renderer.domElement.removeEventListener('webglcontextrestored', this.onRestored);
+    }
+}
