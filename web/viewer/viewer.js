@@ -55,18 +55,24 @@ function prepareShadow(light) {
     light.shadow.normalBias = kShadowOffset;
 }
 
-// three.js blunts a lamp's highlight where normals turn within a pixel. Here many pictures are averaged, and
-// highlights of the bake are not blunted.
-function keepRoughness(material) {
+// Two things that three.js does to a lamp's highlight, and glTF's appendix B and hence the bake do not: it is blunted
+// where normals turn within a pixel (here many pictures are averaged), and brightened on rough metals for light that
+// would be reflected twice.
+function keepToGltf(material) {
     const { onBeforeCompile, customProgramCacheKey } = material;
+    const chunks = {
+        lights_physical_fragment: [/.* \+= geometryRoughness;/g, ''],
+        lights_fragment_begin: [/(multiScatteringCompensation =).*;/g, '$1 vec3(1.0);'],
+    };
     material.onBeforeCompile = function (shader, renderer) {
         onBeforeCompile.call(this, shader, renderer);
-        shader.fragmentShader = shader.fragmentShader.replace(
-            '#include <lights_physical_fragment>',
-            ShaderChunk.lights_physical_fragment.replaceAll(/.* \+= geometryRoughness;/g, ''),
-        );
+        for (const [name, [pattern, by]] of Object.entries(chunks))
+            shader.fragmentShader = shader.fragmentShader.replace(
+                `#include <${name}>`,
+                ShaderChunk[name].replaceAll(pattern, by),
+            );
     };
-    material.customProgramCacheKey = () => `keepRoughness ${customProgramCacheKey.call(material)}`;
+    material.customProgramCacheKey = () => `keepToGltf ${customProgramCacheKey.call(material)}`;
 }
 
 function load(url, onProgress) {
@@ -104,7 +110,7 @@ class Viewer {
         const anisotropy = Math.min(8, renderer.capabilities.getMaxAnisotropy()); // twin: createSamplers
         for (const material of materials) {
             for (const texture of Object.values(material)) if (texture?.isTexture) Object.assign(texture, { anisotropy });
-            keepRoughness(material);
+            keepToGltf(material);
         }
         this.drawShadows();
         const cameras = gltf.cameras.filter((camera) => camera.isPerspectiveCamera);
