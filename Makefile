@@ -1,9 +1,10 @@
-# `make demo`, `make web`, `make web-examples`, `make test`, `make bench` and `make figures`. All install what is missing
+# `make demo`, `make web`, `make web-examples`, `make web-bench`, `make test`, `make bench` and
+# `make figures`. All install what is missing
 # on Debian 12 (root or sudo).
 
 BUILD_JOBS ?= $(shell nproc)
 
-.PHONY: demo test web web-examples bench figures release dev setup clean
+.PHONY: demo test web web-examples web-bench bench figures release dev setup clean
 
 demo: out/tabletop.png
 	@echo "Look at out/tabletop.png"
@@ -25,6 +26,11 @@ web/node_modules/.package-lock.json: web/package-lock.json
 # Two rooms to look at from any web server.
 web-examples: release web
 	web/examples/make build/release/phat out/web-examples
+
+# The pages' times and errors beside three.js alone: build/web-bench.json and a table. On an idle machine.
+web-bench: web-examples
+	@tools/setup chromium
+	node web/bench/bench.js out/web-examples > build/web-bench.json
 
 bench: setup
 	@test -f build/release/build.ninja || cmake --preset release

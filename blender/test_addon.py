@@ -47,7 +47,7 @@ def main():
         assert b'"floor"' in info.stdout, info.stdout
         assert bpy.ops.phat.site() == {"FINISHED"}
         assert sorted(os.listdir(os.path.join(folder, "room-site"))) == [
-            "index.html", "poster.jpg", "room.glb", "room.reflections.bin", "viewer.css", "viewer.js"]
+            "index.html", "poster.jpg", "room.glb", "room.lamps.bin", "room.reflections.bin", "viewer.css", "viewer.js"]
         # What is baked is still a scene that Blender reads.
         bpy.ops.wm.read_homefile(use_empty=True)
         # (Flat: the importer of Debian's 3.4 asks for smooth normals by a name that its numpy has not.)

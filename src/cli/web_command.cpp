@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kRoom = "room.glb";
-constexpr const char* kReflections = "room.reflections.bin";
+constexpr const char* kPartsStem = "room";
 constexpr const char* kPoster = "poster.jpg";
 constexpr int kPosterWidth = 960;
 
@@ -92,7 +92,7 @@ void writeSite(const WebOptions& options) {
     const std::string name = fs::path(options.input).filename().string();
     fill(page, "@TITLE@", escaped(options.title.empty() ? name.substr(0, name.find('.')) : options.title));
     fill(page, "@EXPOSURE@", fmt::format("{}", options.exposureStops));
-    const WebParts parts = splitForWeb(options.input, kReflections);
+    const WebParts parts = splitForWeb(options.input, kPartsStem);
 
     std::error_code error;
     fs::create_directories(site, error);
@@ -100,7 +100,7 @@ void writeSite(const WebOptions& options) {
     catchInterrupts();
     ProgressBar progress(progressStyle(options.quiet), {});
     writePoster(options, site, progress);
-    replaceFile((site / kReflections).string(), parts.reflections);
+    for (const WebPart& part : parts.later) replaceFile((site / part.uri).string(), part.bytes);
     replaceFile((site / kRoom).string(), parts.room);
     writeText(site / "viewer.js", script);
     writeText(site / "viewer.css", style);

@@ -1,5 +1,8 @@
 #include "io/web_parts.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <set>
 
 #include "io/file_error.h"
@@ -12,46 +15,63 @@ namespace {
 
 using nlohmann::json;
 
-// The bufferViews of payloads that diffuse light does without.
-std::set<uint64_t> reflectionViews(const json& extension) {
+struct Later {
+    std::string name;
     std::set<uint64_t> views;
-    const auto add = [&](const json& object, const char* key) {
-        if (object.contains(key)) views.insert(wholeNumber(object[key], "bufferView"));
+};
+
+// The bufferViews of payloads that diffuse light does without, by the part that they belong to.
+std::vector<Later> laterViews(const json& extension) {
+    std::vector<Later> parts;
+    const auto add = [](Later& part, const json& object, std::initializer_list<const char*> keys) {
+        for (const char* key : keys)
+            if (object.contains(key)) part.views.insert(wholeNumber(object[key], "bufferView"));
     };
-    for (const char* source : {"indirect", "area"}) {
-        add(extension.at(source), "guides");
-        for (const json& layer : extension.at(source).at("layers"))
-            for (const char* key : {"radiance", "direction", "scrambles", "pdf"}) add(layer, key);
-    }
-    add(extension.at("tiles"), "distances");
-    return views;
+    const auto addSource = [&](const json& source, const std::string& name) {
+        for (size_t i = 0; i < source.at("layers").size(); ++i) {
+            parts.push_back({i == 0 ? name : fmt::format("{}-{}", name, i + 1), {}});
+            add(parts.back(), source["layers"][i], {"radiance", "direction", "scrambles", "pdf"});
+            if (i == 0) add(parts.back(), source, {"guides"});
+        }
+    };
+    addSource(extension.at("area"), "lamps");
+    addSource(extension.at("indirect"), "reflections");
+    if (!parts.empty()) add(parts.front(), extension.at("tiles"), {"distances"});
+    return parts;
 }
 
-WebParts split(const GltfSource& source, const std::string& reflectionsUri) {
-    const json& extension = source.json.at("extensions").at(kPhatExtension);
-    const std::set<uint64_t> later = reflectionViews(extension);
-    GlbBuilder room{source.json, {}}, reflections;
+WebParts split(const GltfSource& source, const std::string& stem) {
+    const std::vector<Later> later = laterViews(source.json.at("extensions").at(kPhatExtension));
+    GlbBuilder room{source.json, {}};
+    std::vector<GlbBuilder> parts(later.size());
     json& views = room.json.at("bufferViews");
     for (uint64_t i = 0; i < views.size(); ++i) {
-        const bool isLater = later.count(i) > 0;
-        GlbBuilder& part = isLater ? reflections : room;
-        while (part.bin.size() % 4 != 0) part.bin.push_back(0);
+        const auto owner = std::find_if(later.begin(), later.end(),
+                                        [&](const Later& part) { return part.views.contains(i); });
+        const size_t part = size_t(owner - later.begin());
+        GlbBuilder& to = owner == later.end() ? room : parts[part];
+        while (to.bin.size() % 4 != 0) to.bin.push_back(0);
         const auto bytes = bufferViewBytes(source, i);
-        views[i]["buffer"] = isLater ? 1 : 0;
-        views[i]["byteOffset"] = part.bin.size();
-        part.bin.insert(part.bin.end(), bytes.begin(), bytes.end());
+        views[i]["buffer"] = owner == later.end() ? 0 : part + 1;
+        views[i]["byteOffset"] = to.bin.size();
+        to.bin.insert(to.bin.end(), bytes.begin(), bytes.end());
     }
-    if (!later.empty())
-        room.json["buffers"] = {json::object(),
-                                {{"uri", reflectionsUri}, {"byteLength", reflections.bin.size()}}};
-    return {glbBytes(room), std::move(reflections.bin)};
+    WebParts result;
+    room.json["buffers"] = json::array({json::object()});
+    for (size_t i = 0; i < parts.size(); ++i) {
+        result.later.push_back({fmt::format("{}.{}.bin", stem, later[i].name), std::move(parts[i].bin)});
+        const WebPart& part = result.later.back();
+        room.json["buffers"].push_back({{"uri", part.uri}, {"byteLength", part.bytes.size()}});
+    }
+    result.room = glbBytes(room);
+    return result;
 }
 
 }  // namespace
 
-WebParts splitForWeb(const std::string& path, const std::string& reflectionsUri) {
+WebParts splitForWeb(const std::string& path, const std::string& stem) {
     try {
-        return split(readGltfSource(path), reflectionsUri);
+        return split(readGltfSource(path), stem);
     } catch (const json::exception& error) {
         throw FileError(path, error.what());
     } catch (const std::runtime_error& error) {

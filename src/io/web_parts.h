@@ -1,5 +1,5 @@
 #pragma once
-// A baked file in two parts, for pages that show the first while the second is on its way.
+// A baked file in parts, for pages that show the first while the others are on their way.
 
 #include <cstdint>
 #include <string>
@@ -7,13 +7,19 @@
 
 namespace phat {
 
-struct WebParts {
-    std::vector<uint8_t> room;         // a baked GLB: the scene, its diffuse light, and the atlas
-    std::vector<uint8_t> reflections;  // a buffer of it: what only glossy light needs
+struct WebPart {
+    std::string uri;
+    std::vector<uint8_t> bytes;
 };
 
-/// `reflectionsUri`: the name, beside the first part, that the second will have. Together they are the same
-/// baked file. Throws FileError.
-WebParts splitForWeb(const std::string& path, const std::string& reflectionsUri);
+struct WebParts {
+    std::vector<uint8_t> room;   // a baked GLB: the scene, its diffuse light, and the atlas
+    std::vector<WebPart> later;  // buffers of it, in the order in which a page wants them: area lights' highlights, then
+                                 // a layer of the indirect light each
+};
+
+/// `stem`: of the parts' names beside the room, STEM.lamps.bin, STEM.reflections.bin, STEM.reflections-2.bin ... Together
+/// they are the same baked file. Throws FileError.
+WebParts splitForWeb(const std::string& path, const std::string& stem);
 
 }  // namespace phat

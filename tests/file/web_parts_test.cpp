@@ -1,4 +1,4 @@
-// A baked file in two parts for the web.
+// A baked file in parts for the web.
 
 #include "io/web_parts.h"
 
@@ -20,9 +20,16 @@ TEST(WebParts, AreTheSameBakeTogether) {
     writeBakedFile(whole, source, loaded.scene, test::randomBake(loaded.scene, 2, false, 9),
                    test::someRecord());
 
-    const WebParts parts = splitForWeb(whole, "rest.bin");
+    const WebParts parts = splitForWeb(whole, "room");
     replaceFile(folder.file("room.glb"), parts.room);
-    replaceFile(folder.file("rest.bin"), parts.reflections);
+    size_t laterBytes = 0;
+    std::vector<std::string> names;
+    for (const WebPart& part : parts.later) {
+        replaceFile(folder.file(part.uri), part.bytes);
+        laterBytes += part.bytes.size();
+        names.push_back(part.uri);
+    }
+    EXPECT_EQ(names, (std::vector<std::string>{"room.lamps.bin", "room.reflections.bin", "room.reflections-2.bin"}));
     const Phatexture a = readBakedFile(whole).phatexture,
                      b = readBakedFile(folder.file("room.glb")).phatexture;
     ASSERT_EQ(b.indirect.size(), 2u);
@@ -34,10 +41,10 @@ TEST(WebParts, AreTheSameBakeTogether) {
         }
     EXPECT_EQ(a.indirectIrradiance, b.indirectIrradiance);
     // Random PHATexels hardly compress: most bytes wait.
-    EXPECT_GT(parts.reflections.size(), 2 * parts.room.size());
+    EXPECT_GT(laterBytes, 2 * parts.room.size());
 
-    // Without the second part, diffuse light can still be read.
-    std::filesystem::remove(folder.file("rest.bin"));
+    // Without the last part, the others can still be read.
+    std::filesystem::remove(folder.file("room.reflections-2.bin"));
     EXPECT_THROW(readBakedFile(folder.file("room.glb")), FileError);
     const auto json = readGltfJson(folder.file("room.glb"));
     const auto& extension = json["extensions"]["PHAT_photon_accumulation_texture"];
@@ -46,14 +53,17 @@ TEST(WebParts, AreTheSameBakeTogether) {
     };
     EXPECT_EQ(bufferOf(extension["indirect"]["irradiance"]), 0);
     EXPECT_EQ(bufferOf(extension["tiles"]["places"]), 0);
-    EXPECT_EQ(bufferOf(extension["indirect"]["layers"][1]["radiance"]), 1);
+    EXPECT_EQ(bufferOf(extension["area"]["layers"][0]["direction"]), 1);
+    EXPECT_EQ(bufferOf(extension["indirect"]["guides"]), 2);
+    EXPECT_EQ(bufferOf(extension["indirect"]["layers"][0]["radiance"]), 2);
+    EXPECT_EQ(bufferOf(extension["indirect"]["layers"][1]["radiance"]), 3);
 }
 
 TEST(WebParts, NeedABakedFile) {
     const TemporaryFolder folder;
     const std::string source = folder.file("hard.glb");
     writeBytes(source, test::hardScene().glb());
-    EXPECT_THROW(splitForWeb(source, "rest.bin"), FileError);
+    EXPECT_THROW(splitForWeb(source, "room"), FileError);
 }
 
 }  // namespace

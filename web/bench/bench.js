@@ -1,17 +1,19 @@
-// Bytes, times and errors of a page by `phat web` beside three.js alone, as JSON:
-//   node web/bench/bench.js ROOM.phat.glb SITE REFERENCE.exr [WIDTH HEIGHT]
-// REFERENCE: a linear picture of the room's camera, of that size (480 270).
+// Bytes, times and errors of the pages of `phat web` beside three.js alone: JSON, and on standard error a table.
+//   node web/bench/bench.js FOLDER [swiftshader | gl-egl]        FOLDER: of `make web-examples`
+// (`make web-bench`.) Errors are against tests/data/references.
 import { readdir, stat } from 'node:fs/promises';
 import { join, resolve } from 'node:path';
 import { launch, serve } from '../test/browser.js';
 import { maeOverMean, meanOf, readExr } from '../test/room.js';
 
-const [room, site, referencePath, width = '480', height = '270'] = process.argv.slice(2);
-const viewport = { width: Number(width), height: Number(height) };
+const [folder, angle = 'swiftshader'] = process.argv.slice(2);
+const repository = new URL('../../', import.meta.url).pathname;
+const viewport = { width: 480, height: 270 };
 const kSamples = 8,
-    kFrames = 4;
-
-const reference = (await readExr(referencePath)).pixels;
+    kFrames = 4,
+    kLong = { timeout: 300_000 };
+// A middling line: 20 Mbit/s, 40 ms. Servers and browsers on it are those of the loopback.
+const kThrottled = { offline: false, latency: 40, downloadThroughput: 20e6 / 8, uploadThroughput: 5e6 / 8 };
 
 // relMSE as `phat compare` has it.
 function relativeSquares(a, b) {
@@ -21,7 +23,8 @@ function relativeSquares(a, b) {
     return sum / ((b.length * 3) / 4);
 }
 
-async function measure(page, expression) {
+// `expression`: a function of the page that draws so many pictures and returns their mean.
+async function measurePictures(page, expression, reference) {
     const text = await page.evaluate(
         ([code, samples]) => {
             const data = new Uint8Array((0, eval)(code)(samples).buffer);
@@ -49,39 +52,95 @@ async function measure(page, expression) {
     };
 }
 
-const browser = await launch();
-const result = { viewport };
-{
-    const server = await serve(resolve(site));
+// Opens a page and notes when each of the conditions, functions of the page by their names, has come true.
+async function timeLoading(browser, url, conditions, network) {
     const page = await browser.newPage({ viewport });
-    const sizes = await Promise.all(
+    if (network) {
+        const client = await page.context().newCDPSession(page);
+        await client.send('Network.enable');
+        await client.send('Network.emulateNetworkConditions', network);
+    }
+    const start = performance.now(),
+        seconds = {};
+    await page.goto(url, { waitUntil: 'commit' });
+    for (const [name, condition] of Object.entries(conditions)) {
+        await page.waitForFunction(condition, null, { ...kLong, polling: 20 });
+        seconds[name] = (performance.now() - start) / 1000;
+    }
+    return { page, seconds };
+}
+
+async function timeBoth(browser, url, conditions) {
+    const throttled = await timeLoading(browser, url, conditions, kThrottled);
+    await throttled.page.close();
+    const { page, seconds } = await timeLoading(browser, url, conditions);
+    return { page, loopback: seconds, throttled: throttled.seconds };
+}
+
+async function measurePhat(browser, scene, reference) {
+    const site = join(folder, scene),
+        server = await serve(resolve(site));
+    const bytes = await Promise.all(
         (await readdir(site)).map(async (name) => [name, (await stat(join(site, name))).size]),
     );
-    const start = performance.now();
-    await page.goto(server.url);
-    await page.waitForFunction(() => document.getElementById('poster').hidden, null, { timeout: 120_000 });
-    const firstPictureMs = performance.now() - start;
-    await page.waitForFunction(() => document.getElementById('loading').hidden, null, { timeout: 120_000 });
-    const reflectionsMs = performance.now() - start;
-    await page.evaluate(() => {
-        viewer.renderer.setAnimationLoop(null);
+    const { page, ...times } = await timeBoth(browser, server.url, {
+        poster: () => document.getElementById('poster')?.complete,
+        firstPicture: () => document.getElementById('poster').hidden,
+        lampsToo: () => viewer.light.progress > 0,
+        all: () => document.getElementById('loading').hidden,
     });
-    result.phat = { bytes: Object.fromEntries(sizes), firstPictureMs, reflectionsMs };
+    await page.evaluate(() => viewer.renderer.setAnimationLoop(null));
+    const result = { bytes: Object.fromEntries(bytes), ...times };
     for (const quality of ['fast', 'default'])
-        result.phat[quality] = await measure(page, `(n) => viewer.render(n, '${quality}')`);
+        result[quality] = await measurePictures(page, `(n) => viewer.render(n, '${quality}')`, reference);
     await page.close();
     server.close();
+    return result;
 }
-{
-    const server = await serve(new URL('..', import.meta.url).pathname, '/', {
-        'bench/room.phat.glb': resolve(room),
+
+async function measurePeer(browser, scene, reference) {
+    const room = join(repository, `scenes/${scene}.glb`);
+    const server = await serve(join(repository, 'web'), '/', { 'bench/room.glb': room });
+    const { page, ...times } = await timeBoth(browser, `${server.url}bench/peer.html`, {
+        firstPicture: () => globalThis.peer,
     });
-    const page = await browser.newPage({ viewport });
-    await page.goto(`${server.url}bench/peer.html`);
-    await page.waitForFunction(() => globalThis.peer, null, { timeout: 120_000 });
-    result.threeAlone = await measure(page, '(n) => peer.render(n)');
+    const bytes = (await stat(room)).size;
+    const result = { bytes, ...times, ...(await measurePictures(page, '(n) => peer.render(n)', reference)) };
     await page.close();
     server.close();
+    return result;
+}
+
+const browser = await launch(angle),
+    result = { viewport, angle };
+for (const scene of ['tabletop', 'gallery']) {
+    const { pixels } = await readExr(join(repository, `tests/data/references/${scene}-spec.exr`));
+    result[scene] = {
+        phat: await measurePhat(browser, scene, pixels),
+        threeAlone: await measurePeer(browser, scene, pixels),
+    };
 }
 await browser.close();
 console.log(JSON.stringify(result, null, 2));
+
+const rows = [
+    ['MB of the page; before the first picture', ({ phat: { bytes } }) => {
+        const all = Object.values(bytes).reduce((sum, n) => sum + n);
+        const first = bytes['room.glb'] + bytes['viewer.js'];
+        return `${(all / 1e6).toFixed(1)}; ${(first / 1e6).toFixed(1)}`;
+    }],
+    ...['loopback', 'throttled'].map((network) => [
+        `${network}, s: poster; first picture; lamps; all`,
+        ({ phat }) => Object.values(phat[network]).map((s) => s.toFixed(1)).join('; '),
+    ]),
+    ['s a picture: fast; default', ({ phat }) =>
+        [phat.fast, phat.default].map(({ frameMs }) => (frameMs / 1000).toFixed(1)).join('; ')],
+    ['MAE/mean, relMSE: fast; default', ({ phat }) =>
+        [phat.fast, phat.default].map((q) => `${q.maeOverMean.toFixed(3)}, ${q.relMse.toFixed(3)}`).join('; ')],
+    ['three.js alone: MB; s loopback, throttled; s a picture', ({ threeAlone: t }) =>
+        `${(t.bytes / 1e6).toFixed(1)}; ${t.loopback.firstPicture.toFixed(1)}, ${t.throttled.firstPicture.toFixed(1)}; ${(t.frameMs / 1000).toFixed(2)}`],
+    ['three.js alone: MAE/mean, relMSE', ({ threeAlone: t }) =>
+        `${t.maeOverMean.toFixed(2)}, ${t.relMse.toPrecision(2)}`],
+];
+console.error('| | tabletop | gallery |\n|---|---|---|');
+for (const [name, cell] of rows) console.error(`| ${name} | ${cell(result.tabletop)} | ${cell(result.gallery)} |`);

@@ -20,7 +20,8 @@ RectAreaLightUniformsLib.init();
 const renderer = new WebGLRenderer({ canvas: document.getElementById('view'), antialias: false });
 renderer.outputColorSpace = LinearSRGBColorSpace;
 renderer.setSize(innerWidth, innerHeight, false);
-const gltf = await new GLTFLoader().loadAsync('room.phat.glb');
+renderer.shadowMap.enabled = true;
+const gltf = await new GLTFLoader().loadAsync('room.glb');
 const scene = new Scene();
 scene.add(gltf.scene);
 
@@ -66,7 +67,9 @@ if (!boxedChunk.includes('boxHigh')) throw new Error('three.js has another chunk
 
 const materials = new Set();
 gltf.scene.traverse((object) => {
+    if (object.shadow) object.castShadow = true; // punctual lights
     if (!object.isMesh) return;
+    object.castShadow = object.receiveShadow = true;
     materials.add(object.material);
     if (object.material.emissive?.getHex() && object.material.emissiveIntensity > 1) addLamp(object);
 });
@@ -106,4 +109,5 @@ function render(count) {
     }
     return sum;
 }
-globalThis.peer = { render, renderer };
+render(1); // the first picture
+globalThis.peer = { render };

@@ -52,6 +52,7 @@ export class BakedLight {
         this.seed = 0;
         this.wipe = 1;
         this.progress = 0;
+        this.onProgress = null;
         this.bake = bake;
         this.renderings = new Map(); // by their renderers
         const pictures = () => ({ light: new ExternalTexture(), depth: new ExternalTexture() });
@@ -76,42 +77,33 @@ export class BakedLight {
         this.environment = null;
     }
 
-    // The PHATexels: of area lights and a first layer of indirect light, then the other layers, each of which
-    // makes the picture better.
+    // The PHATexels, in the order of what they do for the picture by their bytes: area lights' highlights, a first layer of
+    // indirect light, then the others. The picture is drawn from what is there.
     async load(parser, description) {
         const { indirect, area } = description,
-            { atlas } = this.bake;
+            { atlas } = this.bake,
+            hasArea = area.layers.length > 0;
         if (description.environment)
             this.environment = environmentTexture(await readEnvironment(parser, description.environment));
-        const hasArea = area.layers.length > 0;
         // Area lights need both, their PHATexels and their irradiance.
         if (!canLookUp(indirect) || hasArea !== Boolean(area.irradiance) || (hasArea && !canLookUp(area)))
             return this;
-        const readSource = (source) =>
-            Promise.all([readGuides(parser, source), readLayer(parser, source.layers[0], atlas)]);
-        const [distances, [guides, first], [areaGuides, areaLayer]] = await Promise.all([
-            readDistances(parser, description, atlas),
-            readSource(indirect),
-            hasArea ? readSource(area) : [null, null],
+        const steps = indirect.layers.map((_, i) => [indirect, i]);
+        if (hasArea) steps.unshift([area, 0]);
+        const distances = await readDistances(parser, description, atlas);
+        const sources = new Map([
+            [indirect, unseen(atlas)],
+            [area, hasArea ? unseen(atlas) : null],
         ]);
-        const layers = [first],
-            allGuides = new Uint16Array(guides.length + (areaGuides?.length ?? 0));
-        allGuides.set(guides);
-        if (hasArea) allGuides.set(areaGuides, guides.length);
-        for (let i = 0; i < indirect.layers.length; ++i) {
-            if (i > 0) layers.push(await readLayer(parser, indirect.layers[i], atlas));
+        for (const [step, [source, i]] of steps.entries()) {
+            if (i === 0) {
+                const [guides, layer] = await Promise.all([readGuides(parser, source), readLayer(parser, source.layers[0], atlas)]);
+                sources.set(source, { guides, layers: [layer] });
+            } else sources.get(source).layers.push(await readLayer(parser, source.layers[i], atlas));
             if (this.disposed) return this;
-            const lookup = {
-                distances,
-                guides: allGuides,
-                guideCount: indirect.guideCount,
-                areaGuideCount: hasArea ? area.guideCount : 0,
-                layers: hasArea ? [...layers, areaLayer] : [...layers],
-                layerCount: layers.length,
-            };
-            this.bake = { ...this.bake, lookup };
-            this.renderings.forEach((rendering) => rendering.forget());
-            this.progress = layers.length / indirect.layers.length;
+            this.bake = { ...this.bake, lookup: lookupOf(distances, sources.get(indirect), sources.get(area)) };
+            this.progress = (step + 1) / steps.length;
+            this.onProgress?.();
         }
         return this;
     }
@@ -149,6 +141,28 @@ export class BakedLight {
             [light, depth].forEach((texture) => texture.dispose());
         this.bake = null;
     }
+}
+
+// A source of light of which nothing is loaded: no PHATexel has a value.
+function unseen({ width, height, blockCount }) {
+    const layer = { texels: new Uint32Array(2 * width * height), scrambles: new Uint16Array(blockCount) };
+    return { guides: new Uint16Array(256).fill(256), layers: [layer] };
+}
+
+// What Passes upload.
+function lookupOf(distances, indirect, area) {
+    const sources = area ? [indirect, area] : [indirect];
+    const guides = new Uint16Array(sources.reduce((sum, source) => sum + source.guides.length, 0));
+    guides.set(indirect.guides);
+    if (area) guides.set(area.guides, indirect.guides.length);
+    return {
+        distances,
+        guides,
+        guideCount: indirect.guides.length / 256,
+        areaGuideCount: area ? area.guides.length / 256 : 0,
+        layers: sources.flatMap((source) => source.layers),
+        layerCount: indirect.layers.length,
+    };
 }
 
 function environmentTexture({ width, height, pixels }) {

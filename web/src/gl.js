@@ -91,6 +91,7 @@ export class ShaderProgram {
     }
 
     dispose() {
+        for (const stage of this.stages) this.gl.deleteShader(stage);
         this.gl.deleteProgram(this.program);
     }
 }

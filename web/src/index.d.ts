@@ -16,8 +16,10 @@ export class BakedLight {
     private constructor();
     /** Resolves when the reflections are loaded, diffuse light being there at once; rejects when the file is damaged. */
     readonly ready: Promise<BakedLight>;
-    /** 0 to 1: how much of the reflections is loaded. */
+    /** 0 to 1: how much of the reflections is loaded. Each part makes the picture better: lamps' highlights come first. */
     readonly progress: number;
+    /** Called when `progress` has changed; pages that draw on demand draw then. */
+    onProgress: (() => void) | null;
     /** The sky that the file was baked under, for `scene.background`; null if there is none, or before `ready`. */
     readonly environment: DataTexture | null;
     /** Whether the bake's light is drawn. */

@@ -19,6 +19,7 @@ import { uploadAtlas, uploadProbes, uploadScrambles, uploadWarps } from './table
 
 const kSplitSumSize = 64; // twin: src/core/brdf.h
 const kFirstMaterialUnit = 7;
+const kFloatOne = 0x3f800000; // bits
 // Views whose pictures are kept: a page's own and a second one, as long as both are drawn.
 const kKeptSizes = 2,
     kKeptDraws = 8;
@@ -43,16 +44,14 @@ function noShadows(gl) {
 }
 
 export class Passes {
-    // `bake`: { surfaces, atlas, lookup }, the last null until it is loaded, see BakedLight.load.
+    // `bake`: { surfaces, atlas }, see BakedLight.
     constructor(renderer, bake) {
         this.renderer = renderer;
         this.bake = bake;
+        this.lookup = null;
         const gl = (this.gl = renderer.getContext());
         gl.getExtension('EXT_color_buffer_float');
-        gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
-        for (const flag of [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL])
-            gl.pixelStorei(flag, false);
-        gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+        this.prepareUploads();
         this.vertices = createVertices(gl, bake.surfaces);
         this.noVertices = gl.createVertexArray();
         this.white = whiteTexture(gl);
@@ -61,16 +60,26 @@ export class Passes {
         this.targets = [];
         this.drawCount = 0;
         this.rows = new Float32Array(4 * kMaterialRows);
-        this.uploadLookup();
         this.createPrograms(bake.surfaces.draws.some(({ mesh }) => hasClearcoat(mesh.material)));
         this.splitSum = this.drawSplitSum();
-        gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
     }
 
-    uploadLookup() {
-        const { gl, bake } = this,
-            { lookup, atlas } = bake;
-        if (!lookup) return;
+    prepareUploads() {
+        const { gl } = this;
+        gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
+        for (const flag of [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL])
+            gl.pixelStorei(flag, false);
+        gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    }
+
+    // What is loaded of it by now, or null. Leaves WebGL's state to the caller, as `draw` does.
+    useLookup(lookup) {
+        if (this.lookup === lookup) return;
+        const { gl } = this,
+            { atlas } = this.bake;
+        this.lookup = lookup;
+        this.freeLookup();
+        this.prepareUploads();
         this.warps = uploadWarps(gl, lookup.guides);
         this.probes = uploadProbes(gl, lookup.distances, atlas.width / 8, atlas.height / 8);
         this.phatexels = createTextureArray(
@@ -80,27 +89,31 @@ export class Passes {
             atlas.height,
             lookup.layers.map((layer) => layer.texels),
         );
-        if (lookup.layers.length > 1) this.scrambles = uploadScrambles(gl, lookup.layers, atlas.blockCount);
+        const hadScrambles = Boolean(this.scrambles);
+        this.scrambles = lookup.layers.length > 1 ? uploadScrambles(gl, lookup.layers, atlas.blockCount) : null;
+        if (!this.lookupProgram || hadScrambles !== Boolean(this.scrambles)) this.createLookupProgram();
+    }
+
+    freeLookup() {
+        for (const texture of [this.warps, this.probes, this.phatexels, this.scrambles])
+            this.gl.deleteTexture(texture ?? null);
     }
 
     createPrograms(clearcoat) {
-        const { gl, bake } = this;
+        const { gl, bake } = this,
+            hasArea = Boolean(bake.atlas.areaIrradiance);
         this.clearcoat = clearcoat;
-        const defines = [];
-        if (clearcoat) defines.push('CLEARCOAT');
-        if (bake.atlas.areaIrradiance) defines.push('AREA');
-        this.layers = (clearcoat ? 2 : 1) * (bake.atlas.areaIrradiance ? 2 : 1);
+        this.defines = [...(clearcoat ? ['CLEARCOAT'] : []), ...(hasArea ? ['AREA'] : [])];
+        this.layers = (clearcoat ? 2 : 1) * (hasArea ? 2 : 1);
         this.depthProgram = new ShaderProgram(gl, 'surface.vert', 'depth.frag');
-        if (bake.lookup) {
-            this.lookupProgram = new ShaderProgram(
-                gl,
-                'surface.vert',
-                'lookup.frag',
-                this.scrambles ? [...defines, 'SCRAMBLES'] : defines,
-            );
-            this.poolProgram = new ShaderProgram(gl, 'fullscreen.vert', 'pool.frag', defines);
-        }
-        this.displayProgram = new ShaderProgram(gl, 'surface.vert', 'display.frag', [...defines, 'LOOKUP']);
+        this.displayProgram = new ShaderProgram(gl, 'surface.vert', 'display.frag', [...this.defines, 'LOOKUP']);
+        this.poolProgram = new ShaderProgram(gl, 'fullscreen.vert', 'pool.frag', this.defines);
+    }
+
+    createLookupProgram() {
+        this.lookupProgram?.dispose();
+        const defines = this.scrambles ? [...this.defines, 'SCRAMBLES'] : this.defines;
+        this.lookupProgram = new ShaderProgram(this.gl, 'surface.vert', 'lookup.frag', defines);
     }
 
     // Once: 64x64 numbers that a CPU would need half a second for.
@@ -220,10 +233,14 @@ export class Passes {
     }
 
     lookUp(view, shared, target, quality, seed) {
-        const { gl, atlas, bake, lookupProgram: program } = this;
+        const { gl, atlas, lookup, lookupProgram: program } = this;
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.seenTarget);
-        for (let layer = 0; layer < this.layers; ++layer) gl.clearBufferuiv(gl.COLOR, layer, [0, 0, 0, 0]);
-        if (!bake.lookup) return;
+        // A lobe that has seen nothing shows the mean over the hemisphere (display.frag). Of lamps that would be far too
+        // much nearly everywhere: until their PHATexels are there, a lobe sees them black, by a weight of 1.
+        const ofLamps = (layer) => this.bake.atlas.areaIrradiance && layer % 2 === 1;
+        for (let layer = 0; layer < this.layers; ++layer)
+            gl.clearBufferuiv(gl.COLOR, layer, [0, !lookup && ofLamps(layer) ? kFloatOne : 0, 0, 0]);
+        if (!lookup) return;
         program.use();
         program.bind('tilePatches', 0, gl.TEXTURE_2D, atlas.tilePatches);
         program.bind('phatexels', 1, gl.TEXTURE_2D_ARRAY, this.phatexels);
@@ -232,9 +249,9 @@ export class Passes {
         program.bind('charts', 4, gl.TEXTURE_2D, atlas.charts);
         if (this.scrambles) program.bind('scrambles', 5, gl.TEXTURE_2D, this.scrambles);
         program.bind('splitSumTable', 6, gl.TEXTURE_2D, this.splitSum);
-        program.set('guideCount', bake.lookup.guideCount);
-        program.set('layerCount', bake.lookup.layerCount);
-        program.set('areaGuideCount', bake.lookup.areaGuideCount);
+        program.set('guideCount', lookup.guideCount);
+        program.set('layerCount', lookup.layerCount);
+        program.set('areaGuideCount', lookup.areaGuideCount);
         const { count, lampBits } = kDraws[quality];
         const { draws, ranks } = drawsOf(count, seed);
         program.set('draws', draws);
@@ -289,6 +306,7 @@ export class Passes {
         if (coatAppears) {
             this.disposePrograms();
             this.createPrograms(true);
+            if (this.lookup) this.createLookupProgram();
             this.freeTargets();
         }
         const targets = this.targetsFor(view);
@@ -320,23 +338,16 @@ export class Passes {
     disposePrograms() {
         for (const program of [this.depthProgram, this.lookupProgram, this.poolProgram, this.displayProgram])
             program?.dispose();
+        this.lookupProgram = null;
     }
 
     dispose() {
         const { gl } = this;
         this.freeTargets();
         this.disposePrograms();
-        for (const texture of [
-            ...Object.values(this.atlas),
-            this.warps,
-            this.probes,
-            this.phatexels,
-            this.scrambles,
-            this.white,
-            this.shadows,
-            this.splitSum,
-        ])
-            gl.deleteTexture(texture ?? null);
+        this.freeLookup();
+        for (const texture of [...Object.values(this.atlas), this.white, this.shadows, this.splitSum])
+            gl.deleteTexture(texture);
         this.vertices.buffers.forEach((buffer) => gl.deleteBuffer(buffer));
         gl.deleteVertexArray(this.vertices.vertexArray);
         gl.deleteVertexArray(this.noVertices);

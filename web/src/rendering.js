@@ -58,6 +58,7 @@ export class Rendering {
             clearColor = gl.getParameter(gl.COLOR_CLEAR_VALUE);
         try {
             this.passes ??= this.createPasses(gl, light.bake);
+            this.passes.useLookup(light.bake.lookup);
             const isSeen = (mesh) => light.enabled && isVisible(mesh) && camera.layers.test(mesh.layers);
             const targets = this.passes.draw(
                 { ...viewOf(light.root, camera), width, height, isVisible: isSeen },
@@ -80,14 +81,9 @@ export class Rendering {
         return new Passes(this.renderer, bake);
     }
 
-    forget() {
+    dispose() {
         this.passes?.dispose();
         this.passes = null;
-        this.drawnFor = null;
-    }
-
-    dispose() {
-        this.forget();
         this.renderer.domElement.removeEventListener('webglcontextrestored', this.onRestored);
     }
 }

@@ -113,6 +113,29 @@ test('draws what phat render draws: gallery by both', async (t) => {
     await comparePictures(t, gallery, 'swiftshader', size);
 });
 
+test('shows more with each part that arrives', async () => {
+    const page = await browser.newPage({ viewport });
+    const held = new Map();
+    for (const name of ['lamps', 'reflections'])
+        await page.route(`**/room.${name}.bin`, (route) => held.set(name, route));
+    await page.goto(server.url);
+    await page.waitForFunction(() => document.getElementById('poster').hidden);
+    await rest(page);
+    const diffuse = await pixelsOf(page);
+    assert.deepEqual([...held.keys()], ['lamps']);
+    await held.get('lamps').continue();
+    await page.waitForFunction(() => viewer.light.progress > 0);
+    const highlights = await pixelsOf(page);
+    assert.equal(await page.textContent('#message'), '');
+    await held.get('reflections').continue();
+    await loaded(page);
+    const all = await pixelsOf(page);
+    const errors = [diffuse, highlights].map((pixels) => maeOverMean(pixels, all));
+    // Metal is a fourth of the picture; without its reflections it is not white, which was an error of 1.2.
+    assert.ok(errors[0] < 0.2 && errors[1] < errors[0] && errors[1] > 0.02, errors.join());
+    await page.close();
+});
+
 test('is a page by itself, with a title, a poster and labels', async () => {
     const page = await open(server.url);
     assert.equal(await page.title(), 'A <table> & more');
@@ -275,6 +298,7 @@ test('says what is wrong', async () => {
     const cut = join(room.folder, 'cut');
     for (const [name, length, expected] of [
         ['room.glb', 200_000, /could not be loaded/],
+        ['room.lamps.bin', 300_000, /could not be loaded: .*(cut off|damaged)/],
         ['room.reflections.bin', 300_000, /could not be loaded: .*(cut off|damaged)/],
     ]) {
         await cp(room.site, cut, { recursive: true });

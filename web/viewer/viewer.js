@@ -254,9 +254,13 @@ async function start() {
         });
         const viewer = (globalThis.viewer = new Viewer(renderer, gltf));
         element('status').textContent = 'Reflections are still to come.';
-        if (viewer.light) await viewer.light.ready;
-        viewer.changed();
-        progress.value = 1;
+        if (viewer.light) {
+            viewer.light.onProgress = () => {
+                progress.value = 0.5 + viewer.light.progress / 2;
+                viewer.changed();
+            };
+            await viewer.light.ready;
+        }
         element('loading').hidden = true;
     } catch (error) {
         element('loading').hidden = true;
