@@ -1,6 +1,5 @@
-# `make demo`, `make web`, `make web-examples`, `make web-bench`, `make test`, `make bench` and
-# `make figures`. All install what is missing
-# on Debian 12 (root or sudo).
+# `make demo`, `make web`, `make web-examples`, `make web-bench`, `make test`, `make bench` and `make figures`. All
+# install what is missing on Debian 12 (root or sudo).
 
 BUILD_JOBS ?= $(shell nproc)
 

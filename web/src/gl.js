@@ -34,9 +34,13 @@ export class ShaderProgram {
     constructor(gl, vertexFile, fragmentFile, defines = []) {
         this.gl = gl;
         this.program = gl.createProgram();
+        const sources = [vertexFile, fragmentFile].map((file) => assembleShader(file, defines));
+        this.declared = new Set(
+            sources.flatMap((text) => [...text.matchAll(/^uniform .*?(\w+)(\[.*\])?;/gm)].map((match) => match[1])),
+        );
         this.stages = [
-            compileShader(gl, gl.VERTEX_SHADER, assembleShader(vertexFile, defines)),
-            compileShader(gl, gl.FRAGMENT_SHADER, assembleShader(fragmentFile, defines)),
+            compileShader(gl, gl.VERTEX_SHADER, sources[0]),
+            compileShader(gl, gl.FRAGMENT_SHADER, sources[1]),
         ];
         for (const stage of this.stages) gl.attachShader(this.program, stage);
         gl.linkProgram(this.program);
@@ -67,8 +71,9 @@ export class ShaderProgram {
         }
     }
 
-    // pre: in use. Uniforms that the compiler removed are silently ignored.
+    // pre: in use. Uniforms that the compiler removed are ignored.
     set(name, value) {
+        if (!this.declared.has(name)) throw new Error(`${this.name} have no uniform ${name}`);
         const uniform = this.uniforms.get(name);
         if (!uniform) return;
         const { gl } = this,
@@ -81,6 +86,11 @@ export class ShaderProgram {
         else if (type === gl.UNSIGNED_INT_VEC4) gl.uniform4uiv(location, value);
         else if (type === gl.FLOAT_MAT4) gl.uniformMatrix4fv(location, false, value);
         else gl.uniform1i(location, value);
+    }
+
+    // What not every program wants.
+    offer(name, value) {
+        if (this.declared.has(name)) this.set(name, value);
     }
 
     bind(name, unit, target, texture) {

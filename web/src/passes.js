@@ -204,13 +204,13 @@ export class Passes {
     drawSurfaces(program, view, allSlots) {
         const { gl } = this;
         program.set('clipFromWorld', view.clipFromWorld);
-        program.set('eyeWorld', view.eye);
-        program.set('eyeAtInfinity', view.eyeAtInfinity);
+        program.offer('eyeWorld', view.eye);
+        program.offer('eyeAtInfinity', view.eyeAtInfinity);
         this.bake.surfaces.draws.forEach(({ mesh, first, count }, i) => {
             if (isBlended(mesh.material) !== view.blended || !view.isVisible(mesh)) return;
             if (mesh.material.side === 2) gl.disable(gl.CULL_FACE);
             else gl.enable(gl.CULL_FACE);
-            program.set('surfaceIndex', i);
+            program.offer('surfaceIndex', i);
             this.bindMaterial(program, mesh.material, allSlots);
             gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
         });

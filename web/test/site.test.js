@@ -113,6 +113,49 @@ test('draws what phat render draws: gallery by both', async (t) => {
     await comparePictures(t, gallery, 'swiftshader', size);
 });
 
+test('is tone mapped as the poster is, at the exposure of its slider', async () => {
+    const page = await loaded(await open(server.url));
+    await rest(page);
+    const shown = (exposure) =>
+        page.evaluate((stops) => {
+            const slider = document.getElementById('exposure');
+            slider.value = stops;
+            viewer.render(4, 'default');
+            slider.dispatchEvent(new Event('input')); // presents
+            const bytesOf = (picture) => {
+                const copy = new OffscreenCanvas(160, 90).getContext('2d');
+                copy.drawImage(picture, 0, 0, 160, 90);
+                return [...copy.getImageData(0, 0, 160, 90).data];
+            };
+            return ['view', 'poster'].map((id) => bytesOf(document.getElementById(id)));
+        }, exposure);
+    assert.equal(await page.inputValue('#exposure'), '1');
+    const [picture, poster] = await shown(1),
+        [darker] = await shown(0);
+    // The poster is JPEG, and has six times as many pixels, whose noise is less.
+    assert.ok(maeOverMean(picture, poster) < 0.03, `${maeOverMean(picture, poster)}`);
+    assert.ok(Math.abs(meanOf(picture) / meanOf(poster) - 1) < 0.01, 'as bright');
+    assert.ok(meanOf(darker) < 0.8 * meanOf(picture), 'a stop darker');
+    await page.close();
+});
+
+test('a tall page shows from side to side what a wide one shows from top to bottom', async () => {
+    const page = await loaded(await open(server.url, null, browser, { width: 120, height: 240 }));
+    const halfTangents = await page.evaluate(() => {
+        const tangent = (degrees) => Math.tan((degrees * Math.PI) / 360);
+        const { fov, aspect } = viewer.camera;
+        return [tangent(fov) * aspect, tangent(viewer.navigation.first.fov)];
+    });
+    assert.ok(Math.abs(halfTangents[0] - halfTangents[1]) < 1e-6, halfTangents.join());
+    // As the poster does.
+    const poster = await page.$eval('#poster', (image) => {
+        const { top, width, height } = image.getBoundingClientRect();
+        return { top, width, height };
+    });
+    assert.deepEqual(poster, { top: 60, width: 120, height: 120 });
+    await page.close();
+});
+
 test('shows more with each part that arrives', async () => {
     const page = await browser.newPage({ viewport });
     const held = new Map();

@@ -1,5 +1,5 @@
 // Orbit by pointer and touch, fly by keys.
-import { Box3, PerspectiveCamera, Raycaster, Sphere, Vector2, Vector3 } from 'three';
+import { Box3, MathUtils, PerspectiveCamera, Raycaster, Sphere, Vector2, Vector3 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
 const kTurnPerSecond = 1.2; // radians
@@ -48,9 +48,8 @@ export class Navigation {
     goTo(view) {
         this.first = view;
         const { camera, controls } = this;
-        camera.fov = view.fov;
         view.matrixWorld.decompose(camera.position, camera.quaternion, new Vector3());
-        camera.updateProjectionMatrix();
+        this.setAspect(camera.aspect);
         camera.updateMatrixWorld();
         const ray = new Raycaster();
         ray.setFromCamera(new Vector2(), camera);
@@ -58,6 +57,15 @@ export class Navigation {
         controls.target.copy(camera.position).addScaledVector(ray.ray.direction, hit?.distance ?? 2);
         controls.update();
         this.changed();
+    }
+
+    // A tall picture shows from side to side what a wide one shows from top to bottom.
+    setAspect(aspect) {
+        const { camera } = this,
+            halfTangent = Math.tan(MathUtils.degToRad(this.first.fov) / 2) / Math.min(aspect, 1);
+        camera.aspect = aspect;
+        camera.fov = MathUtils.radToDeg(2 * Math.atan(halfTangent));
+        camera.updateProjectionMatrix();
     }
 
     // Moves by the keys that are pressed. Returns whether any is.

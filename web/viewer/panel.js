@@ -1,5 +1,7 @@
 // The material panel and the picture's settings.
 
+const kNames = { roughness: 'Roughness', metalness: 'Metalness', color: 'Colour' };
+
 const element = (id) => document.getElementById(id);
 
 // `changed` is called when the picture is another one; `viewer`: see viewer.js.
@@ -19,7 +21,10 @@ export function createPanel(viewer, materials, cameras, goTo, changed) {
         element('camera'),
     );
     const chosen = () => materials[material.value];
+    const isTextured = { roughness: (m) => m.roughnessMap, metalness: (m) => m.metalnessMap, color: (m) => m.map };
     const show = () => {
+        for (const { id, labels } of inputs)
+            labels[0].textContent = kNames[id] + (isTextured[id](chosen()) ? ' × texture' : '');
         for (const input of inputs)
             input.value = input.id === 'color' ? `#${chosen().color.getHexString()}` : chosen()[input.id];
     };
@@ -55,7 +60,7 @@ export function createPanel(viewer, materials, cameras, goTo, changed) {
     // A metal shows best what the sliders do.
     material.value = Math.max(
         0,
-        materials.findIndex((m) => m.metalness > 0.5),
+        materials.findIndex((m) => m.metalness > 0.5 && !m.metalnessMap),
     );
     if (materials.length > 0) show();
     element('controls').disabled = materials.length === 0;

@@ -77,12 +77,13 @@ export class Picture {
         ]) {
             present.bind(side, unit, gl.TEXTURE_2D, sum);
             present.set(`${side}Scale`, 1 / this.samples);
+            present.set(`${side}ToneMapping`, toneMapping);
+            present.set(`${side}ExposureStops`, exposureStops);
+            present.set(`${side}Heat`, 0);
         }
         present.set('corner', [0, 0]);
         present.set('size', [width, height]);
         present.set('wipe', width);
-        present.set('toneMapping', toneMapping);
-        present.set('exposureStops', exposureStops);
         present.set('difference', 0);
         this.end(gl);
     }

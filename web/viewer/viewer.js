@@ -151,8 +151,7 @@ class Viewer {
         if (!width || !height) return;
         this.renderer.setPixelRatio(this.scale * Math.min(devicePixelRatio, 1.5));
         this.renderer.setSize(width, height, false);
-        this.camera.aspect = width / height;
-        this.camera.updateProjectionMatrix();
+        this.navigation.setAspect(width / height);
         const size = this.renderer.getDrawingBufferSize(new Vector2());
         this.picture.setSize(size.x, size.y);
         this.changed();
