@@ -1,6 +1,6 @@
-// Bytes, times and errors of the pages of `phat web` beside three.js alone: JSON, and on standard error a table.
+// Bytes, times and errors of the pages of `phat web` beside three.js alone: JSON, and on standard error a
+// table. Errors are against tests/data/references. `make web-bench`, or
 //   node web/bench/bench.js FOLDER [swiftshader | gl-egl]        FOLDER: of `make web-examples`
-// (`make web-bench`.) Errors are against tests/data/references.
 import { readdir, stat } from 'node:fs/promises';
 import { join, resolve } from 'node:path';
 import { launch, serve } from '../test/browser.js';
@@ -124,23 +124,46 @@ await browser.close();
 console.log(JSON.stringify(result, null, 2));
 
 const rows = [
-    ['MB of the page; before the first picture', ({ phat: { bytes } }) => {
-        const all = Object.values(bytes).reduce((sum, n) => sum + n);
-        const first = bytes['room.glb'] + bytes['viewer.js'];
-        return `${(all / 1e6).toFixed(1)}; ${(first / 1e6).toFixed(1)}`;
-    }],
+    [
+        'MB of the page; before the first picture',
+        ({ phat: { bytes } }) => {
+            const all = Object.values(bytes).reduce((sum, n) => sum + n);
+            const first = bytes['room.glb'] + bytes['viewer.js'];
+            return `${(all / 1e6).toFixed(1)}; ${(first / 1e6).toFixed(1)}`;
+        },
+    ],
     ...['loopback', 'throttled'].map((network) => [
         `${network}, s: poster; first picture; lamps; all`,
-        ({ phat }) => Object.values(phat[network]).map((s) => s.toFixed(1)).join('; '),
+        ({ phat }) =>
+            Object.values(phat[network])
+                .map((s) => s.toFixed(1))
+                .join('; '),
     ]),
-    ['s a picture: fast; default', ({ phat }) =>
-        [phat.fast, phat.default].map(({ frameMs }) => (frameMs / 1000).toFixed(1)).join('; ')],
-    ['MAE/mean, relMSE: fast; default', ({ phat }) =>
-        [phat.fast, phat.default].map((q) => `${q.maeOverMean.toFixed(3)}, ${q.relMse.toFixed(3)}`).join('; ')],
-    ['three.js alone: MB; s loopback, throttled; s a picture', ({ threeAlone: t }) =>
-        `${(t.bytes / 1e6).toFixed(1)}; ${t.loopback.firstPicture.toFixed(1)}, ${t.throttled.firstPicture.toFixed(1)}; ${(t.frameMs / 1000).toFixed(2)}`],
-    ['three.js alone: MAE/mean, relMSE', ({ threeAlone: t }) =>
-        `${t.maeOverMean.toFixed(2)}, ${t.relMse.toPrecision(2)}`],
+    [
+        's a picture: fast; default',
+        ({ phat }) => [phat.fast, phat.default].map(({ frameMs }) => (frameMs / 1000).toFixed(1)).join('; '),
+    ],
+    [
+        'MAE/mean, relMSE: fast; default',
+        ({ phat }) =>
+            [phat.fast, phat.default]
+                .map((q) => `${q.maeOverMean.toFixed(3)}, ${q.relMse.toFixed(3)}`)
+                .join('; '),
+    ],
+    [
+        'three.js alone: MB; s loopback, throttled; s a picture',
+        ({ threeAlone: t }) =>
+            [
+                (t.bytes / 1e6).toFixed(1),
+                `${t.loopback.firstPicture.toFixed(1)}, ${t.throttled.firstPicture.toFixed(1)}`,
+                (t.frameMs / 1000).toFixed(2),
+            ].join('; '),
+    ],
+    [
+        'three.js alone: MAE/mean, relMSE',
+        ({ threeAlone: t }) => `${t.maeOverMean.toFixed(2)}, ${t.relMse.toPrecision(2)}`,
+    ],
 ];
 console.error('| | tabletop | gallery |\n|---|---|---|');
-for (const [name, cell] of rows) console.error(`| ${name} | ${cell(result.tabletop)} | ${cell(result.gallery)} |`);
+for (const [name, cell] of rows)
+    console.error(`| ${name} | ${cell(result.tabletop)} | ${cell(result.gallery)} |`);

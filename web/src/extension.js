@@ -77,8 +77,8 @@ export class BakedLight {
         this.environment = null;
     }
 
-    // The PHATexels, in the order of what they do for the picture by their bytes: area lights' highlights, a first layer of
-    // indirect light, then the others. The picture is drawn from what is there.
+    // The PHATexels, in the order of what they do for the picture by their bytes: area lights' highlights, a
+    // first layer of indirect light, then the others. The picture is drawn from what is there.
     async load(parser, description) {
         const { indirect, area } = description,
             { atlas } = this.bake,
@@ -97,11 +97,17 @@ export class BakedLight {
         ]);
         for (const [step, [source, i]] of steps.entries()) {
             if (i === 0) {
-                const [guides, layer] = await Promise.all([readGuides(parser, source), readLayer(parser, source.layers[0], atlas)]);
+                const [guides, layer] = await Promise.all([
+                    readGuides(parser, source),
+                    readLayer(parser, source.layers[0], atlas),
+                ]);
                 sources.set(source, { guides, layers: [layer] });
             } else sources.get(source).layers.push(await readLayer(parser, source.layers[i], atlas));
             if (this.disposed) return this;
-            this.bake = { ...this.bake, lookup: lookupOf(distances, sources.get(indirect), sources.get(area)) };
+            this.bake = {
+                ...this.bake,
+                lookup: lookupOf(distances, sources.get(indirect), sources.get(area)),
+            };
             this.progress = (step + 1) / steps.length;
             this.onProgress?.();
         }

@@ -36,7 +36,9 @@ export class ShaderProgram {
         this.program = gl.createProgram();
         const sources = [vertexFile, fragmentFile].map((file) => assembleShader(file, defines));
         this.declared = new Set(
-            sources.flatMap((text) => [...text.matchAll(/^uniform .*?(\w+)(\[.*\])?;/gm)].map((match) => match[1])),
+            sources.flatMap((text) =>
+                [...text.matchAll(/^uniform .*?(\w+)(\[.*\])?;/gm)].map((match) => match[1]),
+            ),
         );
         this.stages = [
             compileShader(gl, gl.VERTEX_SHADER, sources[0]),

@@ -33,8 +33,8 @@ clearcoatSpecularIndirect = vec3(0.0);
 #endif
 `;
 
-// `corner`: of the pictures in what is drawn to, a uniform. Returns the uniforms phatLight and phatDepth, and a function
-// that undoes it.
+// `corner`: of the pictures in what is drawn to, a uniform. Returns the uniforms phatLight and phatDepth, and
+// a function that undoes it.
 export function injectLight(material, corner) {
     const uniforms = { phatLight: { value: null }, phatDepth: { value: null }, phatCorner: corner };
     const { onBeforeCompile, customProgramCacheKey } = material;

@@ -2,8 +2,9 @@
 // to every pixel: all indirect light, and what area lights bring directly. One picture is of the opaque
 // surfaces; where there are blended ones, another is of the nearest of these.
 // twin: src/gl/lookup_pass.cpp, src/gl/display_pass.cpp.
-import { ShaderProgram, createFramebuffer, createTexture2D, createTextureArray } from './gl.js';
+import { ShaderProgram, createTextureArray } from './gl.js';
 import { drawsOf } from './draws.js';
+import { drawSplitSum, noShadows, resetState, whiteTexture } from './fixed.js';
 import {
     alphaMode,
     hasClearcoat,
@@ -17,7 +18,6 @@ import { createVertices } from './vertices.js';
 import { createTargets, disposeTargets } from './targets.js';
 import { uploadAtlas, uploadProbes, uploadScrambles, uploadWarps } from './tables.js';
 
-const kSplitSumSize = 64; // twin: src/core/brdf.h
 const kFirstMaterialUnit = 7;
 const kFloatOne = 0x3f800000; // bits
 // Views whose pictures are kept: a page's own and a second one, as long as both are drawn.
@@ -29,19 +29,6 @@ const kDraws = {
     default: { count: 12, lampBits: 4 },
     high: { count: 32, lampBits: 4 },
 };
-
-function whiteTexture(gl) {
-    return createTexture2D(gl, gl.RGBA8, 1, 1, new Uint8Array([255, 255, 255, 255]));
-}
-
-// display.frag's shadow maps are three.js's business; a sampler must be complete all the same.
-function noShadows(gl) {
-    const texture = gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D_ARRAY, texture);
-    gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.DEPTH_COMPONENT16, 1, 1, 1);
-    gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl.TEXTURE_COMPARE_MODE, gl.COMPARE_REF_TO_TEXTURE);
-    return texture;
-}
 
 export class Passes {
     // `bake`: { surfaces, atlas }, see BakedLight.
@@ -61,7 +48,7 @@ export class Passes {
         this.drawCount = 0;
         this.rows = new Float32Array(4 * kMaterialRows);
         this.createPrograms(bake.surfaces.draws.some(({ mesh }) => hasClearcoat(mesh.material)));
-        this.splitSum = this.drawSplitSum();
+        this.splitSum = drawSplitSum(gl);
     }
 
     prepareUploads() {
@@ -90,7 +77,8 @@ export class Passes {
             lookup.layers.map((layer) => layer.texels),
         );
         const hadScrambles = Boolean(this.scrambles);
-        this.scrambles = lookup.layers.length > 1 ? uploadScrambles(gl, lookup.layers, atlas.blockCount) : null;
+        this.scrambles =
+            lookup.layers.length > 1 ? uploadScrambles(gl, lookup.layers, atlas.blockCount) : null;
         if (!this.lookupProgram || hadScrambles !== Boolean(this.scrambles)) this.createLookupProgram();
     }
 
@@ -106,7 +94,10 @@ export class Passes {
         this.defines = [...(clearcoat ? ['CLEARCOAT'] : []), ...(hasArea ? ['AREA'] : [])];
         this.layers = (clearcoat ? 2 : 1) * (hasArea ? 2 : 1);
         this.depthProgram = new ShaderProgram(gl, 'surface.vert', 'depth.frag');
-        this.displayProgram = new ShaderProgram(gl, 'surface.vert', 'display.frag', [...this.defines, 'LOOKUP']);
+        this.displayProgram = new ShaderProgram(gl, 'surface.vert', 'display.frag', [
+            ...this.defines,
+            'LOOKUP',
+        ]);
         this.poolProgram = new ShaderProgram(gl, 'fullscreen.vert', 'pool.frag', this.defines);
     }
 
@@ -116,50 +107,12 @@ export class Passes {
         this.lookupProgram = new ShaderProgram(this.gl, 'surface.vert', 'lookup.frag', defines);
     }
 
-    // Once: 64x64 numbers that a CPU would need half a second for.
-    drawSplitSum() {
-        const { gl } = this;
-        const texture = createTexture2D(gl, gl.RGBA32F, kSplitSumSize, kSplitSumSize);
-        const framebuffer = createFramebuffer(gl, [texture]);
-        const program = new ShaderProgram(gl, 'fullscreen.vert', 'split_sum.frag');
-        this.resetState(kSplitSumSize, kSplitSumSize);
-        program.use();
-        program.set('size', kSplitSumSize);
-        gl.bindVertexArray(this.noVertices);
-        gl.drawArrays(gl.TRIANGLES, 0, 3);
-        gl.deleteFramebuffer(framebuffer);
-        program.dispose();
-        return texture;
-    }
-
-    // What three.js may have left switched on.
-    resetState(width, height) {
-        const { gl } = this;
-        for (const switched of [
-            gl.BLEND,
-            gl.SCISSOR_TEST,
-            gl.STENCIL_TEST,
-            gl.CULL_FACE,
-            gl.DEPTH_TEST,
-            gl.POLYGON_OFFSET_FILL,
-            gl.SAMPLE_ALPHA_TO_COVERAGE,
-            gl.RASTERIZER_DISCARD,
-        ])
-            gl.disable(switched);
-        gl.colorMask(true, true, true, true);
-        gl.depthMask(true);
-        gl.frontFace(gl.CCW);
-        gl.cullFace(gl.BACK);
-        gl.viewport(0, 0, width, height);
-    }
-
     // Pictures of a view's size. Views of two sizes may be drawn in turn; what is not used any more is freed.
     targetsFor({ width, height }) {
         const { gl } = this,
             hasBlended = this.hasBlended(),
             fits = (t) => t.width === width && t.height === height && Boolean(t.blended) === hasBlended;
-        const targets =
-            this.targets.find(fits) ?? createTargets(gl, width, height, this.layers, hasBlended);
+        const targets = this.targets.find(fits) ?? createTargets(gl, width, height, this.layers, hasBlended);
         targets.lastUse = ++this.drawCount;
         const all = [targets, ...this.targets.filter((t) => t !== targets)];
         const isKept = (t, i) => i < kKeptSizes && this.drawCount - t.lastUse < kKeptDraws;
@@ -235,8 +188,9 @@ export class Passes {
     lookUp(view, shared, target, quality, seed) {
         const { gl, atlas, lookup, lookupProgram: program } = this;
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.seenTarget);
-        // A lobe that has seen nothing shows the mean over the hemisphere (display.frag). Of lamps that would be far too
-        // much nearly everywhere: until their PHATexels are there, a lobe sees them black, by a weight of 1.
+        // A lobe that has seen nothing shows the mean over the hemisphere (display.frag). Of lamps that would
+        // be far too much nearly everywhere: until their PHATexels are there, a lobe sees them black, by a
+        // weight of 1.
         const ofLamps = (layer) => this.bake.atlas.areaIrradiance && layer % 2 === 1;
         for (let layer = 0; layer < this.layers; ++layer)
             gl.clearBufferuiv(gl.COLOR, layer, [0, !lookup && ofLamps(layer) ? kFloatOne : 0, 0, 0]);
@@ -297,8 +251,8 @@ export class Passes {
         this.drawSurfaces(program, view, true);
     }
 
-    // `view`: { width, height, clipFromWorld, eye, eyeAtInfinity, isVisible(mesh) }; the rest: see BakedLight.
-    // Returns the view's targets. Leaves WebGL's state to the caller.
+    // `view`: { width, height, clipFromWorld, eye, eyeAtInfinity, isVisible(mesh) }; the rest: see
+    // BakedLight. Returns the view's targets. Leaves WebGL's state to the caller.
     draw(view, { quality, seed, wipe }) {
         this.uploadMaps();
         const coatAppears =
@@ -312,13 +266,20 @@ export class Passes {
         const targets = this.targetsFor(view);
         for (const kind of ['opaque', 'blended'])
             if (targets[kind])
-                this.drawKind({ ...view, blended: kind === 'blended' }, targets, targets[kind], quality, seed, wipe);
+                this.drawKind(
+                    { ...view, blended: kind === 'blended' },
+                    targets,
+                    targets[kind],
+                    quality,
+                    seed,
+                    wipe,
+                );
         return targets;
     }
 
     drawKind(view, shared, target, quality, seed, wipe) {
         const { gl } = this;
-        this.resetState(view.width, view.height);
+        resetState(gl, view.width, view.height);
         gl.bindVertexArray(this.vertices.vertexArray);
         this.drawDepth(view, target);
         this.lookUp(view, shared, target, quality, seed);

@@ -38,9 +38,10 @@ export class Rendering {
         renderer.domElement.addEventListener('webglcontextrestored', this.onRestored);
     }
 
-    // Draws the passes in the middle of a call of `renderer.render`, and leaves it as it was. Nothing is drawn where
-    // nothing has changed: the light is that of a call, a camera, and a target (three.js draws what is behind glass
-    // into another one first). Returns { targets, corner }, the pictures and where they are in the target, or null.
+    // Draws the passes in the middle of a call of `renderer.render`, and leaves it as it was. Nothing is
+    // drawn where nothing has changed: the light is that of a call, a camera, and a target (three.js draws
+    // what is behind glass into another one first). Returns { targets, corner }, the pictures and where they
+    // are in the target, or null.
     draw(light, camera) {
         const { renderer } = this,
             gl = renderer.getContext(),

@@ -27,8 +27,7 @@ before(async () => {
             composer.render();
             return readCanvas();
         };
-        globalThis.bloom = (strength) =>
-            new UnrealBloomPass(new THREE.Vector2(160, 90), strength, 0.5, 0.5);
+        globalThis.bloom = (strength) => new UnrealBloomPass(new THREE.Vector2(160, 90), strength, 0.5, 0.5);
     });
 });
 after(async () => {
@@ -37,7 +36,8 @@ after(async () => {
     await room?.dispose();
 });
 
-// Half floats between the passes round to 2^-11 of a value, bytes to half a step: two steps of 255 are allowed.
+// Half floats between the passes round to 2^-11 of a value, bytes to half a step: two steps of 255 are
+// allowed.
 function assertSame(a, b, what) {
     assert.equal(a.length, b.length);
     const most = a.reduce((m, x, i) => Math.max(m, Math.abs(x - b[i])), 0);
@@ -65,7 +65,8 @@ test('bloom adds to the light, fog and a clear colour stay', async () => {
     const pictures = await page.evaluate(() => {
         const { scene, camera } = world,
             result = { plain: draw(world), none: composed(bloom(0)), some: composed(bloom(1)) };
-        // three.js itself mixes fog with what is encoded already, and encodes a composer's clear colour twice.
+        // three.js itself mixes fog with what is encoded already, and encodes a composer's clear colour
+        // twice.
         renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
         scene.fog = new THREE.Fog(0x00ff00, 0, 8);
         const recompile = () =>
@@ -127,7 +128,11 @@ test('draws into targets of any size and into multisampled ones', async () => {
         renderer.outputColorSpace = THREE.SRGBColorSpace;
         pictures.target = into(160, 90, 0).map((x) => 255 * Math.min(Math.max(x, 0), 1));
         world.light.quality = 'high'; // less noise, so that edges count
-        [pictures.fine, pictures.smooth, pictures.rough] = [into(640, 360, 0), into(160, 90, 4), into(160, 90, 0)];
+        [pictures.fine, pictures.smooth, pictures.rough] = [
+            into(640, 360, 0),
+            into(160, 90, 4),
+            into(160, 90, 0),
+        ];
         world.light.quality = 'fast';
         return pictures;
     });
@@ -186,7 +191,8 @@ test('viewports show what they show alone', async () => {
         cameras.forEach((of, i) => {
             of.viewport = new THREE.Vector4(...corners[i], 80, 60);
         });
-        // What WebXR draws with. (Its own view is for older versions of three.js, which leave out what it does not see.)
+        // What WebXR draws with. (Its own view is for older versions of three.js, which leave out what it
+        // does not see.)
         const eyes = new THREE.ArrayCamera(cameras);
         camera.matrixWorld.decompose(eyes.position, eyes.quaternion, eyes.scale);
         eyes.fov = 120;
@@ -228,7 +234,8 @@ test('cube maps, mirrors and glass show the light', async () => {
         light.enabled = true;
         scene.remove(probe);
 
-        // In front of the camera, over a part of the picture; drawn first, which interrupts the room's picture.
+        // In front of the camera, over a part of the picture; drawn first, which interrupts the room's
+        // picture.
         const inFront = (mesh) => {
             const ahead = new THREE.Vector3(0, 0, -1).transformDirection(camera.matrixWorld);
             mesh.position.setFromMatrixPosition(camera.matrixWorld).addScaledVector(ahead, 0.4);
@@ -263,7 +270,13 @@ test('cube maps, mirrors and glass show the light', async () => {
             masks: withMesh(mask).pixels,
         };
     });
-    faces.forEach((face, i) => assertSame(face.map((x) => 255 * x), flat[i].map((x) => 255 * x), `face ${i}`));
+    faces.forEach((face, i) =>
+        assertSame(
+            face.map((x) => 255 * x),
+            flat[i].map((x) => 255 * x),
+            `face ${i}`,
+        ),
+    );
     assert.ok(meanOf(faces[0]) > 1.5 * meanOf(unlit.cube), 'a cube map');
     const isIn = (i) => masks[i - (i % 4)] === 255 && masks[i - (i % 4) + 1] === 0;
     const inside = (all) => all.filter((_, i) => isIn(i)),

@@ -44,7 +44,9 @@ test('gltf-validator finds no error in what is baked and in what a page loads', 
 // What the loader's tests read is what a bake must carry along, whatever it is.
 test('gltf-validator and three.js alone read what is baked from files of all sorts', async () => {
     const errorsOf = async (path) => {
-        const { issues } = await validator.validateBytes(new Uint8Array(await readFile(path)), { maxIssues: 0 });
+        const { issues } = await validator.validateBytes(new Uint8Array(await readFile(path)), {
+            maxIssues: 0,
+        });
         return issues.numErrors;
     };
     const refused = [];

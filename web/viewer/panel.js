@@ -21,7 +21,11 @@ export function createPanel(viewer, materials, cameras, goTo, changed) {
         element('camera'),
     );
     const chosen = () => materials[material.value];
-    const isTextured = { roughness: (m) => m.roughnessMap, metalness: (m) => m.metalnessMap, color: (m) => m.map };
+    const isTextured = {
+        roughness: (m) => m.roughnessMap,
+        metalness: (m) => m.metalnessMap,
+        color: (m) => m.map,
+    };
     const show = () => {
         for (const { id, labels } of inputs)
             labels[0].textContent = kNames[id] + (isTextured[id](chosen()) ? ' × texture' : '');

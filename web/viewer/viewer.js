@@ -55,9 +55,9 @@ function prepareShadow(light) {
     light.shadow.normalBias = kShadowOffset;
 }
 
-// Two things that three.js does to a lamp's highlight, and glTF's appendix B and hence the bake do not: it is blunted
-// where normals turn within a pixel (here many pictures are averaged), and brightened on rough metals for light that
-// would be reflected twice.
+// Two things that three.js does to a lamp's highlight, and glTF's appendix B and hence the bake do not: it is
+// blunted where normals turn within a pixel (here many pictures are averaged), and brightened on rough metals
+// for light that would be reflected twice.
 function keepToGltf(material) {
     const { onBeforeCompile, customProgramCacheKey } = material;
     const chunks = {
@@ -109,7 +109,8 @@ class Viewer {
         });
         const anisotropy = Math.min(8, renderer.capabilities.getMaxAnisotropy()); // twin: createSamplers
         for (const material of materials) {
-            for (const texture of Object.values(material)) if (texture?.isTexture) Object.assign(texture, { anisotropy });
+            for (const texture of Object.values(material))
+                if (texture?.isTexture) Object.assign(texture, { anisotropy });
             keepToGltf(material);
         }
         this.drawShadows();

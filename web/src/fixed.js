@@ -1,0 +1,55 @@
+// What the passes need whatever the room: WebGL's state, and textures that never change.
+import { ShaderProgram, createFramebuffer, createTexture2D } from './gl.js';
+
+const kSplitSumSize = 64; // twin: src/core/brdf.h
+
+// What three.js may have left switched on.
+export function resetState(gl, width, height) {
+    for (const switched of [
+        gl.BLEND,
+        gl.SCISSOR_TEST,
+        gl.STENCIL_TEST,
+        gl.CULL_FACE,
+        gl.DEPTH_TEST,
+        gl.POLYGON_OFFSET_FILL,
+        gl.SAMPLE_ALPHA_TO_COVERAGE,
+        gl.RASTERIZER_DISCARD,
+    ])
+        gl.disable(switched);
+    gl.colorMask(true, true, true, true);
+    gl.depthMask(true);
+    gl.frontFace(gl.CCW);
+    gl.cullFace(gl.BACK);
+    gl.viewport(0, 0, width, height);
+}
+
+export function whiteTexture(gl) {
+    return createTexture2D(gl, gl.RGBA8, 1, 1, new Uint8Array([255, 255, 255, 255]));
+}
+
+// display.frag's shadow maps are three.js's business; a sampler must be complete all the same.
+export function noShadows(gl) {
+    const texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, texture);
+    gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.DEPTH_COMPONENT16, 1, 1, 1);
+    gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl.TEXTURE_COMPARE_MODE, gl.COMPARE_REF_TO_TEXTURE);
+    return texture;
+}
+
+// 64x64 numbers that a CPU would need half a second for.
+export function drawSplitSum(gl) {
+    const texture = createTexture2D(gl, gl.RGBA32F, kSplitSumSize, kSplitSumSize),
+        framebuffer = createFramebuffer(gl, [texture]),
+        program = new ShaderProgram(gl, 'fullscreen.vert', 'split_sum.frag'),
+        noVertices = gl.createVertexArray();
+    resetState(gl, kSplitSumSize, kSplitSumSize);
+    program.use();
+    program.set('size', kSplitSumSize);
+    gl.bindVertexArray(noVertices);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.bindVertexArray(null);
+    gl.deleteVertexArray(noVertices);
+    gl.deleteFramebuffer(framebuffer);
+    program.dispose();
+    return texture;
+}

@@ -1,0 +1,95 @@
+// What the page of `phat web` shows, beside the pictures of `phat render`.
+import assert from 'node:assert/strict';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { launch, serve } from './browser.js';
+import { maeOverMean, makeRoom, meanOf, phat, readExr } from './room.js';
+import { loaded, open, pixelsOf, rest, viewport } from './site.js';
+
+let browser, room, server;
+
+before(async () => {
+    [browser, room] = await Promise.all([launch(), makeRoom()]);
+    server = await serve(room.site, '/some/where/');
+});
+after(async () => {
+    await browser?.close();
+    server?.close();
+    await room?.dispose();
+});
+
+// The samples and the shaders are the same. Half floats, the compiler's rounding and three.js's own filter of
+// shadows are left; by SwiftShader, edges of triangles too, which it places on 1/16 of a pixel (Mesa: 1/64 or
+// finer), and other levels of textures seen aslant. Both are errors of single pixels that more pixels make
+// small: a lamp's narrow side that four samples of one pixel miss is .3 % of gallery's light at 160x90.
+async function comparePictures(t, { file, folder, site }, angle, size) {
+    const reference = join(folder, `reference${size.width}.exr`);
+    const options = ['--spp', '4', '--reflections', 'lookup', '--quiet'];
+    await phat('render', file, '-o', reference, '--size', `${size.width}x${size.height}`, ...options);
+    const { width, height, pixels: expected } = await readExr(reference);
+    assert.deepEqual({ width, height }, size);
+    const other = await launch(angle),
+        served = await serve(site, '/some/where/');
+    t.after(async () => {
+        await other.close();
+        served.close();
+    });
+    const page = await loaded(await open(other, served.url, { size }));
+    await rest(page);
+    const pixels = await pixelsOf(page, 4, 'default');
+    const error = maeOverMean(pixels, expected),
+        bias = meanOf(pixels) / meanOf(expected) - 1;
+    t.diagnostic(`MAE/mean ${error.toFixed(5)}, bias ${bias.toFixed(5)}`);
+    assert.ok(error < 0.01, `MAE/mean ${error}`);
+    assert.equal(await page.evaluate(() => viewer.renderer.getContext().getError()), 0);
+    assert.deepEqual(page.problems, []);
+    return { pixels, expected };
+}
+
+for (const angle of ['gl-egl', 'swiftshader'])
+    test(`draws what phat render draws: tabletop by ${angle}`, (t) =>
+        comparePictures(t, room, angle, viewport));
+
+test('draws what phat render draws: gallery by both', async (t) => {
+    const gallery = await makeRoom('gallery');
+    t.after(() => gallery.dispose());
+    const size = { width: 320, height: 180 };
+    const { pixels, expected } = await comparePictures(t, gallery, 'gl-egl', size);
+    // The lamp's highlight on the copper sphere, which is lit by three.js.
+    const highlight = (all) =>
+        all.filter((_, i) => {
+            const x = (i / 4) % 320,
+                y = 179 - Math.floor(i / 1280); // from the top
+            return x >= 142 && x < 152 && y >= 64 && y < 78;
+        });
+    const bias = meanOf(highlight(pixels)) / meanOf(highlight(expected)) - 1;
+    t.diagnostic(`bias of the highlight ${bias.toFixed(5)}`);
+    assert.ok(Math.abs(bias) < 0.01, `highlight ${bias}`);
+    await comparePictures(t, gallery, 'swiftshader', size);
+});
+
+test('is tone mapped as the poster is, at the exposure of its slider', async () => {
+    const page = await loaded(await open(browser, server.url));
+    await rest(page);
+    const shown = (exposure) =>
+        page.evaluate((stops) => {
+            const slider = document.getElementById('exposure');
+            slider.value = stops;
+            viewer.render(4, 'default');
+            slider.dispatchEvent(new Event('input')); // presents
+            const bytesOf = (picture) => {
+                const copy = new OffscreenCanvas(160, 90).getContext('2d');
+                copy.drawImage(picture, 0, 0, 160, 90);
+                return [...copy.getImageData(0, 0, 160, 90).data];
+            };
+            return ['view', 'poster'].map((id) => bytesOf(document.getElementById(id)));
+        }, exposure);
+    assert.equal(await page.inputValue('#exposure'), '1');
+    const [picture, poster] = await shown(1),
+        [darker] = await shown(0);
+    // The poster is JPEG, and has six times as many pixels, whose noise is less.
+    assert.ok(maeOverMean(picture, poster) < 0.03, `${maeOverMean(picture, poster)}`);
+    assert.ok(Math.abs(meanOf(picture) / meanOf(poster) - 1) < 0.01, 'as bright');
+    assert.ok(meanOf(darker) < 0.8 * meanOf(picture), 'a stop darker');
+    await page.close();
+});
