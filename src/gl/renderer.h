@@ -71,7 +71,7 @@ struct FrameSettings {
     /// Anti-aliasing: this many whole pictures, shifted inside the pixel, are averaged (a box filter of one
     /// pixel, over edges, textures and highlights alike). 1 turns it off.
     int samplesPerPixel = 4;
-    /// With `center` they are not shifted: the mean of what frames of a still view show.
+    /// With `center` they are not shifted, nor textures filtered: the mean of what frames of a still view show there.
     PixelFilter filter = PixelFilter::box;
     /// How many of them one draw() adds; 0: all.
     int samplesPerDraw = 0;

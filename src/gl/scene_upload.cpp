@@ -112,25 +112,24 @@ size_t samplerIndex(const TextureSlot& slot) {
     return (size_t(slot.wrapU) * 3 + size_t(slot.wrapV)) * 2 + (slot.nearest ? 1 : 0);
 }
 
-// In the order of samplerIndex.
+// In the order of samplerIndex; filterTextures() says how they minify.
 std::vector<GlSampler> createSamplers() {
-    float anisotropy = 1;
-    if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic") ||
-        epoxy_has_gl_extension("GL_ARB_texture_filter_anisotropic"))
-        glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &anisotropy);
-    // Beyond 8 the sharper textures at grazing angles are hardly seen.
-    anisotropy = std::min(anisotropy, 8.0f);
     std::vector<GlSampler> samplers;
     const GLenum wraps[] = {GL_REPEAT, GL_MIRRORED_REPEAT, GL_CLAMP_TO_EDGE};
-    for (GLenum wrapU : wraps) {
-        for (GLenum wrapV : wraps) {
-            samplers.push_back(createSampler(wrapU, wrapV, GL_LINEAR_MIPMAP_LINEAR, GL_LINEAR));
-            if (anisotropy > 1)
-                glSamplerParameterf(samplers.back().name(), GL_TEXTURE_MAX_ANISOTROPY, anisotropy);
-            samplers.push_back(createSampler(wrapU, wrapV, GL_NEAREST_MIPMAP_LINEAR, GL_NEAREST));
-        }
-    }
+    for (GLenum wrapU : wraps)
+        for (GLenum wrapV : wraps)
+            for (GLenum magnified : {GL_LINEAR, GL_NEAREST})
+                samplers.push_back(createSampler(wrapU, wrapV, magnified, magnified));
     return samplers;
+}
+
+// 1 where the driver knows of no such filter.
+float mostAnisotropy() {
+    float most = 1;
+    if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic") ||
+        epoxy_has_gl_extension("GL_ARB_texture_filter_anisotropic"))
+        glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &most);
+    return std::min(most, 8.0f);  // beyond 8 the sharper textures at grazing angles are hardly seen
 }
 
 GlTexture uploadEnvironment(const Image& image) {
@@ -174,6 +173,7 @@ GpuScene uploadScene(const Scene& scene, const Atlas& atlas) {
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     uploadImages(scene, gpu);
     gpu.samplers = createSamplers();
+    filterTextures(gpu, PixelFilter::box);
     gpu.splitSum = createTexture2D(GL_RG32F, glm::uvec2(kSplitSumSize));
     glTextureSubImage2D(gpu.splitSum.name(), 0, 0, 0, kSplitSumSize, kSplitSumSize, GL_RG, GL_FLOAT,
                         splitSumTable().data());
@@ -183,6 +183,20 @@ GpuScene uploadScene(const Scene& scene, const Atlas& atlas) {
     }
     checkGl("uploading the scene");
     return gpu;
+}
+
+void filterTextures(const GpuScene& gpu, PixelFilter filter) {
+    const bool points = filter == PixelFilter::center;
+    const float anisotropy = mostAnisotropy();
+    for (size_t i = 0; i < gpu.samplers.size(); ++i) {
+        const GLuint name = gpu.samplers[i].name();
+        const bool nearest = i % 2 == 1;
+        const GLenum one = nearest ? GL_NEAREST : GL_LINEAR;
+        const GLenum many = nearest ? GL_NEAREST_MIPMAP_LINEAR : GL_LINEAR_MIPMAP_LINEAR;
+        glSamplerParameteri(name, GL_TEXTURE_MIN_FILTER, GLint(points ? one : many));
+        if (anisotropy > 1)
+            glSamplerParameterf(name, GL_TEXTURE_MAX_ANISOTROPY, points || nearest ? 1.0f : anisotropy);
+    }
 }
 
 void moveScene(GpuScene& gpu, const Scene& scene, const Atlas& atlas) {
