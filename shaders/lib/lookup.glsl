@@ -17,14 +17,18 @@ uniform int lampBits;               // 2^lampBits texels a side, 2 to 5, are sha
 #endif
 
 // The numbers below are the design study's, on one scene, unless a comment says more.
-const int kTries = 4;               // places that a draw asks, each in half the radius of the one before
-const int kAimedTries = 3;          // of these, and each expects the hit nearer
-const float kCloser = 0.7;
-// The last one does not aim: a group of 2^kNearBits texels a side, within kNearTexels, answers as if it were the
-// pixel. A draw that drops out would be a bias toward what is easy to find.
+// Places that a draw asks, each in half the radius of the one before. A draw that drops out is a bias toward what is
+// easy to find.
+const int kTries = 3;
+// Cells of the distance map by which every try but the first looks aside: beside a silhouette, which side a direction
+// is on differs among the texels that share the map.
+const float kAside = 1.0;
+const float kLeastTexels = 2.0;
+// What is within kContactTexels is asked for once more, of a group of 2^kNearBits texels a side, within kNearTexels,
+// that answers as if it were the pixel: parallax in the smallest group may hide it from every aim.
+const float kContactTexels = 16.0;
 const int kNearBits = 3;
 const float kNearTexels = 4.0;
-const float kLeastTexels = 2.0;
 const float kFewestTexels = 6.0;    // search radius: .7 of the distance, between these
 const float kMostTexels = 128.0;
 const float kFarther = 5.0;         // a sample that lies so many times farther than expected is behind something
@@ -151,11 +155,10 @@ Found ask(Receiver r, ChartPlace chart, LookupTile tile, ivec2 q, vec3 wi, float
 // A bias, named: a lobe under which the neighbourhood holds too few samples is drawn wider, because a blurred
 // reflection disturbs less than the dots of single samples.
 float widenedAlpha(Lobe lobe, ChartPlace chart, LookupTile here, inout Probe probe, vec3 mirror, float cosine) {
-    mat3 worldFromBlock = here.tilePatch.worldFromBlock;
-    float reach = max(searchRadius(distanceAlong(probe, worldFromBlock, mirror), chart.texelMeters), kLeastReachTexels);
+    float reach = max(searchRadius(distanceAlong(probe, mirror, vec2(0.0)), chart.texelMeters), kLeastReachTexels);
     // The volume of the cone that places are drawn from, but no more texels than there are.
     float texels = min(kPi / 3.0 * reach * reach, float(chart.size.x * chart.size.y));
-    float density = warpDensity(warpAt(0, here.block, hemisphereCell(mirror * worldFromBlock, kGuideSize)));
+    float density = warpDensity(warpAt(0, here.block, hemisphereCell(mirror * probe.worldFromBlock, kGuideSize, vec2(0.0))));
     // 1 / (integral of D^2) is 3 pi alpha^2 for small alpha, times d(light)/d(half) = 4 v.h.
     float solidAngle = min(12.0 * kPi * lobe.alpha * lobe.alpha * cosine, kPi);
     float widening = clamp(sqrt(kWantedSamples / max(texels * density * solidAngle, 1e-6)), 1.0, kMostWidening);
@@ -178,16 +181,27 @@ void moveTo(inout Place place, ChartPlace chart, vec2 texel, vec2 around) {
     place.tile = lookupTileAt(chart, place.texel);
 }
 
-// What a PHATexel of `layer` saw toward `wi`. `place`: the first one that is asked, or with `away` any; that which
-// answered.
-Found answer(Receiver r, ChartPlace chart, vec3 normal, vec3 wi, float d, vec2 u, int layer, bool away,
+// In [-1,1]^2, from what the draw's own numbers leave.
+vec2 asideOf(vec2 u, int i) {
+    return 2.0 * fract(4096.0 * u + float(i) * vec2(0.754877, 0.569840)) - 1.0;
+}
+
+// What a PHATexel of `layer` saw toward `wi`. `u`: the draw's. `place`: the first one that is asked, or with `away` any;
+// that which answered.
+Found answer(Receiver r, ChartPlace chart, vec3 normal, vec3 wi, vec4 u, int layer, bool away, inout Probe probe,
              inout Place place) {
     Found found;
+    float d = distanceAlong(probe, wi, vec2(0.0));
     float radius = searchRadius(d, chart.texelMeters);
-    for (int i = 0; i < kTries; ++i, radius = max(0.5 * radius, kLeastTexels), d *= kCloser) {
-        if (i >= kAimedTries) radius = kNearTexels;
-        if (i > 0 || away) moveTo(place, chart, r.texel + radius * squareToCone(u, float(i)), r.texel);
-        found = ask(r, chart, place.tile, place.texel, wi, d, i < kAimedTries, layer);
+    int tries = d < kContactTexels * chart.texelMeters ? kTries + 1 : kTries;
+    for (int i = 0; i < tries; ++i, radius = max(0.5 * radius, kLeastTexels)) {
+        bool aimed = i < kTries;
+        if (i > 0) d = distanceAlong(probe, wi, kAside * asideOf(u.wz, i));
+        if (i > 0 || away) {
+            float reach = aimed ? radius : kNearTexels;
+            moveTo(place, chart, r.texel + reach * squareToCone(u.zw, float(i)), r.texel);
+        }
+        found = ask(r, chart, place.tile, place.texel, wi, d, aimed, layer);
         found.valid = found.valid && dot(found.direction, normal) > 0.0;
         if (found.valid) break;
     }
@@ -235,7 +249,7 @@ void addLamps(inout vec4 sum, Receiver r, ChartPlace chart, mat3 worldFromLocal,
             place.tile.blockCorner + texelHolding((cell + 0.5) / float(side), corner, lampBits, scramble);
         Phatexel phatexel = unpackPhatexel(READ(texelFetch(phatexels, ivec3(texel, layerCount), 0).xy));
         if (!phatexel.valid) continue;
-        vec4 warp = warpAt(layerCount, place.tile.block, hemisphereCell(phatexel.directionBlock, kGuideSize));
+        vec4 warp = warpAt(layerCount, place.tile.block, hemisphereCell(phatexel.directionBlock, kGuideSize, vec2(0.0)));
         // The smear of the draws that might have found the same.
         Found found = foundIn(place.tile, phatexel, warp, groupBits(chart, phatexel.distance));
         reconnect(found, r, chart, place.tile, place.texel, texel, lampBits);
@@ -260,7 +274,6 @@ SeenLight lookUp(Receiver r, Lobe lobe, int rank, out float drawnAlpha) {
     vec2 within = (vec2(rank & 3, rank >> 2) - 1.5) * (float(kTileSize) / 4.0);
     ivec2 hereTexel = texelInChart(chart, r.texel + within, r.texel);
     LookupTile here = lookupTileAt(chart, hereTexel);
-    mat3 worldFromBlock = here.tilePatch.worldFromBlock;
     Probe probe = probeAt(here, hereTexel, r.position);
     drawnAlpha = widenedAlpha(lobe, chart, here, probe, worldFromLocal * vec3(-wo.xy, wo.z), wo.z);
     Lobe wide = Lobe(lobe.normal, lobe.f0, lobe.f90, drawnAlpha);
@@ -276,10 +289,8 @@ SeenLight lookUp(Receiver r, Lobe lobe, int rank, out float drawnAlpha) {
         vec3 wi = reflect(-wo, squareToVisibleNormal(u.xy, wo, drawnAlpha));
         vec3 wiWorld = worldFromLocal * wi;
         if (wi.z <= 0.0 || dot(wiWorld, r.normalGeometric) <= 0.0) continue;
-        float d = distanceAlong(probe, worldFromBlock, wiWorld);
         // Two draws ask at one place, as long as that answers.
-        Found found =
-            answer(r, chart, lobe.normal, wiWorld, d, u.zw, k % layerCount, (k & 1) == 0, place);
+        Found found = answer(r, chart, lobe.normal, wiWorld, u, k % layerCount, (k & 1) == 0, probe, place);
         if (found.valid) {
             vec3 w = found.direction * worldFromLocal;
             // g = f cos / pdf. The sample's own pdf and the Jacobian cancel: cells hold equal shares of the density
@@ -290,7 +301,7 @@ SeenLight lookUp(Receiver r, Lobe lobe, int rank, out float drawnAlpha) {
 #ifdef AREA
         if (k % kAreaEvery != 0) continue;
         READS_FOR(1);
-        found = answer(r, chart, lobe.normal, wiWorld, d, u.zw, layerCount, false, place);
+        found = answer(r, chart, lobe.normal, wiWorld, u, layerCount, false, probe, place);
         if (found.valid) {
             vec3 w = found.direction * worldFromLocal;
             float pdf = smoothedLobePdf(wo, w, drawnAlpha, found.spread2);

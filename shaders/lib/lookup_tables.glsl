@@ -66,9 +66,10 @@ LookupTile lookupTileAt(ChartPlace chart, ivec2 texel) {
     return t;
 }
 
-ivec2 hemisphereCell(vec3 direction, int size) {
+// `aside`: in cells.
+ivec2 hemisphereCell(vec3 direction, int size, vec2 aside) {
     vec3 d = normalize(vec3(direction.xy, max(direction.z, 0.0)));
-    return clamp(ivec2(hemisphereToSquare(d) * float(size)), 0, size - 1);
+    return clamp(ivec2(floor(hemisphereToSquare(d) * float(size) + aside)), 0, size - 1);
 }
 
 // Distances around the receiver's tile, as seen from one of its texels; the last read is kept.
@@ -76,6 +77,7 @@ struct Probe {
     ivec2 corner;      // in `probes`
     vec2 range;        // metres
     vec3 offset;       // from the receiver to that texel, world
+    mat3 worldFromBlock;
     ivec2 group;
     uvec4 levels;
 };
@@ -83,7 +85,8 @@ struct Probe {
 Probe probeAt(LookupTile tile, ivec2 texel, vec3 position) {
     vec2 fromMiddle = vec2(tile.tilePatch.probeTexel) - 3.5;
     vec3 offset = tile.tilePatch.empty ? vec3(0.0) : placeOf(tile.tilePatch, fromMiddle) - position;
-    return Probe((texel >> 3) * ivec2(2, 4), tile.tilePatch.probeRange, offset, ivec2(-1), uvec4(0u));
+    return Probe((texel >> 3) * ivec2(2, 4), tile.tilePatch.probeRange, offset, tile.tilePatch.worldFromBlock, ivec2(-1),
+                 uvec4(0u));
 }
 
 // twin: probeDistance in src/core/distance_probes.h.
@@ -91,9 +94,9 @@ float levelDistance(vec2 range, uint level) {
     return level == 15u ? kFarDistance : range.x * pow(range.y / range.x, float(level) / 14.0);
 }
 
-// Metres from the receiver to what is seen along a unit direction.
-float distanceAlong(inout Probe probe, mat3 worldFromBlock, vec3 direction) {
-    ivec2 cell = hemisphereCell(direction * worldFromBlock, kProbeSize);
+// Metres from the receiver to what is seen along a unit direction, or `aside` of it by so many of the map's cells.
+float distanceAlong(inout Probe probe, vec3 direction, vec2 aside) {
+    ivec2 cell = hemisphereCell(direction * probe.worldFromBlock, kProbeSize, aside);
     ivec2 group = ivec2(cell.x >> 3, cell.y >> 2);
     if (group != probe.group) {
         probe.levels = READ(texelFetch(probes, probe.corner + group, 0));
