@@ -14,12 +14,12 @@ struct WebPart {
 
 struct WebParts {
     std::vector<uint8_t> room;   // a baked GLB: the scene, its diffuse light, and the atlas
-    std::vector<WebPart> later;  // buffers of it, in the order in which a page wants them: area lights' highlights, then
-                                 // a layer of the indirect light each
+    std::vector<WebPart> later;  // buffers of it, in the order in which a page wants them: area lights'
+                                 // highlights, then a layer of the indirect light each
 };
 
-/// `stem`: of the parts' names beside the room, STEM.lamps.bin, STEM.reflections.bin, STEM.reflections-2.bin ... Together
-/// they are the same baked file. Throws FileError.
+/// `stem`: of the parts' names beside the room, STEM.lamps.bin, STEM.reflections.bin, STEM.reflections-2.bin
+/// ... Together they are the same baked file. Throws FileError.
 WebParts splitForWeb(const std::string& path, const std::string& stem);
 
 }  // namespace phat

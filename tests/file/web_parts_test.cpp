@@ -29,7 +29,8 @@ TEST(WebParts, AreTheSameBakeTogether) {
         laterBytes += part.bytes.size();
         names.push_back(part.uri);
     }
-    EXPECT_EQ(names, (std::vector<std::string>{"room.lamps.bin", "room.reflections.bin", "room.reflections-2.bin"}));
+    EXPECT_EQ(names,
+              (std::vector<std::string>{"room.lamps.bin", "room.reflections.bin", "room.reflections-2.bin"}));
     const Phatexture a = readBakedFile(whole).phatexture,
                      b = readBakedFile(folder.file("room.glb")).phatexture;
     ASSERT_EQ(b.indirect.size(), 2u);
