@@ -13,6 +13,12 @@ constexpr uint64_t kPassWork = 64;
 // Tiles' brightest light is looked for anew after so much work, in rays a texel.
 constexpr uint64_t kTileLightWork = 1;
 
+// Changes that are no farther apart are one motion, in rays a texel.
+constexpr uint64_t kStillWork = 32;
+
+// A piece of work: some ten milliseconds, and enough for many threads.
+constexpr size_t kNodesAPiece = 1024;
+
 using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) {
@@ -47,6 +53,7 @@ bool LiveEngine::setPose(const LivePose& pose) {
         if (chart != kNoChart && state_.scene.movedAt(chart) == version) packPlace(state_, tile);
     }
     ++plan_;
+    changes_ = {std::max<uint64_t>(clock_, 1), changes_[0]};
     return true;
 }
 
@@ -56,7 +63,8 @@ void LiveEngine::setEye(const Camera* eye) {
 }
 
 bool LiveEngine::hasWork(LiveTask task) {
-    if (task == LiveTask::maps) return job_.has_value();
+    if (task == LiveTask::moved) return moved_.step != MovedLight::Step::none || anyMoved();
+    if (task == LiveTask::maps) return areaJob_ || indirectJob_;
     Queue& queue = queues_[size_t(task)];
     if (queue.planned == plan_ && queue.next < queue.items.size()) return true;
     if (queue.planned != plan_) {
@@ -65,11 +73,9 @@ bool LiveEngine::hasWork(LiveTask task) {
             valuesFor_ = state_.scene.version();
         }
         if (task == LiveTask::nodes) adaptNodes(state_);
-        if (task == LiveTask::blocks)
-            state_.irradianceKnown =
-                !job_ && !areaDirty_ && !indirectDirty_ && !hasWork(LiveTask::areaLight) && !hasWork(LiveTask::nodes);
-        queue.items = urgentFirst(state_, task, tileValue_, clock_,
-                                  kPassWork * state_.scene.atlas().texelCount(), queue.movedItems);
+        if (task == LiveTask::blocks) state_.irradianceKnown = areaIsKnown() && indirectIsKnown();
+        queue.items =
+            urgentFirst(state_, task, tileValue_, clock_, kPassWork * state_.scene.atlas().texelCount());
         queue.next = 0;
         queue.planned = plan_;
     }
@@ -84,10 +90,21 @@ std::span<const uint32_t> LiveEngine::takeItems(LiveTask task, size_t most) {
 }
 
 bool LiveEngine::settled() {
-    if (job_ || areaDirty_ || indirectDirty_) return false;
+    if (areaDirty_ || indirectDirty_) return false;
     for (size_t t = 0; t < kLiveTasks; ++t)
         if (hasWork(LiveTask(t))) return false;
     return true;
+}
+
+bool LiveEngine::keepsChanging() const {
+    const uint64_t still = kStillWork * state_.scene.atlas().texelCount();
+    return clock_ - changes_[0] < still && changes_[1] > 0 && changes_[0] - changes_[1] < still;
+}
+
+bool LiveEngine::waits(LiveTask task) {
+    if ((task != LiveTask::nodes && task != LiveTask::blocks) || keepsChanging()) return false;
+    if (task == LiveTask::nodes) return !areaIsKnown();
+    return !areaIsKnown() || !indirectIsKnown() || hasWork(LiveTask::photons);
 }
 
 uint64_t LiveEngine::advance(uint64_t work, const Progress& whole) {
@@ -97,12 +114,10 @@ uint64_t LiveEngine::advance(uint64_t work, const Progress& whole) {
     while (credit_ > 0) {
         progress.throwIfStopped();
         const uint64_t before = clock_;
-        if (!job_) beginDueMap();
+        beginDueMaps();
         std::array<bool, kLiveTasks> busy{};
         for (size_t t = 0; t < kLiveTasks; ++t) {
-            // What a map is made from, and what it lights, waits for it.
-            const bool waits = job_ && LiveTask(t) != LiveTask::respond && LiveTask(t) != LiveTask::maps;
-            busy[t] = !waits && hasWork(LiveTask(t));
+            busy[t] = hasWork(LiveTask(t)) && !waits(LiveTask(t));
         }
         const std::optional<LiveTask> task = shares_.next(busy);
         if (!task) {
@@ -116,12 +131,14 @@ uint64_t LiveEngine::advance(uint64_t work, const Progress& whole) {
 }
 
 void LiveEngine::runPiece(LiveTask task, Progress& progress) {
-    if (task == LiveTask::maps) return advanceMap();
     const Clock::time_point start = Clock::now();
     Queue& queue = queues_[size_t(task)];
     const size_t before = queue.next;
     uint64_t work = 0;
     switch (task) {
+        case LiveTask::moved:
+            work = renewMoved();
+            break;
         case LiveTask::respond:
             work = respond();
             break;
@@ -132,20 +149,17 @@ void LiveEngine::runPiece(LiveTask task, Progress& progress) {
             work = renewRegions();
             break;
         case LiveTask::nodes:
-            work = traceNodes();
+            work = traceNodes(takeItems(LiveTask::nodes, kNodesAPiece));
             break;
         case LiveTask::blocks:
             work = renewBlocks();
             break;
         case LiveTask::maps:
+            work = advanceWholeMaps();
             break;
     }
     // What is stale may depend on all of a kind being known.
-    if (queue.next == queue.items.size()) ++plan_;
-    if (before < queue.movedItems) {
-        queue.movedWork += work;
-        queue.movedDone = queue.next >= queue.movedItems;
-    }
+    if (queue.next > before && queue.next == queue.items.size()) ++plan_;
     clock_ += work;
     shares_.done(task, work);
     LiveStats::Task& stats = stats_.tasks[size_t(task)];
@@ -181,13 +195,14 @@ LiveShare LiveEngine::renewed() const {
         heard += state_.tileScene[tile] == version;
     }
     const auto of = [&](LiveTask task) -> float& { return share[size_t(task)]; };
+    of(LiveTask::moved) = moved_.step != MovedLight::Step::none || anyMoved() ? 0.0f : 1.0f;
     of(LiveTask::respond) = float(double(heard) / double(std::max<uint64_t>(tiles, 1)));
     of(LiveTask::photons) = shareOf(state_.photonsScene, present);
     of(LiveTask::areaLight) = shareOf(state_.regionScene, present);
     of(LiveTask::nodes) = shareOf(state_.nodeAge, [&](const NodeAge& age) {
         return age.scene == version && age.area == state_.areaVersion;
     });
-    of(LiveTask::maps) = job_ || areaDirty_ || indirectDirty_ ? 0.0f : 1.0f;
+    of(LiveTask::maps) = areaJob_ || indirectJob_ || areaDirty_ || indirectDirty_ ? 0.0f : 1.0f;
     of(LiveTask::blocks) = shareOf(state_.blockAge, [&](const BlockAge& age) {
         return age.scene == version && age.photons == version && age.irradiance == state_.irradianceVersion;
     });

@@ -65,40 +65,57 @@ class LiveEngine {
         std::vector<uint32_t> items;  // the most urgent first
         size_t next = 0;
         uint64_t planned = 0;  // plan_ that it was made for
-        // All of what has moved is among its first items: irradiance that is out of place is shown first.
-        size_t movedItems = 0;
-        uint64_t movedWork = 0;  // since their maps were last made
-        bool movedDone = false;
     };
     bool hasWork(LiveTask task);
+    /// Changes follow each other, so that nothing is ever known in full.
+    bool keepsChanging() const;
+    /// Whether the task would only have to be done again when what it depends on is known.
+    bool waits(LiveTask task);
+    bool areaIsKnown() { return !areaJob_ && !areaDirty_ && !hasWork(LiveTask::areaLight); }
+    bool indirectIsKnown() { return !indirectJob_ && !indirectDirty_ && !hasWork(LiveTask::nodes); }
     std::span<const uint32_t> takeItems(LiveTask task, size_t most);
     void runPiece(LiveTask task, Progress& progress);
     uint64_t respond();
     uint64_t tracePhotonPart(Progress& progress);
     uint64_t renewRegions();
-    uint64_t traceNodes();
+    uint64_t traceNodes(std::span<const uint32_t> nodes);
+    uint64_t estimateArea(std::span<const BlockPlace> places);
     uint64_t renewBlocks();
     /// A map that is being made anew. Never moved: its pieces refer to it.
     struct MapJob {
         bool area = false;
         ChartSet charts;  // empty: all
+        ChartSet newer;   // of all: mapped again since it began, alone
         IrradianceMap map;
         std::atomic<uint64_t> rays = 0;
         SilentProgress progress;
         std::optional<Pieces> pieces;
     };
-    /// Begins with a map if one is due.
-    void beginDueMap();
-    void beginMap(bool area, ChartSet charts);
-    void advanceMap();
-    void publishMap();
+    /// The irradiance of what has moved, from estimates and rays to maps, before and beside that of all else.
+    struct MovedLight {
+        enum class Step { none, estimates, areaMap, nodes, indirectMap };
+        Step step = Step::none;
+        ChartSet charts;
+        std::vector<uint32_t> items;  // of the step
+        size_t next = 0;
+        std::optional<MapJob> job;
+        uint64_t scene = 1;  // version: what moved after that comes next
+    };
+    uint64_t renewMoved();
+    void beginMovedStep(MovedLight::Step step);
+    bool anyMoved() const;
+    ChartSet movedSince(uint64_t version) const;
+
+    /// Begins with the maps of all that are due.
+    void beginDueMaps();
+    void beginMap(std::optional<MapJob>& job, bool area, ChartSet charts);
+    /// Returns the work; empties `job` when it is done.
+    uint64_t advanceMap(std::optional<MapJob>& job);
+    uint64_t advanceWholeMaps();
+    void publishMap(MapJob& job);
+    uint64_t texelsOf(const ChartSet& charts) const;
     bool areaIsDue();
     bool indirectIsDue();
-    bool movedIsDue(LiveTask task);
-    void forgetMoved(LiveTask task);
-    ChartSet movedSince(uint64_t version) const;
-    uint64_t mapWork(uint64_t workATexel, const ChartSet& charts) const;
-    void countMap(bool area, uint64_t work, double seconds);
 
     LiveState state_;
     std::optional<Camera> eye_;
@@ -108,14 +125,15 @@ class LiveEngine {
     uint64_t plan_ = 1;  // grows when something may have become stale
     LiveShares shares_;
     int64_t credit_ = 0;
-    uint64_t clock_ = 0;  // all work so far
+    uint64_t clock_ = 0;                 // all work so far
+    std::array<uint64_t, 2> changes_{};  // clock at the last change and at the one before
     bool areaDirty_ = false, indirectDirty_ = false;
-    uint64_t areaWork_ = 0, nodeWork_ = 0;              // since the maps were last made
-    uint64_t areaMapScene_ = 1, indirectMapScene_ = 1;  // versions that they were made in
+    uint64_t areaWork_ = 0, nodeWork_ = 0;  // since the maps were last made
     bool tileLightStale_ = false;
     uint64_t tileLightClock_ = 0;  // of the next one
     LiveStats stats_;
-    std::optional<MapJob> job_;
+    std::optional<MapJob> areaJob_, indirectJob_;  // of all charts
+    MovedLight moved_;
 };
 
 }  // namespace phat

@@ -16,7 +16,7 @@ namespace phat {
 /// One number for all tasks: PHATexels count half, because each depends on all else.
 inline float overall(const LiveShare& share) {
     float sum = 0.5f * share[size_t(LiveTask::blocks)];
-    for (size_t t = 0; t + 1 < kLiveTasks; ++t) sum += 0.1f * share[t];
+    for (size_t t = 0; t + 1 < kLiveTasks; ++t) sum += 0.5f / float(kLiveTasks - 1) * share[t];
     return sum;
 }
 

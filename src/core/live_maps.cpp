@@ -24,14 +24,12 @@ double secondsSince(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void mix(IrradianceMap& map, IrradianceMap renewed, const ChartSet& charts, const Atlas& atlas) {
-    if (charts.empty()) {
-        map = std::move(renewed);
-        return;
-    }
+/// Takes what is `wanted` of a renewed map: wanted(chart).
+template <typename Value, typename Wanted>
+void mix(std::vector<Value>& map, const std::vector<Value>& renewed, const Atlas& atlas,
+         const Wanted& wanted) {
     for (size_t i = 0; i < map.size(); ++i)
-        if (hasChart(charts, atlas.chartAt({i % atlas.sizeTexels.x, i / atlas.sizeTexels.x})))
-            map[i] = renewed[i];
+        if (wanted(atlas.chartAt({i % atlas.sizeTexels.x, i / atlas.sizeTexels.x}))) map[i] = renewed[i];
 }
 
 }  // namespace
@@ -49,44 +47,21 @@ bool LiveEngine::indirectIsDue() {
     return allNodesKnown(state_);
 }
 
-uint64_t LiveEngine::mapWork(uint64_t workATexel, const ChartSet& charts) const {
-    const Atlas& atlas = state_.scene.atlas();
-    uint64_t texels = 0;
-    for (uint32_t c = 0; c < atlas.charts.size(); ++c)
-        if (hasChart(charts, c))
-            texels += uint64_t(atlas.charts[c].sizeTexels().x) * atlas.charts[c].sizeTexels().y;
-    return workATexel * texels + atlas.texelCount() / kTexelsStitchedAWork;
+void LiveEngine::beginDueMaps() {
+    if (!areaJob_ && areaIsDue()) {
+        areaDirty_ = false;  // what becomes known from now on is for the next map
+        areaWork_ = 0;
+        beginMap(areaJob_, true, {});
+    }
+    if (!indirectJob_ && indirectIsDue()) {
+        indirectDirty_ = false;
+        nodeWork_ = 0;
+        beginMap(indirectJob_, false, {});
+    }
 }
 
-ChartSet LiveEngine::movedSince(uint64_t version) const {
-    ChartSet charts(state_.scene.atlas().charts.size(), 0);
-    for (uint32_t c = 0; c < charts.size(); ++c) charts[c] = state_.scene.movedAt(c) > version;
-    return charts;
-}
-
-bool LiveEngine::movedIsDue(LiveTask task) {
-    const Queue& queue = queues_[size_t(task)];
-    if (queue.movedWork == 0) return false;
-    if (queue.movedDone) return true;
-    const bool area = task == LiveTask::areaLight;
-    return queue.movedWork > kMapShare * mapWork(area ? kAreaMapWork : kIndirectMapWork,
-                                                 movedSince(area ? areaMapScene_ : indirectMapScene_));
-}
-
-void LiveEngine::beginDueMap() {
-    // What has moved is few texels, and seen to be wrong at once.
-    if (movedIsDue(LiveTask::areaLight))
-        beginMap(true, movedSince(areaMapScene_));
-    else if (movedIsDue(LiveTask::nodes) && allNodesKnown(state_))
-        beginMap(false, movedSince(indirectMapScene_));
-    else if (areaIsDue())
-        beginMap(true, {});
-    else if (indirectIsDue())
-        beginMap(false, {});
-}
-
-void LiveEngine::beginMap(bool area, ChartSet charts) {
-    MapJob& job = job_.emplace();
+void LiveEngine::beginMap(std::optional<MapJob>& slot, bool area, ChartSet charts) {
+    MapJob& job = slot.emplace();
     job.area = area;
     job.charts = std::move(charts);
     const GatherInput input = state_.input();
@@ -102,53 +77,71 @@ void LiveEngine::beginMap(bool area, ChartSet charts) {
         job.pieces.emplace(irradianceOfCharts(input, now.areaIrradiance, now.indirectIrradiance,
                                               state_.settings, state_.level, state_.nodes, job.charts,
                                               job.map, kMapPieceWork, job.progress, job.rays));
-    forgetMoved(area ? LiveTask::areaLight : LiveTask::nodes);
-    // What becomes known from now on is for the next map.
-    if (job.charts.empty()) {
-        (area ? areaDirty_ : indirectDirty_) = false;
-        (area ? areaWork_ : nodeWork_) = 0;
-        (area ? areaMapScene_ : indirectMapScene_) = state_.scene.version();
+}
+
+uint64_t LiveEngine::advanceMap(std::optional<MapJob>& slot) {
+    const uint64_t raysBefore = slot->rays, texels = state_.scene.atlas().texelCount();
+    if (!slot->pieces->next()) {
+        publishMap(*slot);
+        slot.reset();
+        return texels / kTexelsStitchedAWork;
     }
-    // At once, because it reads the nodes, whose number may change.
-    advanceMap();
+    // A piece passes over the other charts' texels in next to no time.
+    const uint64_t rays = slot->rays - raysBefore,
+                   rest = slot->pieces->work() - std::min(rays, slot->pieces->work());
+    return rays + rest * texelsOf(slot->charts) / texels;
 }
 
-void LiveEngine::advanceMap() {
+uint64_t LiveEngine::texelsOf(const ChartSet& charts) const {
+    const Atlas& atlas = state_.scene.atlas();
+    if (charts.empty()) return atlas.texelCount();
+    uint64_t texels = 0;
+    for (uint32_t c = 0; c < charts.size(); ++c)
+        if (hasChart(charts, c))
+            texels += uint64_t(atlas.charts[c].sizeTexels().x) * atlas.charts[c].sizeTexels().y;
+    return texels;
+}
+
+uint64_t LiveEngine::advanceWholeMaps() {
     const Clock::time_point start = Clock::now();
-    const bool area = job_->area, more = job_->pieces->next();
-    const uint64_t work = more ? job_->pieces->work() : state_.scene.atlas().texelCount() / kTexelsStitchedAWork;
-    if (!more) publishMap();
-    countMap(area, work, secondsSince(start));
-    shares_.done(LiveTask::maps, work);
+    // Light straight from lamps is more, and sooner done.
+    std::optional<MapJob>& job = areaJob_ ? areaJob_ : indirectJob_;
+    LiveStats::Task& stats = job->area ? stats_.areaMaps : stats_.indirectMaps;
+    const uint64_t work = advanceMap(job);
+    stats.items += !job;
+    stats.work += work;
+    stats.seconds += secondsSince(start);
+    return work;
 }
 
-void LiveEngine::publishMap() {
-    const MapJob& job = *job_;
+void LiveEngine::publishMap(MapJob& job) {
     const GatherInput input = state_.input();
-    Phatexture& now = state_.phatexture;
-    mix(job.area ? state_.areaMap : state_.indirectMap, std::move(job_->map), job.charts, input.atlas);
-    const bool changed =
-        job.area ? publish(state_, now.areaIrradiance,
-                           finishAreaIrradiance(state_.areaMap, input, state_.seams, job.progress))
-                 : publish(state_, now.indirectIrradiance,
-                           finishIndirectIrradiance(state_.indirectMap, input, state_.seams, job.progress));
+    std::vector<uint32_t>& shown =
+        job.area ? state_.phatexture.areaIrradiance : state_.phatexture.indirectIrradiance;
+    IrradianceMap& map = job.area ? state_.areaMap : state_.indirectMap;
+    const bool whole = job.charts.empty();
+    mix(map, job.map, input.atlas, [&](uint32_t chart) {
+        return whole ? job.newer.empty() || !hasChart(job.newer, chart) : hasChart(job.charts, chart);
+    });
+    // A thing's charts have seams with each other alone.
+    std::vector<SeamPoint> seams;
+    for (const SeamPoint& point : state_.seams)
+        if (hasChart(job.charts, point.chart[0])) seams.push_back(point);
+    std::vector<uint32_t> renewed = job.area ? finishAreaIrradiance(map, input, seams, job.progress)
+                                             : finishIndirectIrradiance(map, input, seams, job.progress);
+    if (!whole)
+        mix(renewed, shown, input.atlas, [&](uint32_t chart) { return !hasChart(job.charts, chart); });
+    const bool changed = publish(state_, shown, std::move(renewed));
     if (changed && job.area) ++state_.areaVersion;
     state_.irradianceVersion += changed;
     ++plan_;
-    ++(job.area ? stats_.areaMaps : stats_.indirectMaps).items;
-    job_.reset();
-}
-
-void LiveEngine::forgetMoved(LiveTask task) {
-    queues_[size_t(task)].movedWork = 0;
-    queues_[size_t(task)].movedDone = false;
-}
-
-void LiveEngine::countMap(bool area, uint64_t work, double seconds) {
-    clock_ += work;
-    LiveStats::Task& task = area ? stats_.areaMaps : stats_.indirectMaps;
-    task.work += work;
-    task.seconds += seconds;
+    std::optional<MapJob>& ofAll = job.area ? areaJob_ : indirectJob_;
+    if (!whole && ofAll) {
+        ofAll->newer.resize(job.charts.size(), 0);
+        for (size_t c = 0; c < job.charts.size(); ++c) ofAll->newer[c] |= job.charts[c];
+    }
+    // Those were mapped without the rest of it.
+    if (whole && !job.newer.empty()) (job.area ? areaDirty_ : indirectDirty_) = true;
 }
 
 }  // namespace phat

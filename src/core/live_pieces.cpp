@@ -1,5 +1,7 @@
 // The pieces of the live engine's work, by task.
 
+#include <numeric>
+
 #include "core/live_engine.h"
 #include "core/parallel.h"
 
@@ -7,7 +9,7 @@ namespace phat {
 namespace {
 
 // Items of a piece of work: some ten milliseconds, and enough for many threads.
-constexpr size_t kTilesAPiece = 64, kRegionsAPiece = 4, kNodesAPiece = 1024, kBlocksAPiece = 8;
+constexpr size_t kTilesAPiece = 64, kRegionsAPiece = 4, kBlocksAPiece = 8;
 // In rays: tracing a photon and sorting it in.
 constexpr uint64_t kPhotonWork = 4;
 
@@ -62,31 +64,34 @@ uint64_t LiveEngine::tracePhotonPart(Progress& progress) {
     return kPhotonWork * (end - begin);
 }
 
-uint64_t LiveEngine::renewRegions() {
-    const std::span<const uint32_t> regions = takeItems(LiveTask::areaLight, kRegionsAPiece);
-    const Atlas& atlas = state_.scene.atlas();
-    const uint32_t wide = (atlas.sizeTexels.x + kBlockSize - 1) / kBlockSize;
-    std::vector<uint64_t> rays(regions.size(), 0);
+uint64_t LiveEngine::estimateArea(std::span<const BlockPlace> places) {
+    std::vector<uint64_t> rays(places.size(), 0);
     const GatherInput input = state_.input();
-    forAll(regions.size(), [&](size_t i) {
-        const glm::uvec2 corner = glm::uvec2(regions[i] % wide, regions[i] / wide) * kBlockSize;
-        renewAreaIrradiance(input, state_.settings, corner,
-                            glm::min(glm::uvec2(kBlockSize), atlas.sizeTexels - corner), state_.areaEstimates,
+    forAll(places.size(), [&](size_t i) {
+        renewAreaIrradiance(input, state_.settings, places[i].origin, places[i].size, state_.areaEstimates,
                             rays[i]);
     });
-    uint64_t work = 0;
-    for (size_t i = 0; i < regions.size(); ++i) {
-        state_.regionScene[regions[i]] = state_.scene.version();
-        state_.regionClock[regions[i]] = clock_;
-        work += rays[i];
-    }
     areaDirty_ = true;
+    const uint64_t work = std::accumulate(rays.begin(), rays.end(), uint64_t(0));
     areaWork_ += work;
     return work;
 }
 
-uint64_t LiveEngine::traceNodes() {
-    const std::span<const uint32_t> nodes = takeItems(LiveTask::nodes, kNodesAPiece);
+uint64_t LiveEngine::renewRegions() {
+    const std::span<const uint32_t> regions = takeItems(LiveTask::areaLight, kRegionsAPiece);
+    const Atlas& atlas = state_.scene.atlas();
+    const uint32_t wide = (atlas.sizeTexels.x + kBlockSize - 1) / kBlockSize;
+    std::vector<BlockPlace> places;
+    for (const uint32_t region : regions) {
+        const glm::uvec2 corner = glm::uvec2(region % wide, region / wide) * kBlockSize;
+        places.push_back({corner, glm::min(glm::uvec2(kBlockSize), atlas.sizeTexels - corner)});
+        state_.regionScene[region] = state_.scene.version();
+        state_.regionClock[region] = clock_;
+    }
+    return estimateArea(places);
+}
+
+uint64_t LiveEngine::traceNodes(std::span<const uint32_t> nodes) {
     std::vector<uint64_t> rays(nodes.size(), 0);
     const GatherInput input = state_.input();
     SilentProgress silent;

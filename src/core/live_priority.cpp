@@ -12,13 +12,10 @@ constexpr float kUnseen = 0.25f;
 // Of tiles far from any change, so that the eye decides among them.
 constexpr float kLeastValue = 0.25f;
 
-// Irradiance of what has moved comes before all that is not twice as old as a pass.
-constexpr float kMovedBonus = 2.0f;
-
-// Shares of the work, by LiveTask. Responding to a change comes first by far, and is soon done; blocks that
-// are renewed before the light around them is known have to be renewed again. A map that is begun keeps
-// nearly all else waiting.
-constexpr double kShare[kLiveTasks] = {8, 2, 3, 3, 100, 3};
+// Shares of the work, by LiveTask. Irradiance of what has moved is little work and plainly out of place until
+// then; responding to a change is soon done, too. A map that is begun keeps nearly all else waiting. Blocks
+// that are renewed before the light around them is known have to be renewed again.
+constexpr double kShare[kLiveTasks] = {100, 12, 2, 12, 4, 20, 4};
 
 bool isSeen(const Camera& eye, const TilePatch& patch, glm::vec3 normal, float radius) {
     const glm::mat4 cameraFromWorld = glm::inverse(eye.worldFromCamera);
@@ -64,24 +61,16 @@ std::vector<float> tileValues(const LiveState& state, const Camera* eye) {
 }
 
 std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const std::vector<float>& tileValue,
-                                  uint64_t clock, uint64_t passClock, size_t& moved) {
+                                  uint64_t clock, uint64_t passClock) {
     const Atlas& atlas = state.scene.atlas();
     const uint64_t version = state.scene.version();
     struct Item {
-        bool moved;
         float urgency;
         uint32_t index;
     };
     std::vector<Item> items;
-    const auto add = [&](uint32_t index, float value, uint64_t renewed, bool ofMoved = false) {
-        items.push_back(
-            {ofMoved,
-             value + (ofMoved ? kMovedBonus : 0.0f) + float(double(clock - renewed) / double(passClock)),
-             index});
-    };
-    const auto movedSince = [&](uint32_t tile, uint64_t scene) {
-        const uint32_t chart = atlas.tileChart[tile];
-        return chart != kNoChart && state.scene.movedAt(chart) > scene;
+    const auto add = [&](uint32_t index, float value, uint64_t renewed) {
+        items.push_back({value + float(double(clock - renewed) / double(passClock)), index});
     };
     const auto valueIn = [&](glm::uvec2 corner, glm::uvec2 size) {
         float value = 0;
@@ -101,7 +90,7 @@ std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const s
         case LiveTask::photons:
             for (uint32_t p = 0; p < state.photonsScene.size(); ++p)
                 if (state.photonsScene[p] < version)
-                    items.push_back({false, float(version - state.photonsScene[p]), p});
+                    items.push_back({float(version - state.photonsScene[p]), p});
             break;
         case LiveTask::areaLight: {
             const uint32_t wide = (atlas.sizeTexels.x + kBlockSize - 1) / kBlockSize;
@@ -109,11 +98,7 @@ std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const s
                 if (state.regionScene[r] == version) continue;
                 const glm::uvec2 corner = glm::uvec2(r % wide, r / wide) * kBlockSize;
                 const glm::uvec2 size = glm::min(glm::uvec2(kBlockSize), atlas.sizeTexels - corner);
-                bool ofMoved = false;
-                for (uint32_t y = corner.y / kTileSize; y < (corner.y + size.y) / kTileSize; ++y)
-                    for (uint32_t x = corner.x / kTileSize; x < (corner.x + size.x) / kTileSize; ++x)
-                        ofMoved |= movedSince(y * atlas.sizeTiles().x + x, state.regionScene[r]);
-                add(r, valueIn(corner, size), state.regionClock[r], ofMoved);
+                add(r, valueIn(corner, size), state.regionClock[r]);
             }
             break;
         }
@@ -125,10 +110,11 @@ std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const s
                 const glm::uvec2 tile =
                     glm::uvec2(state.level.texel[n] % width, state.level.texel[n] / width) / kTileSize;
                 const uint32_t index = tile.y * atlas.sizeTiles().x + tile.x;
-                add(n, tileValue[index] + float(age.scene == 0), age.clock, movedSince(index, age.scene));
+                add(n, tileValue[index] + float(age.scene == 0), age.clock);
             }
             break;
-        case LiveTask::maps:  // they have no items
+        case LiveTask::moved:  // they have no items
+        case LiveTask::maps:
             break;
         case LiveTask::blocks: {
             const bool photonsKnown = state.photonsVersion() == version;
@@ -146,9 +132,6 @@ std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const s
     std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
         return a.urgency != b.urgency ? a.urgency > b.urgency : a.index < b.index;
     });
-    moved = 0;
-    for (size_t i = 0; i < items.size(); ++i)
-        if (items[i].moved) moved = i + 1;
     std::vector<uint32_t> order;
     order.reserve(items.size());
     for (const Item& item : items) order.push_back(item.index);

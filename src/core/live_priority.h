@@ -7,18 +7,17 @@
 namespace phat {
 
 /// What can be worth doing.
-enum class LiveTask : uint8_t { respond, photons, areaLight, nodes, maps, blocks };
-inline constexpr size_t kLiveTasks = 6;
+enum class LiveTask : uint8_t { moved, respond, photons, areaLight, nodes, maps, blocks };
+inline constexpr size_t kLiveTasks = 7;
 
 /// How much a tile gains by being renewed, from 0 to 1.25: near to what has changed of late and facing it, in
 /// the picture. `eye` null: all are in the picture.
 std::vector<float> tileValues(const LiveState& state, const Camera* eye);
 
 /// The stale items of a task, the most urgent first. An item's urgency grows with its age by 1 in
-/// `passClock` ticks, so that it cannot wait longer than that and a little. Regions and nodes
-/// of what has moved since they were renewed come early: the last of them is among the first `moved`.
+/// `passClock` ticks, so that it cannot wait longer than that and a little.
 std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const std::vector<float>& tileValue,
-                                  uint64_t clock, uint64_t passClock, size_t& moved);
+                                  uint64_t clock, uint64_t passClock);
 
 /// Shares the work out to tasks by weight: each gets its share of what is done while it has something to do.
 /// source: start-time fair queuing, Goyal et al. 1996.

@@ -8,8 +8,8 @@ namespace phat {
 
 size_t texelOfTile(const Atlas& atlas, size_t tile, uint32_t inTile) {
     const uint32_t wide = atlas.sizeTiles().x;
-    const glm::uvec2 texel = glm::uvec2(tile % wide, tile / wide) * kTileSize +
-                             glm::uvec2(inTile % kTileSize, inTile / kTileSize);
+    const glm::uvec2 texel =
+        glm::uvec2(tile % wide, tile / wide) * kTileSize + glm::uvec2(inTile % kTileSize, inTile / kTileSize);
     return size_t(texel.y) * atlas.sizeTexels.x + texel.x;
 }
 
@@ -82,8 +82,7 @@ void applyUpdate(const LiveUpdate& update, const Atlas& atlas, Phatexture& phate
         phatexture.tilePlaces[place.tile] = place.packed;
     }
     for (const LiveUpdate::Cover& cover : update.covers)
-        for (uint32_t i = 0; i < kTileTexels; ++i)
-            states[texelOfTile(atlas, cover.tile, i)] = cover.state[i];
+        for (uint32_t i = 0; i < kTileTexels; ++i) states[texelOfTile(atlas, cover.tile, i)] = cover.state[i];
 }
 
 }  // namespace phat

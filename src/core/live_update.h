@@ -40,7 +40,7 @@ struct LiveUpdate {
     std::vector<Phatexels> phatexels;  // by block
     std::vector<Irradiance> irradiance;
     std::vector<Place> places;
-    std::vector<Guides> guides;        // by block
+    std::vector<Guides> guides;  // by block
     std::vector<Cover> covers;
     std::vector<glm::vec4> tileLight;  // see tileLight(); of all tiles, or empty: as before
 

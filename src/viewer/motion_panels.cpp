@@ -46,7 +46,8 @@ void drawPlayback(ViewerState& state) {
     if (ImGui::SliderFloat("Time, s", &seconds, 0, animations[size_t(index)].seconds(), "%.2f",
                            ImGuiSliderFlags_AlwaysClamp))
         playback = {index, double(seconds), false};
-    if (ImGui::Button(playback.playing ? "Pause" : "Play")) playback = {index, playback.seconds, !playback.playing};
+    if (ImGui::Button(playback.playing ? "Pause" : "Play"))
+        playback = {index, playback.seconds, !playback.playing};
 }
 
 }  // namespace
@@ -68,12 +69,14 @@ void drawLivePanel(ViewerState& state, const PanelInput& input) {
     }
     const LiveLight::Report& report = *input.light;
     ImGui::ProgressBar(report.settled && state.view.liveLight ? 1.0f : overall(report.renewed));
-    constexpr std::array<const char*, kLiveTasks> kNames = {"first answer", "photons", "area lights",
-                                                            "diffuse rays", "diffuse light", "PHATexels"};
+    constexpr std::array<const char*, kLiveTasks> kNames = {"moved light", "first answer", "photons",
+                                                            "area lights", "diffuse rays", "diffuse light",
+                                                            "PHATexels"};
     for (size_t t = 0; t < kLiveTasks; ++t)
         panelText(fmt::format("{:<14}{:5.0f} %", kNames[t], 100 * report.renewed[t]));
     panelText(fmt::format("{:.0f} thousand PHATexels a second", 1e-3 * report.phatexelsPerSecond));
-    panelText(fmt::format("{:.2f} million renewed in {:.1f} s", 1e-6 * double(report.phatexels), report.seconds));
+    panelText(
+        fmt::format("{:.2f} million renewed in {:.1f} s", 1e-6 * double(report.phatexels), report.seconds));
 }
 
 }  // namespace phat
