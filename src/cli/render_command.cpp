@@ -24,6 +24,7 @@ constexpr double kMostAnimationSeconds = 1e6;
 constexpr std::array<FlagName<PixelFilter>, 2> kFilterNames = {
     {{"box", PixelFilter::box}, {"center", PixelFilter::center}}};
 constexpr int kMaxDrawnSamples = 4096, kMaxTracedSamples = 65536;
+constexpr int kMostRefinements = 1000;
 
 std::vector<std::string> methodNames() {
     std::vector<std::string> names;
@@ -97,9 +98,10 @@ void runRender(const RenderOptions& options) {
         ProgressBar progress(progressStyle(options.quiet), options.method.needsBake
                                                                ? bakeStages(BakeSettings())
                                                                : std::vector<PlannedStage>{{"trace", 1}});
-        reports = options.animated        ? renderAnimated(options, progress)
-                  : options.method.traced ? renderTraced(options, progress)
-                                          : renderDrawn(options, progress);
+        reports = options.animated          ? renderAnimated(options, progress)
+                  : options.refinements > 0 ? renderRefined(options, progress)
+                  : options.method.traced   ? renderTraced(options, progress)
+                                            : renderDrawn(options, progress);
     }
     if (options.json) {
         const json all = reports.size() == 1 ? reports.front() : json(reports);
@@ -191,11 +193,16 @@ void addRenderCommand(CLI::App& app) {
             ->excludes(secondsPerFrame);
     CLI::Option* animation =
         option("--animation", "NAME", "--animate: name or index; default: the first")->needs(animate);
+    CLI::Option* refine =
+        option("--refine", "N", "phat: bake N times more, with other draws; the mean, of --spp samples each")
+            ->check(CLI::Range(0, kMostRefinements))
+            ->excludes(animate);
     CLI::Option* environment =
         option("--environment", "FILE", "Sky of a scene that is not baked: latitude-longitude .hdr or .exr");
     CLI::Option* edits =
         option("--set", "MATERIAL.PROPERTY=VALUE", "Changes a material, e.g. floor.roughness=0.3")
-            ->expected(1, -1);
+            ->expected(1, -1)
+            ->excludes(refine);  // edits would be seen at once and lit from the next pass on
     CLI::Option* keepLight =
         command->add_flag("--keep-light")
             ->description("Methods without a bake: --set changes what the eye meets, not the light on it");
@@ -242,7 +249,8 @@ void addRenderCommand(CLI::App& app) {
         onlyFor({gatherRays}, name == "photons-gather");
         onlyFor({keepLight}, !options.method.needsBake);
         onlyFor({radius, traceVisibility}, name == "phat-gather");
-        onlyFor({quality, countReads, reflections, animate}, name == "phat");
+        onlyFor({quality, countReads, reflections, animate, refine}, name == "phat");
+        if (*refine) options.refinements = refine->as<int>();
         if (*animate) {
             AnimatedFrames& frames = options.animated.emplace();
             parseTimes(animate, frames);

@@ -13,6 +13,7 @@ namespace phat {
 /// `progress` was asked to stop.
 std::vector<nlohmann::json> renderDrawn(const RenderOptions& options, Progress& progress);
 std::vector<nlohmann::json> renderAnimated(const RenderOptions& options, Progress& progress);
+std::vector<nlohmann::json> renderRefined(const RenderOptions& options, Progress& progress);
 std::vector<nlohmann::json> renderTraced(const RenderOptions& options, Progress& progress);
 
 }  // namespace phat

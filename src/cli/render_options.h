@@ -69,6 +69,7 @@ struct RenderOptions {
     Reflections reflections = Reflections::automatic;  // phat
     Component component = Component::all;
     std::optional<AnimatedFrames> animated;  // phat
+    int refinements = 0;                     // phat: how often its light is made anew and averaged
     std::vector<std::string> edits;
     bool keepLight = false;  // methods without a bake: the edits are for the eye alone
     float exposureStops = 0;

@@ -13,6 +13,8 @@ constexpr uint64_t kPassWork = 64;
 // Tiles' brightest light is looked for anew after so much work, in rays a texel.
 constexpr uint64_t kTileLightWork = 1;
 
+constexpr uint64_t kPassStream = 0x4ef1;
+
 // Changes that are no farther apart are one motion, in rays a texel.
 constexpr uint64_t kStillWork = 32;
 
@@ -39,13 +41,37 @@ class OnlyStop : public SilentProgress {
 
 LiveEngine::LiveEngine(const Scene& rest, const Atlas& atlas, const TexelPoints& points,
                        const Phatexture& baked, const BakeSettings& settings)
-    : state_(rest, atlas, points, baked, settings) {
+    : state_(rest, atlas, points, baked, settings), seed_(settings.seed), photonSeed_(settings.photons.seed) {
     adaptNodes(state_);
     indirectDirty_ = true;
 }
 
+void LiveEngine::setSeeds() {
+    const uint32_t pass = state_.pass;
+    state_.settings.seed = pass == 0 ? seed_ : hashOf(seed_, kPassStream, pass);
+    state_.settings.photons.seed = pass == 0 ? photonSeed_ : hashOf(photonSeed_, kPassStream, pass);
+}
+
+void LiveEngine::refine() {
+    if (state_.pass == 0) {
+        state_.areaMean = state_.areaMap;
+        state_.indirectMean = state_.indirectMap;
+    } else {
+        state_.areaMean = meanMap(state_.areaMean, state_.areaMap, state_.pass);
+        state_.indirectMean = meanMap(state_.indirectMean, state_.indirectMap, state_.pass);
+    }
+    ++state_.pass;
+    setSeeds();
+    state_.scene.renew();
+    // Nothing has moved, so they have nothing to hear of.
+    state_.tileScene.assign(state_.tileScene.size(), state_.scene.version());
+    ++plan_;
+}
+
 bool LiveEngine::setPose(const LivePose& pose) {
     if (!state_.scene.set(pose)) return false;
+    state_.pass = 0;
+    setSeeds();
     state_.rebuildRays();
     const uint64_t version = state_.scene.version();
     for (size_t tile = 0; tile < state_.tileDirty.size(); ++tile) {
@@ -170,6 +196,7 @@ void LiveEngine::runPiece(LiveTask task, Progress& progress) {
 
 LiveUpdate LiveEngine::takeUpdate() {
     LiveUpdate update = collectUpdate(state_);
+    update.refined = state_.pass > 0;
     const Atlas& atlas = state_.scene.atlas();
     tileLightStale_ |= !update.phatexels.empty();
     if (tileLightStale_ && (clock_ >= tileLightClock_ || settled())) {

@@ -18,7 +18,7 @@ namespace phat {
 /// What has been done so far, by LiveTask.
 struct LiveStats {
     struct Task {
-        uint64_t items = 0;  // tiles, parts of the photon map, regions, nodes, blocks
+        uint64_t items = 0;  // times all that moved was mapped, tiles, parts of the photon map, regions, ...
         uint64_t work = 0;
         double seconds = 0;
     };
@@ -40,6 +40,12 @@ class LiveEngine {
     /// The scene as it is from now on. Its geometry is in place at once, its light follows by advance().
     /// Returns whether anything is different.
     bool setPose(const LivePose& pose);
+    /// Makes all light of the scene anew with other draws: its PHATexels take the place of the last ones, to
+    /// be averaged by who draws them; irradiance becomes the mean of all passes. The next change of the scene
+    /// begins with the first draws again. pre: settled(), and all updates are taken.
+    void refine();
+    /// How often that was done since the last change.
+    uint32_t passes() const { return state_.pass; }
     /// Whose picture comes first; null: nobody looks.
     void setEye(const Camera* eye);
 
@@ -117,7 +123,10 @@ class LiveEngine {
     bool areaIsDue();
     bool indirectIsDue();
 
+    void setSeeds();
+
     LiveState state_;
+    uint64_t seed_, photonSeed_;  // of the bake
     std::optional<Camera> eye_;
     std::vector<float> tileValue_;
     uint64_t valuesFor_ = 0;  // version

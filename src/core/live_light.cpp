@@ -57,10 +57,10 @@ LiveLight::~LiveLight() {
     thread_.join();
 }
 
-void LiveLight::follow(const LivePose& pose, const Camera& eye, bool renews) {
+void LiveLight::follow(const LivePose& pose, const Camera& eye, bool renews, bool refines) {
     {
         const std::lock_guard lock(mutex_);
-        wanted_ = Wanted{pose, eye, renews};
+        wanted_ = Wanted{pose, eye, renews, refines};
         report_.settled = false;
     }
     changed_.notify_all();
@@ -100,13 +100,17 @@ void LiveLight::run(const Start& start) {
 
 bool LiveLight::step(LiveEngine& engine) {
     std::optional<Wanted> wanted;
-    bool renews = false;
+    bool renews = false, refines = false;
     {
         const std::lock_guard lock(mutex_);
         if (quit_) return false;
         wanted = std::exchange(wanted_, std::nullopt);
-        if (wanted) renews_ = wanted->renews;
+        if (wanted) {
+            renews_ = wanted->renews;
+            refines_ = wanted->refines;
+        }
         renews = renews_;
+        refines = refines_;
     }
     if (wanted) {
         engine.setEye(&wanted->eye);
@@ -114,7 +118,8 @@ bool LiveLight::step(LiveEngine& engine) {
     }
     const auto start = std::chrono::steady_clock::now();
     const double processorStart = threadProcessorSeconds();
-    const bool rests = !renews || engine.settled();
+    // A pass of refinement waits where it is.
+    const bool rests = !renews || engine.settled() || (engine.passes() > 0 && !refines);
     if (!rests) engine.advance(kWorkAtOnce, Stop(stop_));
     noteWork(engine, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
              threadProcessorSeconds() - processorStart);
@@ -134,7 +139,14 @@ bool LiveLight::step(LiveEngine& engine) {
     if (any || rests) report_.renewed = renewed;
     if (any) ready_ = std::move(update);
     // All is done and the last portion is on its way.
-    const bool done = rests && taker && !wanted_;
+    const bool goesOn = renews && refines && engine.passes() < kMostRefinements;
+    const bool done = rests && taker && !wanted_ && !goesOn;
+    report_.refinements = rests && goesOn ? engine.passes() : std::max(engine.passes(), 1u) - 1;
+    if (rests && taker && !any && !wanted_ && goesOn) {
+        lock.unlock();
+        engine.refine();
+        return true;
+    }
     if (done != report_.settled || any) {
         if (done) report_.settled = true;
         lock.unlock();

@@ -20,6 +20,9 @@ inline float overall(const LiveShare& share) {
     return sum;
 }
 
+/// The noise of one bake is an eighth by then, and whoever looks has seen it.
+inline constexpr uint32_t kMostRefinements = 64;
+
 class LiveLight {
   public:
     /// Called from the thread when there is something to take; must be safe from any thread.
@@ -41,8 +44,9 @@ class LiveLight {
 
     void waitUntilStarted();
     /// The scene from now on, and whose picture comes first. Returns at once. `renews` false: geometry
-    /// follows, light waits.
-    void follow(const LivePose& pose, const Camera& eye, bool renews);
+    /// follows, light waits. `refines`: once all is of this scene, it is made anew with other draws
+    /// (LiveEngine::refine), kMostRefinements times.
+    void follow(const LivePose& pose, const Camera& eye, bool renews, bool refines = false);
     /// What has changed since the last call, if there is anything. The next is put together only after that,
     /// so a slow taker finds more in one portion, not more portions. Throws what the engine threw.
     std::optional<LiveUpdate> take();
@@ -50,8 +54,9 @@ class LiveLight {
     struct Report {
         bool settled = true;  // nothing comes after what can be taken now
         LiveShare renewed{};
-        uint64_t phatexels = 0;  // so far
-        double seconds = 0;      // of work so far
+        uint32_t refinements = 0;  // done since the last change
+        uint64_t phatexels = 0;    // so far
+        double seconds = 0;        // of work so far
         double phatexelsPerSecond = 0;
         double processorSeconds = 0;  // of its thread: all of them, where it has one core
         double longestSeconds = 0;    // between two looks at what is wanted
@@ -62,7 +67,7 @@ class LiveLight {
     struct Wanted {
         LivePose pose;
         Camera eye;
-        bool renews = true;
+        bool renews = true, refines = false;
     };
     class Stop;
     void run(const Start& start);
@@ -73,8 +78,8 @@ class LiveLight {
     Wake wake_;
     mutable std::mutex mutex_;
     std::condition_variable changed_;
-    std::optional<Wanted> wanted_;  // not yet begun
-    bool renews_ = true;            // of what was begun
+    std::optional<Wanted> wanted_;          // not yet begun
+    bool renews_ = true, refines_ = false;  // of what was begun
     std::optional<LiveUpdate> ready_;
     std::exception_ptr failure_;
     Report report_;

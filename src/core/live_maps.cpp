@@ -36,6 +36,7 @@ void mix(std::vector<Value>& map, const std::vector<Value>& renewed, const Atlas
 
 bool LiveEngine::areaIsDue() {
     if (!areaDirty_) return false;
+    if (state_.pass > 0) return !hasWork(LiveTask::areaLight);
     return !hasWork(LiveTask::areaLight) ||
            areaWork_ > kMapShare * kAreaMapWork * state_.scene.atlas().texelCount();
 }
@@ -127,8 +128,11 @@ void LiveEngine::publishMap(MapJob& job) {
     std::vector<SeamPoint> seams;
     for (const SeamPoint& point : state_.seams)
         if (hasChart(job.charts, point.chart[0])) seams.push_back(point);
-    std::vector<uint32_t> renewed = job.area ? finishAreaIrradiance(map, input, seams, job.progress)
-                                             : finishIndirectIrradiance(map, input, seams, job.progress);
+    const IrradianceMap& before = job.area ? state_.areaMean : state_.indirectMean;
+    IrradianceMap seen = state_.pass > 0 ? meanMap(before, map, state_.pass) : map;
+    std::vector<uint32_t> renewed =
+        job.area ? finishAreaIrradiance(std::move(seen), input, seams, job.progress)
+                 : finishIndirectIrradiance(std::move(seen), input, seams, job.progress);
     if (!whole)
         mix(renewed, shown, input.atlas, [&](uint32_t chart) { return !hasChart(job.charts, chart); });
     const bool changed = publish(state_, shown, std::move(renewed));

@@ -87,7 +87,9 @@ uint64_t LiveEngine::renewMoved() {
             return work + advanceMap(moved_.job);
         case Step::indirectMap:
             if (moved_.job) work = advanceMap(moved_.job);
-            if (!moved_.job) beginMovedStep(Step::none);
+            if (moved_.job) return work;
+            beginMovedStep(Step::none);
+            ++stats_.tasks[size_t(LiveTask::moved)].items;
             return work;
     }
     return work;

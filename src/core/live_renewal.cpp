@@ -70,6 +70,8 @@ struct Renewer {
     const GatherInput input = state.input();
     const TexelIrradiance irradiance{state.phatexture.indirectIrradiance, state.phatexture.areaIrradiance};
 
+    uint64_t seed = 0;  // of directions
+
     PackedPhatexel indirect(const Guide& guide, size_t texel, int layer, uint64_t& work) const {
         const TexelDirection direction = directionOf(guide, texel, layer);
         work += kDirectionWork;
@@ -84,9 +86,8 @@ struct Renewer {
     TexelDirection directionOf(const Guide& guide, size_t texel, int layer) const {
         if (!input.points.valid(texel)) return {};
         const uint32_t width = input.atlas.sizeTexels.x;
-        return chooseDirection(
-            input.atlas, guide, {texel % width, texel / width},
-            {state.settings.directions, state.settings.density, state.settings.seed, layer});
+        return chooseDirection(input.atlas, guide, {texel % width, texel / width},
+                               {state.settings.directions, state.settings.density, seed, layer});
     }
 };
 
@@ -123,9 +124,9 @@ bool mayCover(const LiveState& state, size_t tile) {
 TileRenewal renewTile(const LiveState& state, size_t tile, bool coverChanged) {
     TileRenewal renewal;
     const News news = newsOf(state, tile);
-    const Renewer renewer{state};
     const TexelPoints& points = state.scene.points();
     const uint32_t block = state.scene.atlas().blockAt(state.cornerOfTile(tile));
+    const Renewer renewer{.state = state, .seed = state.blockAge[block].seed};
     const Frame& frame = state.scene.frames()[block];
     const Phatexture& now = state.phatexture;
     renewal.work = kTileTexels;
@@ -183,7 +184,7 @@ BlockRenewal renewBlock(const LiveState& state, uint32_t block) {
     const Atlas& atlas = state.scene.atlas();
     const TexelPoints& points = state.scene.points();
     const BlockPlace& place = state.blocks[block];
-    const Renewer renewer{state};
+    const Renewer renewer{.state = state, .seed = state.settings.seed};
     renewal.indirectGuide = state.guideOf(state.phatexture.indirectGuides, block);
     if (state.guided() || state.hasArea) {
         std::vector<PhotonSet> sets;
@@ -230,6 +231,17 @@ void commit(LiveState& state, uint32_t block, const BlockRenewal& renewal) {
     for (size_t l = 0; l < renewal.indirect.size(); ++l)
         take(state.phatexture.indirect[l], renewal.indirect[l]);
     if (state.hasArea) take(state.phatexture.area[0], renewal.area);
+    BlockAge& age = state.blockAge[block];
+    if (age.seed != state.settings.seed) {
+        age.seed = state.settings.seed;
+        const auto scramble = [&](PhatexelLayer& layer, int index) {
+            if (!layer.scrambles.empty())
+                layer.scrambles[block] =
+                    scrambleOf({state.settings.directions, state.settings.density, age.seed, index}, block);
+        };
+        for (size_t l = 0; l < renewal.indirect.size(); ++l) scramble(state.phatexture.indirect[l], int(l));
+        if (state.hasArea) scramble(state.phatexture.area[0], -1);
+    }
     size_t next = 0;
     for (uint32_t y = place.origin.y / kTileSize; y < (place.origin.y + place.size.y) / kTileSize; ++y)
         for (uint32_t x = place.origin.x / kTileSize; x < (place.origin.x + place.size.x) / kTileSize; ++x) {
@@ -238,9 +250,9 @@ void commit(LiveState& state, uint32_t block, const BlockRenewal& renewal) {
             state.tileDirty[tile] |= kDirtyPhatexels;
         }
     state.blockDirty[block] = 1;
-    state.blockAge[block].scene = state.scene.version();
-    state.blockAge[block].photons = state.photonsVersion();
-    state.blockAge[block].irradiance = state.irradianceVersion;
+    age.scene = state.scene.version();
+    age.photons = state.photonsVersion();
+    age.irradiance = state.irradianceVersion;
 }
 
 size_t adaptNodes(LiveState& state) {

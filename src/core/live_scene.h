@@ -32,6 +32,9 @@ class LiveScene {
     /// Returns whether anything is different. Then version() has grown and changes() has the boxes.
     bool set(const LivePose& pose);
 
+    /// A new version in which nothing is different.
+    void renew() { ++version_; }
+
     uint64_t version() const { return version_; }
     const Scene& scene() const { return scene_; }
     const Atlas& atlas() const { return atlas_; }

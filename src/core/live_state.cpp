@@ -79,8 +79,10 @@ LiveState::LiveState(const Scene& rest, const Atlas& atlas, const TexelPoints& p
     tileScene.assign(tiles, scene.version());
     tileClock.assign(tiles, 0);
     blockAge.assign(atlas.blockCount, {});
+    for (BlockAge& age : blockAge) age.seed = settings.seed;
     if (!fresh)
-        for (BlockAge& age : blockAge) age = {scene.version(), scene.version(), irradianceVersion, 0};
+        for (BlockAge& age : blockAge)
+            age = {scene.version(), scene.version(), irradianceVersion, 0, settings.seed};
     tileDirty.assign(tiles, 0);
     blockDirty.assign(atlas.blockCount, 0);
 }
@@ -92,6 +94,12 @@ void LiveState::rebuildRays() {
 
 uint64_t LiveState::photonsVersion() const {
     return *std::min_element(photonsScene.begin(), photonsScene.end());
+}
+
+IrradianceMap meanMap(const IrradianceMap& mean, const IrradianceMap& map, uint32_t passes) {
+    IrradianceMap next = mean;
+    for (size_t i = 0; i < next.size(); ++i) next[i] += (map[i] - next[i]) / float(passes + 1);
+    return next;
 }
 
 }  // namespace phat

@@ -24,6 +24,7 @@ struct LivePhotons {
 struct BlockAge {
     uint64_t scene = 0, photons = 0, irradiance = 0;  // versions
     uint64_t clock = 0;
+    uint64_t seed = 0;  // of its directions: the block's scrambles belong to it
 };
 
 /// What a node's rays were traced in; scene 0: never.
@@ -68,7 +69,11 @@ struct LiveState {
     std::vector<std::optional<LivePhotons>> photons;  // parts in order
     std::vector<IrradianceEstimate> areaEstimates;    // [y][x]
     IrradianceMap areaMap, indirectMap;               // before their seams are stitched
-    IrradianceLevel level;                            // of nodes
+    // Of refinement: how many times all light has been made anew of this very scene, and the means of the
+    // maps before that.
+    uint32_t pass = 0;
+    IrradianceMap areaMean, indirectMean;
+    IrradianceLevel level;  // of nodes
     std::vector<NodeRays> nodes;
     std::vector<NodeAge> nodeAge;
     uint64_t levelTexelsVersion = 0;  // of LiveScene, that `level` was made from
@@ -87,6 +92,9 @@ struct LiveState {
 };
 
 inline constexpr uint8_t kDirtyPhatexels = 1, kDirtyIrradiance = 2, kDirtyPlace = 4, kDirtyCover = 8;
+
+/// Mean of `passes` maps, whose own mean is `mean`, and one more.
+IrradianceMap meanMap(const IrradianceMap& mean, const IrradianceMap& map, uint32_t passes);
 
 /// All that is dirty, which it is no more; `tileLight` is left to the caller.
 LiveUpdate collectUpdate(LiveState& state);

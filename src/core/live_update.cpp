@@ -19,8 +19,16 @@ LiveUpdate collectUpdate(LiveState& state) {
     const Atlas& atlas = state.scene.atlas();
     for (uint32_t block = 0; block < state.blockDirty.size(); ++block)
         if (state.blockDirty[block]) {
-            update.guides.push_back({block, state.guideOf(now.indirectGuides, block),
-                                     state.hasArea ? now.areaGuides[block] : Guide{}});
+            update.guides.push_back({block,
+                                     state.guideOf(now.indirectGuides, block),
+                                     state.hasArea ? now.areaGuides[block] : Guide{},
+                                     {}});
+            const auto take = [&](const PhatexelLayer& layer) {
+                if (!layer.scrambles.empty())
+                    update.guides.back().scrambles.push_back(layer.scrambles[block]);
+            };
+            for (const PhatexelLayer& layer : now.indirect) take(layer);
+            if (state.hasArea) take(now.area[0]);
             state.blockDirty[block] = 0;
         }
     for (uint32_t tile = 0; tile < state.tileDirty.size(); ++tile) {
@@ -63,6 +71,11 @@ void applyUpdate(const LiveUpdate& update, const Atlas& atlas, Phatexture& phate
     for (const LiveUpdate::Guides& guides : update.guides) {
         if (phatexture.indirectGuides.size() > 1) phatexture.indirectGuides[guides.block] = guides.indirect;
         if (!phatexture.areaGuides.empty()) phatexture.areaGuides[guides.block] = guides.area;
+        auto next = guides.scrambles.begin();
+        for (auto* layers : {&phatexture.indirect, &phatexture.area})
+            for (PhatexelLayer& layer : *layers)
+                if (!layer.scrambles.empty() && next != guides.scrambles.end())
+                    layer.scrambles[guides.block] = *next++;
     }
     for (const LiveUpdate::Phatexels& tile : update.phatexels) {
         auto next = tile.texels.begin();

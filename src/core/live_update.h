@@ -31,6 +31,7 @@ struct LiveUpdate {
     struct Guides {
         uint32_t block = 0;
         Guide indirect, area;
+        std::vector<uint16_t> scrambles;  // [layer], as Phatexels::texels
     };
     /// Which of a tile's texels are covered now: of the CPU's copy alone.
     struct Cover {
@@ -42,6 +43,8 @@ struct LiveUpdate {
     std::vector<Place> places;
     std::vector<Guides> guides;  // by block
     std::vector<Cover> covers;
+    /// Nothing but noise is different: other draws of the same light, to be averaged with what was shown.
+    bool refined = false;
     std::vector<glm::vec4> tileLight;  // see tileLight(); of all tiles, or empty: as before
 
     bool empty() const {

@@ -135,6 +135,11 @@ void updateLookupGuides(const GpuLookup& gpu, const LiveUpdate::Guides& block) {
     // Where there is one guide for all blocks, it stays.
     if (int(block.block) < gpu.guideCount) upload(block.block, block.indirect);
     if (int(block.block) < gpu.areaGuideCount) upload(uint32_t(gpu.guideCount) + block.block, block.area);
+    const uint32_t layers = uint32_t(block.scrambles.size());
+    for (uint32_t layer = 0; gpu.scrambles && layer < layers; ++layer)
+        glTextureSubImage2D(gpu.scrambles.name(), 0, GLint(block.block % kTablesWide),
+                            GLint(block.block / kTablesWide * layers + layer), 1, 1, GL_RED_INTEGER,
+                            GL_UNSIGNED_SHORT, &block.scrambles[layer]);
 }
 
 void updateProbe(const GpuLookup& gpu, const LiveUpdate::Place& tile, glm::uvec2 sizeTiles) {

@@ -146,7 +146,10 @@ void handleKey(ViewerState& state, const Window::KeyPress& press, glm::vec2 size
     if (press.key == GLFW_KEY_G) beginGrab(state, false);
     if (press.key == GLFW_KEY_R) beginGrab(state, true);
     if (press.key == GLFW_KEY_SPACE) play(state);
-    if (press.key == GLFW_KEY_L) state.view.liveLight = !state.view.liveLight;
+    if (press.key == GLFW_KEY_L) {
+        bool& wanted = press.shift ? state.view.refine : state.view.liveLight;
+        wanted = !wanted;
+    }
     if (press.key == GLFW_KEY_C) state.view.compare = !state.view.compare;
     wishes.keepPicture |= press.key == GLFW_KEY_P;
 }

@@ -25,24 +25,26 @@ void LightFollower::begin(const Document& document) {
                                          0, Window::wake);
 }
 
-void LightFollower::follow(ViewerState& state, bool changed) {
+void LightFollower::follow(ViewerState& state, bool changed, bool visible) {
     if (failed_) return;
     Document& document = *state.document;
-    const bool renews = state.view.liveLight;
+    const bool renews = state.view.liveLight, refines = renews && state.view.refine && visible;
     try {
         if (!light_) {
             // Things that have moved need their places renewed, even where light waits.
-            if (!document.isMoved() && (!renews || document.isAtRest())) return;
+            if (!document.isMoved() && !refines && (!renews || document.isAtRest())) return;
             begin(document);
             changed = true;
         }
         const Camera& eye = state.navigation.camera;
         const bool turned = eye.worldFromCamera != eye_ && !light_->report().settled;
-        if (changed || turned || renews != renews_) {
-            light_->follow(document.pose(), eye, renews);
+        if (changed || turned || renews != renews_ || refines != refines_) {
+            light_->follow(document.pose(), eye, renews, refines);
             renews_ = renews;
+            refines_ = refines;
             eye_ = eye.worldFromCamera;
         }
+        state.refinements = light_->report().refinements;
         if (renewed_.empty()) {
             std::optional<LiveUpdate> update = light_->take();
             if (!update) return;
@@ -55,8 +57,10 @@ void LightFollower::follow(ViewerState& state, bool changed) {
         failed_ = true;
         return;
     }
+    const bool refined = renewed_.refined;
     state.renderer->takeUpdate(renewed_, kUploadSeconds);
-    ++state.lightVersion;
+    // What is refined is averaged with what was there.
+    if (!refined) ++state.lightVersion;
 }
 
 void LightFollower::waitUntilStarted() {

@@ -15,8 +15,9 @@ class LightFollower {
     void reset();
     /// Asks for the light of what is shown now and gives the renderer what has been renewed, for so long as a
     /// frame can spare. The first change begins it. What goes wrong is told in the state's message, and light
-    /// stays as it is until reset(). `changed`: since the last call. pre: a renderer and a whole bake.
-    void follow(ViewerState& state, bool changed);
+    /// stays as it is until reset(). `changed`: since the last call; `visible`: somebody may be looking. pre:
+    /// a renderer and a whole bake.
+    void follow(ViewerState& state, bool changed, bool visible);
     /// There is more to give than the last frame had time for.
     bool hasMore() const { return !renewed_.empty(); }
     /// Before what it reads is written to.
@@ -29,7 +30,7 @@ class LightFollower {
     std::unique_ptr<LiveLight> light_;
     bool failed_ = false;
     LiveUpdate renewed_;  // not uploaded yet
-    bool renews_ = false;
+    bool renews_ = false, refines_ = false;
     glm::mat4 eye_{1};  // that light was last asked for
 };
 

@@ -63,6 +63,7 @@ void drawMotionPanel(ViewerState& state, Edit& edit) {
 void drawLivePanel(ViewerState& state, const PanelInput& input) {
     if (!ImGui::CollapsingHeader("Light that follows")) return;
     ImGui::Checkbox("Follow changes (L)", &state.view.liveLight);
+    ImGui::Checkbox("Refine at rest (shift L)", &state.view.refine);
     if (!input.light) {
         wrappedText("Move a thing, or change a lamp or a material: the indirect light is renewed.");
         return;
@@ -77,6 +78,7 @@ void drawLivePanel(ViewerState& state, const PanelInput& input) {
     panelText(fmt::format("{:.0f} thousand PHATexels a second", 1e-3 * report.phatexelsPerSecond));
     panelText(
         fmt::format("{:.2f} million renewed in {:.1f} s", 1e-6 * double(report.phatexels), report.seconds));
+    if (report.refinements > 0) panelText(fmt::format("refined {} times", report.refinements));
 }
 
 }  // namespace phat

@@ -125,6 +125,7 @@ void Pictures::followLight(ViewerState& state, Side& side, bool rays) {
     std::swap(side.drawn, side.next);
     side.next.samples = 0;
     side.lightVersion = side.nextLightVersion;
+    side.refinements = state.refinements;
     metrics_.reset();
 }
 
@@ -181,7 +182,9 @@ bool Pictures::refine(ViewerState& state, glm::uvec2 size) {
         const int coarseness = settled ? 1 : coarsenessFor(size);
         const glm::uvec2 pixels = glm::max(size / uint32_t(coarseness), glm::uvec2(1));
         const bool sharp = side.drawn.size == size, rays = settled && mayTrace(state, side);
-        const int still = stillSamples(state, side.source);
+        // As many samples of every pass of refined light.
+        side.refinements = std::min(side.refinements, state.refinements);
+        const int still = stillSamples(state, side.source) * int(1 + state.refinements - side.refinements);
         const bool same = current && sharp && side.byRays == rays && side.wanted == still;
         const bool newer = side.lightVersion != state.lightVersion;
         if (same && !newer && side.drawn.samples >= still) continue;
@@ -195,6 +198,7 @@ bool Pictures::refine(ViewerState& state, glm::uvec2 size) {
         if (!current || side.byRays != rays) {
             side.drawn.samples = side.next.samples = 0;
             side.lightVersion = state.lightVersion;
+            side.refinements = state.refinements;
             side.version = state.version;
         }
         draw(state, side, side.drawn, pixels, coarseness > 1 ? 1 : still, rays);

@@ -54,7 +54,8 @@ class Pictures {
         PictureSum drawn;
         PictureSum next;  // by newer light: takes the place of `drawn` when it has some samples
         uint64_t nextLightVersion = 0;
-        Image traced;  // what tracedTexture shows
+        uint32_t refinements = 0;  // of the light when `drawn` was begun
+        Image traced;              // what tracedTexture shows
         GlTexture tracedTexture;
         int tracedSamples = 0;
         int wanted = 0;
@@ -65,7 +66,8 @@ class Pictures {
     };
     static SideReport reportOf(const Side& side);
     static Reads readsOf(const Image& picture);
-    void draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 size, int samplesPerPixel, bool rays);
+    void draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 size, int samplesPerPixel,
+              bool rays);
     void followLight(ViewerState& state, Side& side, bool rays);
     bool mayTrace(const ViewerState& state, const Side& side) const;
     const TracedReflections& reflections(const ViewerState& state, double seconds);

@@ -190,7 +190,7 @@ void Viewer::applyChanges() {
         state_.renderer->setLights(document.shown.lights);
         state_.renderer->turnEnvironment(edits.environmentColumns);
     }
-    if (!bake_) light_.follow(state_, changes.any);
+    if (!bake_) light_.follow(state_, changes.any, !window_.isMinimised());
 }
 
 PanelInput Viewer::panelInput() const {

@@ -36,6 +36,7 @@ struct ViewSettings {
     ToneMap toneMap = ToneMap::agx;
     bool panels = true;
     bool liveLight = true;  // follows what is changed
+    bool refine = false;    // light of a scene at rest is made anew and averaged
 };
 
 struct ViewerState {
@@ -54,13 +55,15 @@ struct ViewerState {
     std::optional<Grab> grab;
     std::vector<std::optional<glm::vec3>> switchedOff;  // [lamp], its intensity before
     bool pressKeptGrab = false;  // the mouse's button that is still held selects nothing
-    std::string message;  // the last error or notice, one sentence, until the next key or click
+    std::string message;         // the last error or notice, one sentence, until the next key or click
     std::vector<std::string> recentFiles;
     bool fileChanged = false;  // on disk, since it was read
     /// Grows with every change that asks for a new picture.
     uint64_t version = 0;
     /// Grows when nothing but the light on things is newer.
     uint64_t lightVersion = 0;
+    /// How often the light of what is shown has been made anew with other draws.
+    uint32_t refinements = 0;
 
     void touch() { ++version; }
 };

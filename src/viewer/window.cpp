@@ -120,6 +120,10 @@ void Window::endFrame() {
     glfwSwapBuffers(window_);
 }
 
+bool Window::isMinimised() const {
+    return glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE;
+}
+
 glm::ivec2 Window::framebufferSize() const {
     glm::ivec2 size(0);
     glfwGetFramebufferSize(window_, &size.x, &size.y);

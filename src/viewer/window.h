@@ -30,6 +30,7 @@ class Window {
 
     /// Pixels; 0 while the window is minimised.
     glm::ivec2 framebufferSize() const;
+    bool isMinimised() const;
     float uiScale() const { return uiScale_; }
     /// It is made hidden: a file that cannot be read opens no window.
     void show();

@@ -1,0 +1,59 @@
+// Pictures of a still scene whose light is made anew time and again: what they average converges past one
+// bake.
+
+#include "cli/data_folders.h"
+#include "cli/drawn_report.h"
+#include "cli/render_camera.h"
+#include "cli/render_files.h"
+#include "cli/render_methods.h"
+#include "core/live_engine.h"
+#include "gl/gl_context.h"
+#include "gl/picture_sum.h"
+#include "io/bake_record.h"
+
+namespace phat {
+namespace {
+
+using nlohmann::json;
+
+// Rays between two looks at whether to stop: some milliseconds.
+constexpr uint64_t kWorkAtOnce = 20'000;
+
+}  // namespace
+
+std::vector<json> renderRefined(const RenderOptions& options, Progress& progress) {
+    const BakedScene baked = loadBaked(options, progress);
+    const Scene& scene = baked.loaded.scene;
+    const std::vector<View> views = chooseViews(options, scene);
+
+    const HeadlessContext context;
+    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, settingsOf(baked.record));
+    Renderer renderer({scene, baked.atlas, baked.points, engine.phatexture()}, shaderFolder());
+    std::vector<PictureSum> sums(views.size());
+    std::vector<json> reports;
+    uint64_t work = 0;
+    for (int pass = 0; pass <= options.refinements; ++pass) {
+        if (pass > 0) engine.refine();
+        while (!engine.settled()) work += engine.advance(kWorkAtOnce, progress);
+        LiveUpdate update = engine.takeUpdate();
+        renderer.takeUpdate(update, std::numeric_limits<double>::infinity());
+        const ReflectionScene reflectionScene(engine.rays(), engine.lights(), baked.atlas,
+                                              engine.scene().points(), engine.phatexture());
+        const TracedReflections traced{reflectionScene, options.reflections, progress};
+        for (size_t v = 0; v < views.size(); ++v) {
+            FrameSettings settings = frameOf(options, views[v]);
+            settings.samplesPerPixel *= pass + 1;  // in all
+            settings.traced = &traced;
+            renderer.draw(settings, sums[v]);
+            progress.throwIfStopped();
+            if (pass < options.refinements) continue;
+            writePicture(options, views[v], readMean(sums[v]));
+            reports.push_back(
+                drawnReport(options, views[v], renderer.lastFrameTimes(), context.rendererName()));
+            reports.back().update({{"refinements", options.refinements}, {"work", work}});
+        }
+    }
+    return reports;
+}
+
+}  // namespace phat
