@@ -137,9 +137,9 @@ is far from 0, these times say little.
 
 {frames}
 
-Renewed to the end while drawing, a second of processor time: {renewal['renewalsPerSecond']:,.0f} PHATexels; a bake's photons and gathering
-on one thread: {full['phatexelsPerSecond']:,.0f}, so **{100 * renewal['renewalsPerSecond'] / full['phatexelsPerSecond']:.0f} %**. Most are renewed twice, before and after all that
-lights them is known: counted once, {renewal['phatexelsPerSecond']:,.0f}, {100 * renewal['phatexelsPerSecond'] / full['phatexelsPerSecond']:.0f} %. No piece of work took more than {cost['longestPieceMs']:.0f} ms.
+Renewed to the end while drawing, a second of processor time: {renewal['phatexelsPerSecond']:,.0f} PHATexels, each counted once, of which a
+bake's photons and gathering on one thread make {full['phatexelsPerSecond']:,.0f}: **{100 * renewal['phatexelsPerSecond'] / full['phatexelsPerSecond']:.0f} %**. With the first answers, which are
+renewed again in the end, {renewal['renewalsPerSecond']:,.0f}. No piece of work took more than {cost['longestPieceMs']:.0f} ms.
 
 """
 

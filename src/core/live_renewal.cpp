@@ -205,7 +205,7 @@ BlockRenewal renewBlock(const LiveState& state, uint32_t block) {
                 renewal.indirect[l].push_back(
                     renewer.indirect(renewal.indirectGuide, texel, int(l), renewal.work));
             if (state.hasArea) renewal.area.push_back(renewer.area(renewal.areaGuide, texel, renewal.work));
-            renewal.phatexels += uint32_t(points.valid(texel));
+            if (points.valid(texel)) renewal.phatexels += uint32_t(renewal.indirect.size()) + state.hasArea;
         }
     for (uint32_t y = place.origin.y / kTileSize; y < (place.origin.y + place.size.y) / kTileSize; ++y)
         for (uint32_t x = place.origin.x / kTileSize; x < (place.origin.x + place.size.x) / kTileSize; ++x) {
