@@ -118,6 +118,27 @@ TEST_F(LiveWindow, LightFollowsWhatIsMoved) {
     EXPECT_EQ(readBytes(baked()), before);
 }
 
+// The window's picture comes nearer to that of many bakes, and rests once nobody wants more.
+TEST_F(LiveWindow, RefinesAtRest) {
+    WindowDriver window(kWindow, {baked(), "--ui-scale", "0.5"});
+    window.settle();
+    const Image plain = pictureOf(window.screenshot());
+    window.key("shift+l");
+    std::this_thread::sleep_for(std::chrono::seconds(6));
+    window.key("shift+l");
+    window.settle();
+    const Image refined = pictureOf(window.screenshot());
+    const std::string out = folder->file("refined.png");
+    const auto result = runPhat({"render", baked(), "-o", out, "--refine", "7", "--quiet", "--size",
+                                 std::to_string(kPicture.x) + "x" + std::to_string(kPicture.y)});
+    ASSERT_EQ(result.exitCode, 0) << result.err;
+    const Image expected = cut(srgb(readPicture(out)), {0, 0}, {kPicture.x, kPicture.y - kLabelLines});
+    EXPECT_LT(meanDifference(refined, expected), 0.8 * meanDifference(plain, expected));
+    EXPECT_GT(meanDifference(plain, expected), 0.002);
+    EXPECT_EQ(window.close(), 0);
+    EXPECT_EQ(window.errors(), "");
+}
+
 TEST_F(LiveWindow, MovesWithTheMouseAndBack) {
     WindowDriver window(kWindow, {baked(), "--ui-scale", "0.5"});
     window.settle();

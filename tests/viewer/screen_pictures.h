@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/image.h"
 #include "core/math.h"
@@ -30,6 +31,15 @@ inline Image cut(const Image& image, glm::ivec2 corner, glm::ivec2 size) {
     for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x) out.at(x, y) = image.at(corner.x + x, corner.y + y);
     return out;
+}
+
+/// Display values as the window shows them.
+inline Image srgb(Image linear) {
+    for (glm::vec3& pixel : linear.pixels)
+        for (int c = 0; c < 3; ++c)
+            pixel[c] =
+                pixel[c] <= 0.0031308f ? 12.92f * pixel[c] : 1.055f * std::pow(pixel[c], 1 / 2.4f) - 0.055f;
+    return linear;
 }
 
 }  // namespace phat

@@ -66,15 +66,6 @@ struct ViewerWindow : testing::Test {
     static inline TemporaryFolder* folder = nullptr;
 };
 
-// Display values as the window shows them.
-Image srgb(Image linear) {
-    for (glm::vec3& pixel : linear.pixels)
-        for (int c = 0; c < 3; ++c)
-            pixel[c] =
-                pixel[c] <= 0.0031308f ? 12.92f * pixel[c] : 1.055f * std::pow(pixel[c], 1 / 2.4f) - 0.055f;
-    return linear;
-}
-
 TEST_F(ViewerWindow, ShowsWhatRenderWrites) {
     WindowDriver window(kWindow, {baked()});
     window.settle();
@@ -294,8 +285,8 @@ TEST_F(ViewerWindow, SurvivesLongUseInFlatMemory) {
     const auto inPanels = [&] {
         return glm::ivec2(10 + below(kPanelWidth - 30), 30 + below(kWindow.y - 40));
     };
-    const char* const keys[] = {"f", "Home", "c", "Tab", "Tab", "Escape", "ctrl+z", "ctrl+y", "w", "a", "e",
-                                "g", "r", "x", "Return", "l"};
+    const char* const keys[] = {"f", "Home", "c", "Tab", "Tab", "Escape", "ctrl+z", "ctrl+y",
+                                "w", "a",    "e", "g",   "r",   "x",      "Return", "l"};
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
