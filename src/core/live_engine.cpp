@@ -19,7 +19,7 @@ constexpr uint64_t kPassStream = 0x4ef1;
 constexpr uint64_t kStillWork = 32;
 
 // A piece of work: some ten milliseconds, and enough for many threads.
-constexpr size_t kTilesAPiece = 64, kNodesAPiece = 1024;
+constexpr size_t kNodesAPiece = 1024;
 
 using Clock = std::chrono::steady_clock;
 
@@ -166,7 +166,7 @@ void LiveEngine::runPiece(LiveTask task, Progress& progress) {
             work = renewMoved();
             break;
         case LiveTask::respond:
-            work = respond(takeItems(LiveTask::respond, kTilesAPiece));
+            work = respond();
             break;
         case LiveTask::photons:
             work = tracePhotonPart(progress);

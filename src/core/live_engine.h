@@ -81,7 +81,7 @@ class LiveEngine {
     bool indirectIsKnown() { return !indirectJob_ && !indirectDirty_ && !hasWork(LiveTask::nodes); }
     std::span<const uint32_t> takeItems(LiveTask task, size_t most);
     void runPiece(LiveTask task, Progress& progress);
-    uint64_t respond(std::span<const uint32_t> tiles);
+    uint64_t respond();
     uint64_t tracePhotonPart(Progress& progress);
     uint64_t renewRegions();
     uint64_t traceNodes(std::span<const uint32_t> nodes);
@@ -97,10 +97,9 @@ class LiveEngine {
         SilentProgress progress;
         std::optional<Pieces> pieces;
     };
-    /// PHATexels and irradiance of what has moved, from estimates and rays to maps, before and beside that of
-    /// all else.
+    /// The irradiance of what has moved, from estimates and rays to maps, before and beside that of all else.
     struct MovedLight {
-        enum class Step { none, tiles, estimates, areaMap, nodes, indirectMap };
+        enum class Step { none, estimates, areaMap, nodes, indirectMap };
         Step step = Step::none;
         ChartSet charts;
         std::vector<uint32_t> items;  // of the step

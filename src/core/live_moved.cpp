@@ -1,6 +1,5 @@
-// Light of what has moved. Its irradiance rides on its object, so it is plainly out of place once that has
-// turned, and it is little: it is renewed from estimates to map on its own, also while a map of all is being
-// made.
+// Irradiance of what has moved. It rides on its object, so it is plainly out of place once that has turned,
+// and it is little: it is renewed from estimates to map on its own, also while a map of all is being made.
 
 #include "core/live_engine.h"
 #include "core/parallel.h"
@@ -9,7 +8,7 @@ namespace phat {
 namespace {
 
 // Items of a piece of work: some ten milliseconds, and enough for many threads.
-constexpr size_t kTilesAPiece = 64, kBlocksAPiece = 4, kGroupsAPiece = 1024;
+constexpr size_t kBlocksAPiece = 4, kGroupsAPiece = 1024;
 
 }  // namespace
 
@@ -32,10 +31,7 @@ void LiveEngine::beginMovedStep(MovedLight::Step step) {
     moved_.step = step;
     moved_.items.clear();
     moved_.next = 0;
-    if (step == Step::tiles) {
-        for (uint32_t tile = 0; tile < atlas.tileChart.size(); ++tile)
-            if (hasChart(moved_.charts, atlas.tileChart[tile])) moved_.items.push_back(tile);
-    } else if (step == Step::estimates) {
+    if (step == Step::estimates) {
         for (uint32_t c = 0; c < atlas.charts.size(); ++c) {
             const Chart& chart = atlas.charts[c];
             for (uint32_t b = 0; hasChart(moved_.charts, c) && b < chart.blocksWide() * chart.blocksHigh();
@@ -69,14 +65,8 @@ uint64_t LiveEngine::renewMoved() {
         case Step::none:
             moved_.charts = movedSince(moved_.scene);
             moved_.scene = state_.scene.version();
-            beginMovedStep(Step::tiles);
+            beginMovedStep(state_.hasArea ? Step::estimates : Step::nodes);
             return 0;
-        case Step::tiles:
-            // First of all, because what is covered has no irradiance.
-            work = respond(take(kTilesAPiece));
-            if (moved_.next == moved_.items.size())
-                beginMovedStep(state_.hasArea ? Step::estimates : Step::nodes);
-            return work;
         case Step::estimates:
             for (const uint32_t block : take(kBlocksAPiece)) places.push_back(state_.blocks[block]);
             work = estimateArea(places);

@@ -9,7 +9,7 @@ namespace phat {
 namespace {
 
 // Items of a piece of work: some ten milliseconds, and enough for many threads.
-constexpr size_t kRegionsAPiece = 4, kBlocksAPiece = 8;
+constexpr size_t kTilesAPiece = 64, kRegionsAPiece = 4, kBlocksAPiece = 8;
 // In rays: tracing a photon and sorting it in.
 constexpr uint64_t kPhotonWork = 4;
 
@@ -24,7 +24,8 @@ void forAll(size_t count, const Body& body) {
 
 }  // namespace
 
-uint64_t LiveEngine::respond(std::span<const uint32_t> tiles) {
+uint64_t LiveEngine::respond() {
+    const std::span<const uint32_t> tiles = takeItems(LiveTask::respond, kTilesAPiece);
     std::vector<uint8_t> coverAsked(tiles.size(), 0), coverChanged(tiles.size(), 0);
     forAll(tiles.size(), [&](size_t i) {
         coverAsked[i] = mayCover(state_, tiles[i]);

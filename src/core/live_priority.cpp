@@ -12,10 +12,13 @@ constexpr float kUnseen = 0.25f;
 // Of tiles far from any change, so that the eye decides among them.
 constexpr float kLeastValue = 0.25f;
 
+// What has moved carries light of its old place along: before all that is not twice as old as a pass.
+constexpr float kMovedBonus = 2.0f;
+
 // Shares of the work, by LiveTask. Irradiance of what has moved is little work and plainly out of place until
 // then; responding to a change is soon done, too. A map that is begun keeps nearly all else waiting. Blocks
 // that are renewed before the light around them is known have to be renewed again.
-constexpr double kShare[kLiveTasks] = {100, 16, 2, 12, 4, 32, 4};
+constexpr double kShare[kLiveTasks] = {100, 16, 2, 12, 4, 20, 4};
 
 bool isSeen(const Camera& eye, const TilePatch& patch, glm::vec3 normal, float radius) {
     const glm::mat4 cameraFromWorld = glm::inverse(eye.worldFromCamera);
@@ -79,13 +82,16 @@ std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const s
                 value = std::max(value, tileValue[size_t(y) * atlas.sizeTiles().x + x]);
         return value;
     };
+    const auto hasMoved = [&](uint32_t tile) {
+        return state.scene.movedAt(atlas.tileChart[tile]) > state.tileScene[tile];
+    };
     const bool areaKnown = std::all_of(state.regionScene.begin(), state.regionScene.end(),
                                        [&](uint64_t scene) { return scene == version; });
     switch (task) {
         case LiveTask::respond:
             for (uint32_t t = 0; t < tileValue.size(); ++t)
                 if (atlas.tileChart[t] != kNoChart && state.tileScene[t] < version)
-                    add(t, tileValue[t], state.tileClock[t]);
+                    add(t, tileValue[t] + (hasMoved(t) ? kMovedBonus : 0.0f), state.tileClock[t]);
             break;
         case LiveTask::photons:
             for (uint32_t p = 0; p < state.photonsScene.size(); ++p)
