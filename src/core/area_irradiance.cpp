@@ -39,14 +39,11 @@ void forNeighbors(const Atlas& atlas, const std::vector<uint8_t>& wanted, glm::i
 }  // namespace
 
 std::vector<uint8_t> irradianceTexels(const Atlas& atlas, const TexelPoints& points) {
-    const auto chartOf = [&](size_t i) {
-        return atlas.chartAt({i % atlas.sizeTexels.x, i / atlas.sizeTexels.x});
-    };
     std::vector<uint8_t> hasSurface(atlas.charts.size(), 0), wanted(points.state.size(), 0);
     for (size_t i = 0; i < wanted.size(); ++i)
-        if (points.state[i] == TexelState::surface) hasSurface[chartOf(i)] = 1;
+        if (points.state[i] == TexelState::surface) hasSurface[atlas.chartAt(i)] = 1;
     for (size_t i = 0; i < wanted.size(); ++i)
-        wanted[i] = points.valid(i) && (points.state[i] == TexelState::surface || !hasSurface[chartOf(i)]);
+        wanted[i] = points.valid(i) && (points.state[i] == TexelState::surface || !hasSurface[atlas.chartAt(i)]);
     return wanted;
 }
 
@@ -57,7 +54,7 @@ Pieces filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, co
     filtered.assign(estimates.size(), glm::vec3(0));
     std::vector<Guide3x3> guide(estimates.size());
     std::vector<uint8_t> known(estimates.size(), 0);
-    const auto isOther = [&](size_t i) { return !hasChart(charts, atlas.chartAt({i % width, i / width})); };
+    const auto isOther = [&](size_t i) { return !hasChart(charts, atlas.chartAt(i)); };
     SilentProgress silent;
     const size_t most = itemsAPiece(pieceWork, kFilterWork);
     const auto forValid = [&](size_t first, size_t last, const auto& body) {

@@ -56,6 +56,10 @@ struct Atlas {
     uint32_t chartAt(glm::uvec2 texel) const {
         return tileChart[size_t(texel.y / kTileSize) * sizeTiles().x + texel.x / kTileSize];
     }
+    /// `texel`: its place in an array of [y][x].
+    uint32_t chartAt(size_t texel) const { return chartAt({texel % sizeTexels.x, texel / sizeTexels.x}); }
+    /// pre: the texel's tile has a chart.
+    float texelMetersAt(size_t texel) const { return charts[chartAt(texel)].texelSizeMeters; }
     /// Block of a texel. pre: the texel's tile has a chart.
     uint32_t blockAt(glm::uvec2 texel) const {
         const Chart& chart = charts[chartAt(texel)];

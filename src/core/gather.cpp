@@ -50,11 +50,6 @@ IncidentRadiance photonIncident(const GatherInput& input, const TexelRay& ray,
     return incident;
 }
 
-float texelMetersAt(const GatherInput& input, size_t texel) {
-    const uint32_t width = input.atlas.sizeTexels.x;
-    return input.atlas.charts[input.atlas.chartAt({texel % width, texel / width})].texelSizeMeters;
-}
-
 IncidentRadiance incidentAt(const GatherInput& input, const TexelDirection& chosen,
                             const TexelIrradiance& irradiance, const TexelRay& ray, size_t texel, int layer,
                             const BakeSettings& settings) {
@@ -63,7 +58,7 @@ IncidentRadiance incidentAt(const GatherInput& input, const TexelDirection& chos
     switch (settings.radiance) {
         case RadianceSource::texels:
             return incidentFromTexels(input, irradiance, ray.origin, ray.direction, path,
-                                      kNearTexels * texelMetersAt(input, texel), rng);
+                                      kNearTexels * input.atlas.texelMetersAt(texel), rng);
         case RadianceSource::path:
             return traceIncident(input.rays, input.lights, ray.origin, ray.direction, path, rng);
         case RadianceSource::photons:

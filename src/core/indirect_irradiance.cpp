@@ -15,8 +15,8 @@ constexpr uint32_t kFineRays = 32;
 constexpr float kSplitBelowSteps = 6.0f;
 // Bounces of a closed room of albedo .8 converge to a thousandth in thirty; the setting is mostly lower.
 constexpr float kConverged = 1e-4f;
-// In rays: all bounces of a node.
-constexpr uint64_t kSolveWork = 4;
+// Nodes that a bounce takes in the time of a ray.
+constexpr uint64_t kNodesARay = 3;
 
 /// What is left of a node's rays once irradiance is known everywhere.
 struct NodeSum {
@@ -114,8 +114,8 @@ std::vector<glm::vec3> bounce(const std::vector<NodeRays>& nodes, Progress& prog
 
 /// Light bounces between the nodes of the coarsest level, each hit taking the irradiance of its group's node,
 /// until nothing changes or all bounces are used up.
-void solve(IrradianceLevel& level, const std::vector<NodeRays>& nodes, uint32_t width, int bounces,
-           Progress& progress) {
+Pieces solve(IrradianceLevel& level, const std::vector<NodeRays>& nodes, uint32_t width, int bounces,
+             Progress& progress) {
     level.value.assign(nodes.size(), glm::vec3(0));
     for (int i = 0; i < bounces; ++i) {
         std::vector<glm::vec3> next = bounce(nodes, progress, [&](uint32_t texel) {
@@ -127,6 +127,7 @@ void solve(IrradianceLevel& level, const std::vector<NodeRays>& nodes, uint32_t 
             largest = std::max(largest, maxComponent(next[n]));
         }
         level.value = std::move(next);
+        co_yield nodes.size() / kNodesARay;
         if (change <= kConverged * largest) break;
     }
 }
@@ -134,9 +135,8 @@ void solve(IrradianceLevel& level, const std::vector<NodeRays>& nodes, uint32_t 
 void setDistances(IrradianceLevel& level, const Atlas& atlas, const std::vector<float>& nearness) {
     level.distanceTexels.clear();
     for (size_t node = 0; node < nearness.size(); ++node) {
-        const uint32_t texel = level.texel[node], width = atlas.sizeTexels.x;
-        const float texelSize = atlas.charts[atlas.chartAt({texel % width, texel / width})].texelSizeMeters;
-        level.distanceTexels.push_back(1.0f / std::max(nearness[node] * texelSize, 1e-30f));
+        const float texelMeters = atlas.texelMetersAt(level.texel[node]);
+        level.distanceTexels.push_back(1.0f / std::max(nearness[node] * texelMeters, 1e-30f));
     }
 }
 
@@ -227,8 +227,8 @@ Pieces irradianceFromNodes(GatherInput input, const std::vector<uint32_t>& areaI
     std::vector<float> nearness;
     for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
     setDistances(coarse, input.atlas, nearness);
-    solve(coarse, nodes, input.atlas.sizeTexels.x, settings.maxBounces - 1, progress);
-    co_yield nodes.size() * kSolveWork;
+    for (Pieces p = solve(coarse, nodes, input.atlas.sizeTexels.x, settings.maxBounces - 1, progress); p.next();)
+        co_yield p.work();
 
     std::vector<IrradianceLevel> levels;
     levels.push_back(std::move(coarse));
@@ -254,14 +254,12 @@ Pieces irradianceOfCharts(GatherInput input, const std::vector<uint32_t>& areaIr
                           IrradianceMap& map, uint64_t pieceWork, Progress& progress,
                           std::atomic<uint64_t>& rayCount) {
     const Gatherer gatherer{input, areaIrradiance, settings};
-    const uint32_t width = input.atlas.sizeTexels.x;
-    const auto chartOf = [&](size_t texel) { return input.atlas.chartAt({texel % width, texel / width}); };
     std::vector<float> nearness;
     for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
     setDistances(coarse, input.atlas, nearness);
     coarse.value.assign(nodes.size(), glm::vec3(0));
     for (size_t n = 0; n < nodes.size(); ++n)
-        if (hasChart(charts, chartOf(coarse.texel[n])))
+        if (hasChart(charts, input.atlas.chartAt(size_t(coarse.texel[n]))))
             coarse.value[n] =
                 bounced(nodes[n], [&](uint32_t texel) { return unpackRgb9e5(indirectIrradiance[texel]); });
 
@@ -271,7 +269,7 @@ Pieces irradianceOfCharts(GatherInput input, const std::vector<uint32_t>& areaIr
     for (Pieces p = interpolateLevels(levels, input.atlas, input.points, charts, lit, pieceWork); p.next();)
         co_yield p.work();
     for (size_t texel = 0; texel < lit.size(); ++texel)
-        if (!hasChart(charts, chartOf(texel))) lit[texel] = unpackRgb9e5(indirectIrradiance[texel]);
+        if (!hasChart(charts, input.atlas.chartAt(texel))) lit[texel] = unpackRgb9e5(indirectIrradiance[texel]);
     for (size_t i = 1; i < std::size(kLevelSteps); ++i)
         for (Pieces p = refine(gatherer, levels, kLevelSteps[i], lit, charts, pieceWork, progress, nullptr, rayCount);
              p.next();)

@@ -292,7 +292,7 @@ Pieces interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas
         last = first + std::min(most, map.size() - first);
         parallelRanges(last - first, 4096, silent, [&](size_t begin, size_t end) {
             for (size_t i = first + begin; i < first + end; ++i) {
-                if (!hasChart(charts, atlas.chartAt({i % atlas.sizeTexels.x, i / atlas.sizeTexels.x}))) {
+                if (!hasChart(charts, atlas.chartAt(i))) {
                     known[i] = 1;  // nothing to fill
                     continue;
                 }

@@ -3,11 +3,6 @@
 #include <algorithm>
 
 namespace phat {
-namespace {
-
-constexpr float kUnbounded = 1e30f;
-
-}  // namespace
 
 bool emittersReflect(const Scene& scene) {
     return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {

@@ -5,6 +5,9 @@
 
 namespace phat {
 
+/// Of a radiance that nothing bounds.
+inline constexpr float kUnbounded = 1e30f;
+
 /// Whether anything that emits also reflects. Light is what a surface emits plus what it reflects; where all
 /// that emits is black, one of the two is zero. The environment is black in this sense.
 bool emittersReflect(const Scene& scene);

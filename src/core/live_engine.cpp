@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "core/light_bound.h"
 #include "core/tile_light.h"
 
 namespace phat {
@@ -198,11 +199,22 @@ LiveUpdate LiveEngine::takeUpdate() {
     LiveUpdate update = collectUpdate(state_);
     update.refined = state_.pass > 0;
     const Atlas& atlas = state_.scene.atlas();
+    const uint64_t version = state_.scene.version();
     tileLightStale_ |= !update.phatexels.empty();
-    if (tileLightStale_ && (clock_ >= tileLightClock_ || settled())) {
-        update.tileLight = tileLight(state_.scene.scene(), atlas, state_.phatexture);
+    const bool due = tileLightStale_ && (clock_ >= tileLightClock_ || settled());
+    if (due || tileLight_.empty()) {
+        tileLight_ = tileLight(state_.scene.scene(), atlas, state_.phatexture);
         tileLightStale_ = false;
         tileLightClock_ = clock_ + kTileLightWork * atlas.texelCount();
+    }
+    if (due || tileLightScene_ != version) {
+        tileLightScene_ = version;
+        update.tileLight = tileLight_;
+        // Irradiance is renewed before PHATexels are: what they saw of an older scene must not bound it.
+        for (size_t tile = 0; tile < tileLight_.size(); ++tile)
+            if (atlas.tileChart[tile] != kNoChart &&
+                state_.blockAge[atlas.blockAt(state_.cornerOfTile(tile))].scene != version)
+                update.tileLight[tile] = glm::vec4(glm::vec3(kUnbounded), tileLight_[tile].a);
     }
     return update;
 }

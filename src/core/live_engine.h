@@ -138,6 +138,8 @@ class LiveEngine {
     std::array<uint64_t, 2> changes_{};  // clock at the last change and at the one before
     bool areaDirty_ = false, indirectDirty_ = false;
     uint64_t areaWork_ = 0, nodeWork_ = 0;  // since the maps were last made
+    std::vector<glm::vec4> tileLight_;  // as last made, see tileLight()
+    uint64_t tileLightScene_ = 0;       // that was last sent for
     bool tileLightStale_ = false;
     uint64_t tileLightClock_ = 0;  // of the next one
     LiveStats stats_;

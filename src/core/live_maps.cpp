@@ -29,7 +29,7 @@ template <typename Value, typename Wanted>
 void mix(std::vector<Value>& map, const std::vector<Value>& renewed, const Atlas& atlas,
          const Wanted& wanted) {
     for (size_t i = 0; i < map.size(); ++i)
-        if (wanted(atlas.chartAt({i % atlas.sizeTexels.x, i / atlas.sizeTexels.x}))) map[i] = renewed[i];
+        if (wanted(atlas.chartAt(i))) map[i] = renewed[i];
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ LiveScene::LiveScene(const Scene& rest, const Atlas& atlas, const TexelPoints& p
     restPoints_.barycentric = {};
     for (size_t i = 0; i < points_.state.size(); ++i)
         if (points_.state[i] == TexelState::surface)
-            ++surfaceTexels_[atlas_.chartAt({i % atlas_.sizeTexels.x, i / atlas_.sizeTexels.x})];
+            ++surfaceTexels_[atlas_.chartAt(i)];
 }
 
 Bounds LiveScene::boundsOfSurface(const Surface& surface) const {

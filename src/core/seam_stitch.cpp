@@ -128,7 +128,7 @@ struct System {
 std::vector<uint8_t> knownCharts(const Atlas& atlas, const std::vector<uint8_t>& wanted) {
     std::vector<uint8_t> known(atlas.charts.size(), 0);
     for (size_t i = 0; i < wanted.size(); ++i)
-        if (wanted[i]) known[atlas.chartAt({i % atlas.sizeTexels.x, i / atlas.sizeTexels.x})] = 1;
+        if (wanted[i]) known[atlas.chartAt(i)] = 1;
     return known;
 }
 

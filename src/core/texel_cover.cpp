@@ -75,7 +75,7 @@ bool behindGeometry(const TexelPoints& points, float texelSizeMeters, const RayS
 }  // namespace
 
 bool isCoveredTexel(const TexelPoints& points, const Atlas& atlas, const RayScene& rays, size_t texel) {
-    const uint32_t chart = atlas.chartAt({texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x});
+    const uint32_t chart = atlas.chartAt(size_t(texel));
     const float texelSize = atlas.charts[chart].texelSizeMeters;
     const bool gutter = points.state[texel] == TexelState::gutter;
     return (gutter && behindGeometry(points, texelSize, rays, texel)) ||

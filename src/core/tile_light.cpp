@@ -9,7 +9,6 @@
 namespace phat {
 namespace {
 
-constexpr float kUnbounded = 1e30f;
 // The widest cone, kMaxRadius = 24 texels in shaders/lib/cone.glsl, reaches three tiles far.
 constexpr int kNeighborTiles = 3;
 

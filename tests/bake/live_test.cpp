@@ -6,7 +6,9 @@
 #include <cstring>
 
 #include "core/bake.h"
+#include "core/light_bound.h"
 #include "core/live_engine.h"
+#include "core/tile_light.h"
 #include "live_room.h"
 
 namespace phat {
@@ -192,6 +194,27 @@ TEST(Live, UpdatesAreComplete) {
         expectEqualBytes(states, engine.scene().points().state, "covered texels");
     }
     EXPECT_TRUE(engine.takeUpdate().empty());
+}
+
+// What PHATexels saw before a change must not hold down the irradiance after it.
+TEST(Live, OnlyPresentPhatexelsBoundLight) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    ASSERT_TRUE(engine.setPose(boxMoved(scene, {0.3f, 0, 0.25f}, 30)));
+    const std::vector<glm::vec4> atOnce = engine.takeUpdate().tileLight;
+    ASSERT_EQ(atOnce.size(), baked.atlas.tileChart.size());
+    for (size_t tile = 0; tile < atOnce.size(); ++tile) {
+        if (baked.atlas.tileChart[tile] == kNoChart) continue;
+        ASSERT_EQ(glm::vec3(atOnce[tile]), glm::vec3(kUnbounded));
+    }
+
+    settle(engine);
+    const std::vector<glm::vec4> settled = engine.takeUpdate().tileLight;
+    EXPECT_EQ(settled, tileLight(engine.scene().scene(), baked.atlas, engine.phatexture()));
+    size_t bounded = 0;
+    for (const glm::vec4& light : settled) bounded += light.r > 0 && light.r < kUnbounded;
+    EXPECT_GT(bounded, settled.size() / 4);
 }
 
 // With a new scene at every step nothing ever settles, but nothing is forgotten either.
