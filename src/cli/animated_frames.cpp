@@ -52,10 +52,6 @@ uint64_t follow(LiveEngine& engine, const AnimatedFrames& frames, Progress& prog
     return work;
 }
 
-void settle(LiveEngine& engine, Progress& progress) {
-    while (!engine.settled()) engine.advance(kWorkAtOnce, progress);
-}
-
 }  // namespace
 
 std::vector<json> renderAnimated(const RenderOptions& options, Progress& progress) {
@@ -71,7 +67,7 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
     LiveEngine engine(rest, baked.atlas, baked.points, baked.phatexture, settingsOf(baked.record));
     engine.setEye(&views.front().camera);
     engine.setPose(poseAt(frames.start));
-    settle(engine, progress);  // the film begins with the right light
+    engine.settle(progress);  // the film begins with the right light
     engine.takeUpdate();
 
     const HeadlessContext context;

@@ -12,14 +12,8 @@
 #include "io/bake_record.h"
 
 namespace phat {
-namespace {
 
 using nlohmann::json;
-
-// Rays between two looks at whether to stop: some milliseconds.
-constexpr uint64_t kWorkAtOnce = 20'000;
-
-}  // namespace
 
 std::vector<json> renderRefined(const RenderOptions& options, Progress& progress) {
     const BakedScene baked = loadBaked(options, progress);
@@ -34,7 +28,7 @@ std::vector<json> renderRefined(const RenderOptions& options, Progress& progress
     uint64_t work = 0;
     for (int pass = 0; pass <= options.refinements; ++pass) {
         if (pass > 0) engine.refine();
-        while (!engine.settled()) work += engine.advance(kWorkAtOnce, progress);
+        work += engine.settle(progress);
         LiveUpdate update = engine.takeUpdate();
         renderer.takeUpdate(update, std::numeric_limits<double>::infinity());
         const ReflectionScene reflectionScene(engine.rays(), engine.lights(), baked.atlas,

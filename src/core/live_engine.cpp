@@ -195,6 +195,13 @@ void LiveEngine::runPiece(LiveTask task, Progress& progress) {
     stats.seconds += secondsSince(start);
 }
 
+uint64_t LiveEngine::settle(const Progress& progress) {
+    constexpr uint64_t kWorkAtOnce = 20'000;
+    uint64_t work = 0;
+    while (!settled()) work += advance(kWorkAtOnce, progress);
+    return work;
+}
+
 LiveUpdate LiveEngine::takeUpdate() {
     LiveUpdate update = collectUpdate(state_);
     update.refined = state_.pass > 0;

@@ -55,6 +55,8 @@ class LiveEngine {
     /// `progress` asks, between pieces.
     uint64_t advance(uint64_t work, const Progress& progress);
     bool settled();
+    /// Goes on until it is; returns the work.
+    uint64_t settle(const Progress& progress);
 
     /// All that has changed since the last call.
     LiveUpdate takeUpdate();

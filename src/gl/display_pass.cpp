@@ -328,7 +328,6 @@ ReflectionCost display(const DisplayPass& pass, const DisplayInput& input, const
     }
     const int left = count - sum.samples;
     const int now = settings.samplesPerDraw > 0 ? std::min(settings.samplesPerDraw, left) : left;
-    filterTextures(input.scene, settings.filter);
     ReflectionCost cost;
     for (int i = 0; i < now; ++i) {
         const glm::vec2 jitter =

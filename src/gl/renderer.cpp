@@ -206,6 +206,7 @@ void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
     const RelightPass* relit = nullptr;
     if (!lookedUp || anyBlended(s.materials)) relit = &s.renewed(paper, eyeOf(settings.camera));
     const bool texelsShown = what != Inspected::nothing && what != Inspected::reads;
+    filterTextures(s.scene, settings.filter);
     s.reflectionCost =
         display(displayPass,
                 {s.scene, s.atlas, s.shadows, s.lookup, s.materials, relit, lookupPass, reflectionPass,

@@ -123,7 +123,7 @@ std::vector<GlSampler> createSamplers() {
     return samplers;
 }
 
-// 1 where the driver knows of no such filter.
+// 1 where the driver knows of no such filter. twin: the anisotropy of web/viewer/viewer.js.
 float mostAnisotropy() {
     float most = 1;
     if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic") ||
@@ -185,7 +185,9 @@ GpuScene uploadScene(const Scene& scene, const Atlas& atlas) {
     return gpu;
 }
 
-void filterTextures(const GpuScene& gpu, PixelFilter filter) {
+void filterTextures(GpuScene& gpu, PixelFilter filter) {
+    if (gpu.filtered == filter) return;
+    gpu.filtered = filter;
     const bool points = filter == PixelFilter::center;
     const float anisotropy = mostAnisotropy();
     for (size_t i = 0; i < gpu.samplers.size(); ++i) {

@@ -1,6 +1,7 @@
 #pragma once
 // The scene's triangles, pictures and samplers on the GPU.
 
+#include <optional>
 #include <vector>
 
 #include "core/atlas.h"
@@ -26,7 +27,8 @@ struct GpuScene {
     std::vector<GlTexture> imagesLinear;  // [image], empty where no slot reads it so
     std::vector<GlTexture> imagesSrgb;
     GlTexture white;
-    std::vector<GlSampler> samplers;  // see samplerIndex
+    std::vector<GlSampler> samplers;      // see samplerIndex
+    std::optional<PixelFilter> filtered;  // as the samplers are set
     GlTexture splitSum;
     GlTexture environment;  // empty without one
     GlSampler environmentSampler;
@@ -41,7 +43,7 @@ void moveScene(GpuScene& gpu, const Scene& scene, const Atlas& atlas);
 
 /// How textures of materials are read from now on where a pixel covers several of their texels: `box` from pictures of
 /// half their size and so on; `center` at the very point, as the path tracer reads them.
-void filterTextures(const GpuScene& gpu, PixelFilter filter);
+void filterTextures(GpuScene& gpu, PixelFilter filter);
 
 /// Binds a material's uniforms; textures from unit `firstUnit` on when `allSlots`, else the base colour
 /// alone.

@@ -107,7 +107,7 @@ class Viewer {
             }
             if (object.shadow) prepareShadow(object);
         });
-        const anisotropy = Math.min(8, renderer.capabilities.getMaxAnisotropy()); // twin: createSamplers
+        const anisotropy = Math.min(8, renderer.capabilities.getMaxAnisotropy()); // twin: mostAnisotropy
         for (const material of materials) {
             for (const texture of Object.values(material))
                 if (texture?.isTexture) Object.assign(texture, { anisotropy });
