@@ -4,19 +4,14 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { launch, serve } from './browser.js';
 import { maeOverMean, makeRoom, meanOf, phat, readExr } from './room.js';
-import { loaded, open, pixelsOf, rest, viewport } from './site.js';
+import { closeRoom, loaded, open, openRoom, pixelsOf, rest, viewport } from './site.js';
 
 let browser, room, server;
 
 before(async () => {
-    [browser, room] = await Promise.all([launch(), makeRoom()]);
-    server = await serve(room.site, '/some/where/');
+    ({ browser, room, server } = await openRoom());
 });
-after(async () => {
-    await browser?.close();
-    server?.close();
-    await room?.dispose();
-});
+after(() => closeRoom({ browser, room, server }));
 
 // The samples and the shaders are the same. Half floats, the compiler's rounding and three.js's own filter of
 // shadows are left; by SwiftShader, edges of triangles too, which it places on 1/16 of a pixel (Mesa: 1/64 or

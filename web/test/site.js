@@ -1,7 +1,21 @@
 // Pages of `phat web`, opened and read.
 import assert from 'node:assert/strict';
+import { launch, serve } from './browser.js';
+import { makeRoom } from './room.js';
 
 export const viewport = { width: 160, height: 90 };
+
+// A browser, a baked room, and a server of its site. To be given back.
+export async function openRoom() {
+    const [browser, room] = await Promise.all([launch(), makeRoom()]);
+    return { browser, room, server: await serve(room.site, '/some/where/') };
+}
+
+export async function closeRoom({ browser, room, server }) {
+    await browser?.close();
+    server?.close();
+    await room?.dispose();
+}
 
 // A page of `url` that notes what must not be. `prepare` runs in it first.
 export async function open(browser, url, { prepare, size = viewport } = {}) {

@@ -3,22 +3,17 @@ import assert from 'node:assert/strict';
 import { cp, readFile, truncate, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { launch, serve } from './browser.js';
-import { maeOverMean, makeRoom, meanOf } from './room.js';
-import { loaded, open as openIn, pixelsOf, rest, viewport } from './site.js';
+import { serve } from './browser.js';
+import { maeOverMean, meanOf } from './room.js';
+import { closeRoom, loaded, open as openIn, openRoom, pixelsOf, rest, viewport } from './site.js';
 
 const open = (url, prepare, size) => openIn(browser, url, { prepare, size });
 let browser, room, server;
 
 before(async () => {
-    [browser, room] = await Promise.all([launch(), makeRoom()]);
-    server = await serve(room.site, '/some/where/');
+    ({ browser, room, server } = await openRoom());
 });
-after(async () => {
-    await browser?.close();
-    server?.close();
-    await room?.dispose();
-});
+after(() => closeRoom({ browser, room, server }));
 
 test('a tall page shows from side to side what a wide one shows from top to bottom', async () => {
     const page = await loaded(await open(server.url, null, { width: 120, height: 240 }));
