@@ -220,7 +220,7 @@ The default bakes of the other scenes against peers of as many bytes, on their f
 
 `{best}` in a single frame and in the mean of eight frames of a still view, and `phat-gather`, by the size of the table's texels (mm), view,
 material and roughness. Errors are two standard errors over bakes with different seeds, where there are several.
-"Lookup alone" is without rays for lobes below a roughness of .2 (`--reflections lookup`). "Met" is judged without the reference's noise.
+"Lookup alone" is without rays for what PHATexels are too coarse for (`--reflections lookup`), as web pages and moving views are drawn. "Met" is judged without the reference's noise.
 
 {goals_table(results["goals"])}
 

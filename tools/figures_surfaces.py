@@ -37,7 +37,6 @@ class Surface:
     edits: tuple = ()
     mask: str = ""  # of tests/data/references; empty: the material's
     material: str = TABLE
-    traced: bool = False  # partly by rays, by default
 
     def where(self):
         """What tells its references from others."""
@@ -52,7 +51,7 @@ class Surface:
 def table_surfaces():
     """tabletop's table in all sizes of texels, views, materials and roughnesses."""
     return [Surface(f"tabletop-{texel}-{camera}-{material}-{roughness}", "tabletop", "480x270", flags, f"tabletop-{texel}mm",
-                    view, (*edits, f"{TABLE}.roughness={roughness}"), traced=roughness < 0.2)
+                    view, (*edits, f"{TABLE}.roughness={roughness}"))
             for texel, flags in TEXELS.items() for camera, view in CAMERAS.items()
             for material, edits in MATERIALS.items() for roughness in ROUGHNESS]
 
@@ -64,7 +63,7 @@ def default_bake(scene, texels=DEFAULT_TEXELS):
 
 def scene_surfaces():
     """The others', from bakes with default settings."""
-    return [Surface(f"{scene}-{part}", scene, size, *default_bake(scene), mask=f"{mask}.mask-{part}", traced=part == "curved")
+    return [Surface(f"{scene}-{part}", scene, size, *default_bake(scene), mask=f"{mask}.mask-{part}")
             for scene, size, mask, part in (("cornell-glossy", "360x360", "cornell-glossy", "glossy"),
                                             ("gallery", "480x270", "gallery", "floor"), ("gallery", "480x270", "gallery", "curved"))]
 

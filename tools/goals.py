@@ -21,6 +21,7 @@ METHODS = {
     "phat, 1 frame": ("phat", ("--spp", 1)),
     "phat, 8 frames": ("phat", ("--spp", 8)),
     "lookup alone, 1 frame": ("phat", ("--spp", 1, "--reflections", "lookup")),
+    "lookup alone, 8 frames": ("phat", ("--spp", 8, "--reflections", "lookup")),
     "phat-gather": ("phat-gather", ("--spp", 1)),
 }
 FRAMES = ("phat, 1 frame", "phat, 8 frames")
@@ -33,17 +34,11 @@ for _roughness, _one, _eight, _coarse in zip(ROUGHNESS, (0.050, 0.032, 0.024, 0.
     GOALS[f"tabletop-3.9-file-metal-{_roughness}"] = {"phat, 1 frame": _coarse}
 
 
-def applies(surface, method):
-    return surface.traced or not method.startswith("lookup alone")
-
-
 def measure(surfaces, rows, methods=tuple(METHODS), seeds=SEEDS):
     """[{row, method, goal, maeOverMean: [by seed], clean: [...], bias: [...], noise}]"""
     results = []
     for surface in rows:
         for label in methods:
-            if not applies(surface, label):
-                continue
             method, flags = METHODS[label]
             found = [surfaces.errors(surface, surfaces.draw(surface, method, *flags, seed=seed,
                                                             masked=method == "phat-gather")[0]) for seed in seeds]

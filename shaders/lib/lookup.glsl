@@ -3,7 +3,7 @@
 // error (docs/pipeline.md, "Lookup").
 #include "lib/brdf.glsl"
 #include "lib/frame.glsl"
-#include "lib/lookup_tables.glsl"
+#include "lib/sharpness.glsl"
 #include "lib/visible_normal.glsl"
 
 const int kMostDraws = 32;
@@ -35,9 +35,8 @@ const float kFarther = 5.0;         // a sample that lies so many times farther 
 // Radians between a sample's own direction and the one it gets when it is reconnected: what it saw of a glossy thing
 // holds near its own direction alone.
 const float kMostTurn = 0.5;
-// Radians: beyond, what is close is another thing, however large cells and parallax are.
+// Radians: beyond, what is close is another thing, however large cells are.
 const float kMostMiss = 0.4;
-const float kMostParallax = 0.35;
 const float kSlackMeters = 0.05;
 // Samples that the neighbourhood must hold under a lobe. With fewer a sharp lobe shows single samples; more widen lobes
 // at contacts, where places are drawn from a small one, until they see bright things far off; what does not aim has more
@@ -85,21 +84,15 @@ struct Found {
     float density;   // 1/sr: of drawing that direction as the PHATexels were drawn, seen from the receiver
 };
 
-// A group of 2^bits texels a side is small enough that its own parallax, of what is `d` away, does not outweigh its
-// cells' size.
-int groupBits(ChartPlace chart, float d) {
-    return int(clamp(floor(0.5 * log2(3.6 * d / chart.texelMeters)), 2.0, float(kBlockBits)));
-}
-
 ivec2 groupCorner(LookupTile tile, ivec2 q, int bits) {
     return tile.blockCorner + (((q - tile.blockCorner) >> bits) << bits);
 }
 
 // `warp`: of the cell that the sample was drawn in.
 Found foundIn(LookupTile tile, Phatexel phatexel, vec4 warp, int bits) {
-    float cellAngle = 1.02 / float(1 << bits);
+    float angle = cellAngle(bits);
     float density = warpDensity(warp);
-    float spread2 = cellAngle * cellAngle * clamp(1.0 / (2.0 * kPi * density), 0.05, 9.0);
+    float spread2 = angle * angle * clamp(1.0 / (2.0 * kPi * density), 0.05, 9.0);
     return Found(phatexel.valid, phatexel.radiance, tile.tilePatch.worldFromBlock * phatexel.directionBlock,
                  min(phatexel.distance, kHorizonMeters), spread2, max(density, kLeastDensity));
 }
@@ -124,7 +117,7 @@ void reconnect(inout Found found, Receiver r, ChartPlace chart, LookupTile tile,
 Found ask(Receiver r, ChartPlace chart, LookupTile tile, ivec2 q, vec3 wi, float d, bool aimed, int layer) {
     Found found;
     found.valid = false;
-    int bits = aimed ? groupBits(chart, d) : kNearBits;
+    int bits = aimed ? groupBits(chart.texelMeters, d) : kNearBits;
     int side = 1 << bits;
     ivec2 corner = groupCorner(tile, q, bits);
     vec3 center = placeOf(tile.tilePatch, vec2(corner) + 0.5 * float(side) - tile.middle);
@@ -143,7 +136,7 @@ Found ask(Receiver r, ChartPlace chart, LookupTile tile, ivec2 q, vec3 wi, float
     if (aimed) {
         vec3 asStored = found.direction;
         reconnect(found, r, chart, tile, q, texel, bits);
-        float parallax = min(0.408 * float(side) * chart.texelMeters / d, kMostParallax);
+        float parallax = parallaxAngle(chart.texelMeters, d, bits);
         found.spread2 += parallax * parallax;
         found.valid = 2.0 * (1.0 - dot(found.direction, wi)) <= min(4.0 * found.spread2, kMostMiss * kMostMiss) &&
                       2.0 * (1.0 - dot(found.direction, asStored)) <= kMostTurn * kMostTurn;
@@ -251,7 +244,7 @@ void addLamps(inout vec4 sum, Receiver r, ChartPlace chart, mat3 worldFromLocal,
         if (!phatexel.valid) continue;
         vec4 warp = warpAt(layerCount, place.tile.block, hemisphereCell(phatexel.directionBlock, kGuideSize, vec2(0.0)));
         // The smear of the draws that might have found the same.
-        Found found = foundIn(place.tile, phatexel, warp, groupBits(chart, phatexel.distance));
+        Found found = foundIn(place.tile, phatexel, warp, groupBits(chart.texelMeters, phatexel.distance));
         reconnect(found, r, chart, place.tile, place.texel, texel, lampBits);
         vec3 w = found.direction * worldFromLocal;
         if (w.z <= 0.0 || dot(found.direction, r.normalGeometric) <= 0.0) continue;

@@ -20,7 +20,7 @@ Method methodOf(const RenderOptions& options) {
     return name == "phat-paper" ? Method::phatPaper : Method::phat;
 }
 
-// What rays for smooth surfaces read.
+// What rays in place of the lookup read.
 struct RayTracing {
     RayTracing(const BakedScene& baked, Reflections reflections, Progress& progress)
         : rays(baked.loaded.scene),
@@ -43,7 +43,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     const HeadlessContext context;
     const Method method = methodOf(options);
     std::optional<RayTracing> tracing;
-    if (method == Method::phat && mayReflectSmoothly(scene.materials, options.reflections))
+    if (method == Method::phat && options.reflections != Reflections::lookup)
         tracing.emplace(baked, options.reflections, progress);
     Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture}, shaderFolder());
     std::vector<json> reports;

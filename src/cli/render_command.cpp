@@ -165,7 +165,7 @@ void addRenderCommand(CLI::App& app) {
             ->description("phat-gather: ask the scene, not neighbouring PHATexels, what is in the way");
     CLI::Option* reflections =
         option("--reflections", "HOW",
-               "phat: auto traces rays for very smooth surfaces; rays for all; lookup for none")
+               "phat: auto traces rays for what PHATexels are too coarse for; rays for all; lookup for none")
             ->check(CLI::IsMember(namesOf(kReflectionNames)))
             ->default_val("auto");
     CLI::Option* component =

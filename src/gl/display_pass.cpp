@@ -212,26 +212,24 @@ void lookUp(const DisplayInput& input, const CameraMatrices& camera, const Frame
     input.clock.ended(Pass::pool);
 }
 
-// Whether there are reflections that rays answer.
-bool traceSmooth(const DisplayInput& input, const CameraMatrices& matrices, const FrameSettings& settings,
-                 const FrameTargets& targets, glm::vec2 jitter, uint32_t frame, ReflectionCost& cost) {
+// Whether there are lobes that rays answer.
+bool traceLobes(const DisplayInput& input, const CameraMatrices& matrices, const FrameSettings& settings,
+                const FrameTargets& targets, glm::vec2 jitter, uint32_t frame, ReflectionCost& cost) {
     const glm::vec3 shown = shownParts(settings.component);
     if (!settings.traced || shown.x + shown.y == 0.0f) return false;
     const auto& [scene, reflections, progress] = *settings.traced;
-    if (!mayReflectSmoothly(input.materials, reflections)) return false;
     const ShaderProgram& program = input.reflectionPass->program;
-    beginReflections(targets.reflections);
+    beginReflections(*input.reflectionPass, input.atlas, input.lookup, targets.reflections, reflections);
     bindCamera(program, matrices, settings);
     drawOpaque(program, input);
     input.clock.ended(Pass::display);
 
-    const std::vector<SmoothSurface> surfaces = readSmoothSurfaces(targets.reflections, reflections, jitter);
+    const std::vector<TracedSurface> surfaces = readTracedSurfaces(targets.reflections, jitter);
     if (surfaces.empty()) return false;
     const auto start = std::chrono::steady_clock::now();  // not before: reading waits for the GPU
-    const ReflectionView view{settings.camera, int(targets.size.x), int(targets.size.y),
-                              frame,           shown.y > 0,         shown.x > 0};
-    const std::vector<SeenBySurface> seen =
-        traceReflections(scene, view, reflections, surfaces, progress, cost.rays);
+    const ReflectionView view{settings.camera,          int(targets.size.x), int(targets.size.y), frame,
+                              settings.samplesPerPixel, shown.y > 0,         shown.x > 0};
+    const std::vector<SeenBySurface> seen = traceReflections(scene, view, surfaces, progress, cost.rays);
     uploadReflections(*input.reflectionPass, targets.reflections, surfaces, seen, targets.lookup.seen.name(),
                       lookedUpLayers(*input.lookupPass));
     cost.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -266,7 +264,7 @@ void drawPicture(const DisplayPass& pass, const DisplayInput& input, const Frame
     if (looked) {
         glDepthMask(GL_FALSE);  // clearing the pictures must leave the depth
         lookUp(input, camera, settings, *looked, frame);
-        traced = traceSmooth(input, camera, settings, targets, jitter, frame, cost);
+        traced = traceLobes(input, camera, settings, targets, jitter, frame, cost);
         glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
     }
     const ShaderProgram& program = looked ? pass.lookedUpProgram : pass.displayProgram;

@@ -15,8 +15,10 @@ std::vector<Pixel> readPixels(GLuint texture, glm::uvec2 size, GLenum format, GL
     return pixels;
 }
 
-SmoothLobe lobeOf(glm::vec4 normalAlpha, glm::vec2 reflectance) {
-    return {glm::vec3(normalAlpha), normalAlpha.a, reflectance.x, reflectance.y};
+TracedLobe lobeOf(glm::vec4 normalAlpha, glm::vec2 reflectance, uint32_t traced) {
+    const glm::vec2 shareDistance = glm::unpackHalf2x16(traced);
+    return {glm::vec3(normalAlpha), normalAlpha.a,   reflectance.x,
+            reflectance.y,          shareDistance.x, shareDistance.y};
 }
 
 }  // namespace
@@ -24,7 +26,7 @@ SmoothLobe lobeOf(glm::vec4 normalAlpha, glm::vec2 reflectance) {
 ReflectionPass createReflectionPass(const std::string& folder, bool clearcoat) {
     std::vector<std::string> defines;
     if (clearcoat) defines.push_back("CLEARCOAT");
-    return {ShaderProgram(folder, "surface.vert", "smooth_surfaces.frag", defines), clearcoat};
+    return {ShaderProgram(folder, "surface.vert", "traced_surfaces.frag", defines), clearcoat};
 }
 
 ReflectionTargets createReflectionTargets(glm::uvec2 size, GLuint depth) {
@@ -32,45 +34,49 @@ ReflectionTargets createReflectionTargets(glm::uvec2 size, GLuint depth) {
     t.size = size;
     t.base = createTexture2D(GL_RGBA32F, size);
     t.coat = createTexture2D(GL_RGBA32F, size);
-    t.surface = createTexture2D(GL_RG32UI, size);
+    t.surface = createTexture2D(GL_RGBA32UI, size);
     t.target = createFramebuffer({{t.base.name()}, {t.coat.name()}, {t.surface.name()}}, depth);
     checkGl("creating the reflections' targets");
     return t;
 }
 
-void beginReflections(const ReflectionTargets& targets) {
+void beginReflections(const ReflectionPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
+                      const ReflectionTargets& targets, Reflections reflections) {
     glBindFramebuffer(GL_FRAMEBUFFER, targets.target.name());
     const GLfloat nothing[4] = {0, 0, 0, 0};
     const GLuint noTriangle[4] = {0, 0, 0, 0};
     glClearBufferfv(GL_COLOR, 0, nothing);
     glClearBufferfv(GL_COLOR, 1, nothing);
     glClearBufferuiv(GL_COLOR, 2, noTriangle);
+    pass.program.bind("tilePatches", 0, atlas.tilePatches.name());
+    pass.program.bind("charts", 1, atlas.charts.name());
+    pass.program.bind("probes", 2, lookup.probes.name());
+    pass.program.set("tracesAll", int(reflections == Reflections::rays));
 }
 
-std::vector<SmoothSurface> readSmoothSurfaces(const ReflectionTargets& targets, Reflections reflections,
-                                              glm::vec2 jitter) {
+std::vector<TracedSurface> readTracedSurfaces(const ReflectionTargets& targets, glm::vec2 jitter) {
     const glm::uvec2 size = targets.size;
     const auto base = readPixels<glm::vec4>(targets.base.name(), size, GL_RGBA, GL_FLOAT);
     const auto coat = readPixels<glm::vec4>(targets.coat.name(), size, GL_RGBA, GL_FLOAT);
-    const auto surface = readPixels<glm::uvec2>(targets.surface.name(), size, GL_RG_INTEGER, GL_UNSIGNED_INT);
-    std::vector<SmoothSurface> surfaces;
+    const auto surface =
+        readPixels<glm::uvec4>(targets.surface.name(), size, GL_RGBA_INTEGER, GL_UNSIGNED_INT);
+    std::vector<TracedSurface> surfaces;
     for (size_t i = 0; i < surface.size(); ++i) {
         if (surface[i].x == 0) continue;
-        if (tracedShare(reflections, base[i].a) <= 0.0f && tracedShare(reflections, coat[i].a) <= 0.0f)
-            continue;
+        const TracedLobe baseLobe = lobeOf(base[i], glm::unpackHalf2x16(surface[i].y), surface[i].z);
+        const TracedLobe coatLobe = lobeOf(coat[i], glm::vec2(kClearcoatF0, 1), surface[i].w);
+        if (baseLobe.share <= 0.0f && coatLobe.share <= 0.0f) continue;
         // OpenGL's rows begin at the bottom.
         const glm::vec2 corner(uint32_t(i) % size.x, size.y - 1 - uint32_t(i) / size.x);
         // The picture was moved by the jitter; what the pixel's centre shows lies as far the other way.
         surfaces.push_back({uint32_t(i), corner + 0.5f + glm::vec2(-jitter.x, jitter.y),
-                            (surface[i].x - 1) / 2, (surface[i].x - 1) % 2 == 1,
-                            lobeOf(base[i], glm::unpackHalf2x16(surface[i].y)),
-                            lobeOf(coat[i], glm::vec2(kClearcoatF0, 1))});
+                            (surface[i].x - 1) / 2, (surface[i].x - 1) % 2 == 1, baseLobe, coatLobe});
     }
     return surfaces;
 }
 
 void uploadReflections(const ReflectionPass& pass, const ReflectionTargets& targets,
-                       std::span<const SmoothSurface> surfaces, std::span<const SeenBySurface> seen,
+                       std::span<const TracedSurface> surfaces, std::span<const SeenBySurface> seen,
                        GLuint pictures, int firstLayer) {
     const auto upload = [&](int layer, const auto& valueOf) {
         std::vector<glm::vec4> pixels(size_t(targets.size.x) * targets.size.y, glm::vec4(0));

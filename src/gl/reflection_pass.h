@@ -1,9 +1,10 @@
 #pragma once
-// Smooth lobes by rays: what the rasteriser shows goes to core/smooth_reflections.h, what comes back to
+// Lobes by rays: what the rasteriser shows goes to core/traced_reflections.h, what comes back to
 // display.frag.
 
-#include "core/smooth_reflections.h"
+#include "core/traced_reflections.h"
 #include "gl/gl_objects.h"
+#include "gl/lookup_pass.h"
 #include "gl/shader_loader.h"
 
 namespace phat {
@@ -19,22 +20,24 @@ ReflectionPass createReflectionPass(const std::string& shaderFolder, bool clearc
 /// Of the frame's size.
 struct ReflectionTargets {
     glm::uvec2 size{0};
-    GlTexture base, coat, surface;  // see smooth_surfaces.frag
+    GlTexture base, coat, surface;  // see traced_surfaces.frag
     GlFramebuffer target;
 };
 ReflectionTargets createReflectionTargets(glm::uvec2 size, GLuint depth);
 
-/// Binds the cleared targets; the caller draws its opaque surfaces with `program`.
-void beginReflections(const ReflectionTargets& targets);
+/// Binds the cleared targets, and what all surfaces share; the caller draws its opaque surfaces with
+/// `program`.
+void beginReflections(const ReflectionPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
+                      const ReflectionTargets& targets, Reflections reflections);
 
-/// The smooth surfaces that were drawn; `jitter`: where in the pixels, see jitterOf in display_pass.cpp.
-std::vector<SmoothSurface> readSmoothSurfaces(const ReflectionTargets& targets, Reflections reflections,
-                                              glm::vec2 jitter);
+/// The surfaces that were drawn and ask for rays; `jitter`: where in the pixels, see jitterOf in
+/// display_pass.cpp.
+std::vector<TracedSurface> readTracedSurfaces(const ReflectionTargets& targets, glm::vec2 jitter);
 
 /// Writes what they see to layers `firstLayer` on of `pictures` (RGBA32UI): indirect and area, then the
 /// coat's. The bits of RGB, and of the share in A.
 void uploadReflections(const ReflectionPass& pass, const ReflectionTargets& targets,
-                       std::span<const SmoothSurface> surfaces, std::span<const SeenBySurface> seen,
+                       std::span<const TracedSurface> surfaces, std::span<const SeenBySurface> seen,
                        GLuint pictures, int firstLayer);
 
 }  // namespace phat

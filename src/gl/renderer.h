@@ -16,7 +16,7 @@
 #include "core/phatexture.h"
 #include "core/picture.h"
 #include "core/scene.h"
-#include "core/smooth_reflections.h"
+#include "core/traced_reflections.h"
 
 namespace phat {
 
@@ -52,7 +52,7 @@ struct Inspection {
     int level = 0;   // of the pyramid
 };
 
-/// Rays that take the place of the lookup on smooth surfaces. What they read is the caller's, as are its
+/// Rays that take the place of the lookup for sharp lobes. What they read is the caller's, as are its
 /// materials.
 struct TracedReflections {
     const ReflectionScene& scene;

@@ -86,8 +86,7 @@ const TracedReflections& Pictures::reflections(const ViewerState& state, double 
 
 bool Pictures::mayTrace(const ViewerState& state, const Side& side) const {
     if (!state.view.raysAtRest || side.tooManyRays) return false;
-    if (side.source != Source::phat && side.source != Source::direct) return false;
-    return mayReflectSmoothly(state.document->edits.now().materials, Reflections::automatic);
+    return side.source == Source::phat || side.source == Source::direct;
 }
 
 void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 size, int samplesPerPixel,

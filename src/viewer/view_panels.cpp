@@ -87,7 +87,7 @@ void drawPicturePanel(ViewerState& state) {
     ImGui::SliderFloat("Exposure", &view.exposureStops, -8, 8, "%.1f stops");
     constexpr std::array<const char*, 3> kToneMaps = {"linear", "AgX", "ACES"};
     choose("Tone map", view.toneMap, kToneMaps);
-    changed |= ImGui::Checkbox("Rays for smooth surfaces at rest", &view.raysAtRest);
+    changed |= ImGui::Checkbox("Rays for sharp reflections at rest", &view.raysAtRest);
     if (changed) state.touch();
 }
 
@@ -161,7 +161,7 @@ void drawPerformancePanel(ViewerState& state, const Pictures& pictures) {
     row("all on the GPU", 1e3 * times.gpu());
     row("rays, on the CPU", 1e3 * times.reflections);
     panelText(fmt::format("a pixel drawn for {0} x {0} of the window", pictures.coarseness()));
-    if (pictures.tooManyRays()) wrappedText("Smooth surfaces are looked up: rays would take too long here.");
+    if (pictures.tooManyRays()) wrappedText("Sharp reflections are looked up: rays would take too long here.");
     ImGui::Separator();
     const ResidentBytes bytes = state.renderer->residentBytes();
     sizeRow("scene", bytes.scene);

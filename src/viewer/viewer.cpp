@@ -205,7 +205,7 @@ PanelInput Viewer::panelInput() const {
     return input;
 }
 
-// What `phat render` makes of the same command, rays for smooth surfaces included.
+// What `phat render` makes of the same command, rays included.
 Image Viewer::drawWhole(const Camera& camera) {
     FrameSettings settings = frameSettings(state_, state_.view.left);
     const glm::uvec2 size = pictureSize();

@@ -31,7 +31,7 @@ struct ViewSettings {
     bool difference = false;
     Component component = Component::all;
     Inspection inspection{Inspected::radiance};  // of Source::phatexels
-    bool raysAtRest = true;                      // of Source::phat: smooth surfaces
+    bool raysAtRest = true;                      // of Source::phat: sharp reflections
     float exposureStops = 0;
     ToneMap toneMap = ToneMap::agx;
     bool panels = true;

@@ -57,7 +57,7 @@ TEST(Shaders, UseAtMostSixteenSamplers) {
                                 {"surface.vert", "lookup.frag", {"AREA", "CLEARCOAT", "SCRAMBLES"}},
                                 {"surface.vert", "lookup.frag", {"CLEARCOAT", "COUNT_READS"}},
                                 {"surface.vert", "inspect.frag", {}},
-                                {"surface.vert", "smooth_surfaces.frag", {"CLEARCOAT"}},
+                                {"surface.vert", "traced_surfaces.frag", {"CLEARCOAT"}},
                                 {"fullscreen.vert", "pool.frag", {"AREA", "CLEARCOAT"}},
                                 {"fullscreen.vert", "pool.frag", {"AREA", "CLEARCOAT", "COUNT_READS"}},
                                 {"fullscreen.vert", "pool.frag", {"CLEARCOAT"}},

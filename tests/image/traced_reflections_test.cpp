@@ -1,6 +1,6 @@
-// Rays for smooth lobes: closed forms on quads whose irradiance is known.
+// Rays in place of the lookup: closed forms on quads whose irradiance is known.
 
-#include "core/smooth_reflections.h"
+#include "core/traced_reflections.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -76,20 +76,20 @@ struct FloorProbe {
           lights(world.scene),
           scene(rays, lights, world.atlas, world.points, world.phatexture) {}
 
-    std::vector<SeenBySurface> trace(float roughness, uint32_t count,
-                                     Reflections reflections = Reflections::automatic) const {
+    std::vector<SeenBySurface> trace(float roughness, uint32_t count, float share = 1) const {
         ReflectionView view;
         view.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 1);
-        view.width = view.height = 1;
-        SmoothSurface surface;
-        surface.place = {0.5f, 0.5f};
+        view.width = int(count);
+        view.height = 1;
+        TracedSurface surface;
+        surface.place = {0.5f * float(count), 0.5f};
         surface.triangle = rays.closestHit({0, 1, 1}, glm::normalize(glm::vec3(0.1f, -1, -1))).triangle;
-        surface.base = {{0, 1, 0}, std::max(square(roughness), kMinAlpha), 1, 1};
-        std::vector<SmoothSurface> surfaces(count, surface);
+        surface.base = {{0, 1, 0}, std::max(square(roughness), kMinAlpha), 1, 1, share, 2};
+        std::vector<TracedSurface> surfaces(count, surface);
         for (uint32_t i = 0; i < count; ++i) surfaces[i].pixel = i;
         SilentProgress silent;
         uint64_t rayCount = 0;
-        auto seen = traceReflections(scene, view, reflections, surfaces, silent, rayCount);
+        auto seen = traceReflections(scene, view, surfaces, silent, rayCount);
         EXPECT_GE(rayCount, count);
         return seen;
     }
@@ -107,7 +107,7 @@ struct FloorProbe {
     ReflectionScene scene;
 };
 
-TEST(SmoothReflections, MirrorShowsAlbedoTimesIrradiance) {
+TEST(TracedReflections, MirrorShowsAlbedoTimesIrradiance) {
     RendererWorld world = worldOfQuads(floorAndCeiling(metal(0), lambert(0.5f)), 4);
     setIrradiance(world, 1, 3);
     const SeenByLobe seen = FloorProbe(world).mean(0, 4);
@@ -115,7 +115,7 @@ TEST(SmoothReflections, MirrorShowsAlbedoTimesIrradiance) {
     EXPECT_EQ(seen.area, glm::vec3(0));
 }
 
-TEST(SmoothReflections, LampIsSeenOnceAndAsAreaLight) {
+TEST(TracedReflections, LampIsSeenOnceAndAsAreaLight) {
     const RendererWorld world = worldOfQuads(floorAndCeiling(metal(0), emitter(glm::vec3(7)), 400), 4);
     const FloorProbe probe(world);
     for (float roughness : {0.0f, 0.1f, 0.18f}) {
@@ -127,7 +127,7 @@ TEST(SmoothReflections, LampIsSeenOnceAndAsAreaLight) {
 
 // A lamp far smaller than the lobe: light samples and the lobe's own rays share it without loss. The exact
 // value is the integral of the lobe over the lamp, over the lobe's albedo.
-TEST(SmoothReflections, SmallLampBringsItsShareOfTheLobe) {
+TEST(TracedReflections, SmallLampBringsItsShareOfTheLobe) {
     constexpr float kSide = 0.04f, kRoughness = 0.18f;
     Scene scene;
     addFloor(scene, metal(0), 8);
@@ -157,7 +157,7 @@ TEST(SmoothReflections, SmallLampBringsItsShareOfTheLobe) {
     EXPECT_NEAR(FloorProbe(world).mean(kRoughness, 16384).area.x, expected, 0.02 * expected);
 }
 
-TEST(SmoothReflections, MirrorInAMirrorIsNotBlack) {
+TEST(TracedReflections, MirrorInAMirrorIsNotBlack) {
     Scene scene = floorAndCeiling(metal(0), metal(0));
     addQuad(scene, lambert(0.5f), {-4, 0, -4}, {8, 0, 0}, {0, 8, 0});  // behind, up beside both
     RendererWorld world = worldOfQuads(std::move(scene), 4);
@@ -167,19 +167,7 @@ TEST(SmoothReflections, MirrorInAMirrorIsNotBlack) {
     EXPECT_NEAR(seen.indirect.x, 0.5f * 3 / kPi, 0.02f);
 }
 
-TEST(SmoothReflections, RoughLobesAreLeftToTheLookup) {
-    const RendererWorld world = worldOfQuads(floorAndCeiling(metal(0), emitter(glm::vec3(7))), 4);
-    const FloorProbe probe(world);
-    EXPECT_EQ(probe.trace(0.05f, 1)[0].base.share, 1);
-    const float partly = probe.trace(0.16f, 1)[0].base.share;
-    EXPECT_GT(partly, 0);
-    EXPECT_LT(partly, 1);
-    EXPECT_EQ(tracedShare(Reflections::automatic, square(0.25f)), 0);
-    EXPECT_EQ(probe.trace(0.25f, 1, Reflections::rays)[0].base.share, 1);
-    EXPECT_EQ(probe.trace(0, 1)[0].coat.share, 0);  // no coat
-}
-
-TEST(SmoothReflections, ThreadsDoNotChangeThem) {
+TEST(TracedReflections, ThreadsDoNotChangeThem) {
     RendererWorld world = worldOfQuads(floorAndCeiling(metal(0), metal(0.3f)), 4);
     setIrradiance(world, 0, 1);
     const FloorProbe probe(world);
@@ -194,8 +182,40 @@ TEST(SmoothReflections, ThreadsDoNotChangeThem) {
     }
 }
 
+// The picture of a ceiling on a floor with so many texels a metre.
+uint64_t raysFor(float roughness, float height, float texelsPerMeter) {
+    Scene scene;
+    addFloor(scene, metal(roughness), 4);
+    addCeiling(scene, lambert(0.5f), 4, height);
+    RendererWorld world = worldOfQuads(std::move(scene), texelsPerMeter);
+    fillWithLookups(world, 2, 0);
+    const RayScene rays(world.scene);
+    const LightSampler lights(world.scene);
+    const ReflectionScene reflections(rays, lights, world.atlas, world.points, world.phatexture);
+    SilentProgress silent;
+    const TracedReflections traced{reflections, Reflections::automatic, silent};
+    Renderer renderer(world.input(), kShaderFolder);
+    FrameSettings settings;
+    settings.width = 16;
+    settings.height = 12;
+    settings.camera = lookAtCamera({0, 0.5f * height, 0.5f * height}, {0.1f, 0, 0}, 20);
+    settings.samplesPerPixel = 1;
+    settings.traced = &traced;
+    renderer.render(settings);
+    return renderer.lastFrameTimes().reflectionRays;
+}
+
+TEST(TracedReflections, LobesSharperThanThePhatexelsAroundAreTraced) {
+    const HeadlessContext context;
+    EXPECT_GT(raysFor(0.05f, 2, 48), 0u);
+    EXPECT_EQ(raysFor(0.5f, 2, 48), 0u);
+    EXPECT_GT(raysFor(0.5f, 2, 8), 0u);        // texels too far apart
+    EXPECT_GT(raysFor(0.5f, 0.05f, 48), 0u);  // or what is seen too close
+    EXPECT_EQ(raysFor(1, 2, 48), 0u);
+}
+
 // In the picture: what the lookup would say is replaced, not added to.
-TEST(SmoothReflections, TakeThePlaceOfTheLookup) {
+TEST(TracedReflections, TakeThePlaceOfTheLookup) {
     const HeadlessContext context;
     RendererWorld world = worldOfQuads(floorAndCeiling(metal(0.05f), emitter(glm::vec3(5))), 4);
     fillWithLookups(world, 2, 0);
@@ -225,7 +245,7 @@ TEST(SmoothReflections, TakeThePlaceOfTheLookup) {
 
 // Every pixel's ray starts where the rasteriser drew it: the floor mirrors a ceiling whose left half is
 // brighter, and the border lies where geometry says, to the pixel.
-TEST(SmoothReflections, AgreeWithTheRasterisersGeometry) {
+TEST(TracedReflections, AgreeWithTheRasterisersGeometry) {
     const HeadlessContext context;
     Scene scene;
     addFloor(scene, metal(0), 8);

@@ -1,0 +1,26 @@
+// Which lobes rays answer, and which the lookup.
+#include "lib/sharpness.glsl"
+
+uniform bool tracesAll;
+
+// Lobes whose width the PHATexels' spread exceeds by so much are left to the lookup and to rays alone; measured
+// (docs/pipeline.md).
+const float kNoneTraced = 0.7;
+const float kAllTraced = 1.5;
+
+// x: how far rays take the place of the lookup, 0 to 1; y: metres to the nearest that is seen around the mirror
+// direction.
+vec2 tracedShare(vec3 normal, float alpha, vec3 position, vec3 towardEye, vec2 texel, uint chartIndex) {
+    if (alpha <= 0.0) return vec2(0.0);
+    ChartPlace chart = chartPlace(chartIndex);
+    ivec2 here = texelInChart(chart, texel, texel);
+    Probe probe = probeAt(lookupTileAt(chart, here), here, position);
+    vec3 mirror = reflect(-towardEye, normal);
+    float d = kHorizonMeters;
+    for (int i = 0; i < 9; ++i) d = min(d, distanceAlong(probe, mirror, vec2(i % 3 - 1, i / 3 - 1)));
+    int bits = groupBits(chart.texelMeters, d);
+    vec2 spread = vec2(cellAngle(bits), parallaxAngle(chart.texelMeters, d, bits));
+    // Seen at grazing angles a lobe is narrower one way: its solid angle goes with the cosine.
+    float width = alpha * sqrt(max(dot(normal, towardEye), 0.01));
+    return vec2(tracesAll ? 1.0 : smoothstep(kNoneTraced, kAllTraced, length(spread) / width), d);
+}

@@ -1,0 +1,257 @@
+#include "core/traced_reflections.h"
+
+#include <atomic>
+#include <bit>
+
+#include "core/brdf.h"
+#include "core/parallel.h"
+#include "core/path_vertex.h"
+#include "core/reflection_pool.h"
+#include "core/sobol.h"
+
+namespace phat {
+namespace {
+
+// Rays a lobe wants in all pictures together, its neighbours' included, and in each of them; for a mirror
+// one, more as the lobe's width in radians, some 2 alpha, grows. At most a part of them are its own.
+constexpr float kWantedRays = 64, kMostWanted = 32, kLeastWanted = 8;
+constexpr float kRaysPerAlpha = 800;
+constexpr float kMostOwn = 0.5f;
+// Where rays hit something glossy, walks go on from there: so many a pixel and picture, shared by its rays,
+// and of so many reflections at most.
+constexpr float kWalks = 8;
+constexpr int kMostBounces = 8;
+constexpr uint64_t kStream = 0x5e1f;  // of hashOf
+
+// The place on the triangle that a pixel shows. Rounding may put the ray just beside a triangle that the
+// rasteriser drew; the nearest place on it is meant.
+glm::vec2 barycentricOn(const Scene& scene, uint32_t triangle, const CameraRay& ray) {
+    const glm::uvec3 t = scene.triangles[triangle];
+    const glm::dvec3 a(scene.positions[t.x]);
+    const glm::dvec3 ab = glm::dvec3(scene.positions[t.y]) - a, ac = glm::dvec3(scene.positions[t.z]) - a;
+    const glm::dvec3 way(ray.direction), from = glm::dvec3(ray.origin) - a;
+    // source: Moeller and Trumbore 1997, "Fast, Minimum Storage Ray-Triangle Intersection".
+    const glm::dvec3 p = glm::cross(way, ac);
+    const double determinant = glm::dot(ab, p);
+    if (determinant == 0) return glm::vec2(1.0f / 3.0f);
+    const double u = std::clamp(glm::dot(from, p) / determinant, 0.0, 1.0);
+    const double v = std::clamp(glm::dot(way, glm::cross(from, ab)) / determinant, 0.0, 1.0);
+    return glm::vec2(glm::dvec2(u, v) / std::max(u + v, 1.0));
+}
+
+glm::vec3 positionAt(const Scene& scene, uint32_t triangle, glm::vec2 barycentric) {
+    const glm::uvec3 t = scene.triangles[triangle];
+    return (1.0f - barycentric.x - barycentric.y) * scene.positions[t.x] +
+           barycentric.x * scene.positions[t.y] + barycentric.y * scene.positions[t.z];
+}
+
+/// A lobe as a surface of its own.
+struct LobeRays {
+    const ReflectionScene& scene;
+    const ReflectionView& view;
+    uint64_t& rayCount;
+    SurfacePoint point;
+    glm::vec3 eyeLocal{0};
+    float albedo = 0;
+
+    glm::vec3 seenByLightSample(Rng& rng) const;
+    // The sum of the rays' weights tells how much the mean is worth.
+    std::pair<SeenByLobe, float> trace(int count, int walks, uint64_t stream) const;
+};
+
+// Power heuristic (Veach 1997): most light samples of a sharp lobe are rare finds of what its own rays find
+// surely, and should weigh nothing rather than one.
+// pre: own > 0.
+float powerWeight(float own, float other) {
+    return 1.0f / (1.0f + square(other / own));
+}
+
+// Of one place on the area lights, over the lobe's albedo: small lamps that the lobe's own rays seldom meet.
+glm::vec3 LobeRays::seenByLightSample(Rng& rng) const {
+    const float choice = rng.uniform();
+    const LightSample light = scene.lights.sampleArea(point.position, choice, rng.uniform2());
+    if (light.pdf <= 0.0f || maxComponent(light.radiance) <= 0.0f || !leavesSurface(point, light.towardLight))
+        return glm::vec3(0);
+    const glm::vec3 local = point.shading.toLocal(light.towardLight);
+    const float value = evaluateBrdf(point.brdf, eyeLocal, local).x;
+    if (value <= 0.0f) return glm::vec3(0);
+    const float weight = powerWeight(light.pdf, sampleBrdfPdf(point.brdf, eyeLocal, local));
+    // Below this no lamp is bright enough to be seen, and the shadow ray is saved.
+    constexpr float kLeastWeight = 1e-6f;
+    if (weight < kLeastWeight) return glm::vec3(0);
+    ++rayCount;
+    if (!seesLight(scene.rays, point.position, originOn(point, light.towardLight), light))
+        return glm::vec3(0);
+    return value * weight / light.pdf / albedo * light.radiance;
+}
+
+std::pair<SeenByLobe, float> LobeRays::trace(int count, int walks, uint64_t stream) const {
+    const TexelWorld world{scene.rays, scene.lights, scene.atlas, scene.texels};
+    const TexelIrradiance irradiance{scene.phatexture.indirectIrradiance, scene.phatexture.areaIrradiance,
+                                     true};
+    const PathSettings atHits{walks, kMostBounces};
+    SeenByLobe seen;
+    float weights = 0;
+    glm::vec3 sampled(0);
+    for (int i = 0; i < count; ++i) {
+        const uint32_t index = view.frame * uint32_t(count) + uint32_t(i);
+        Rng rng(hashOf(stream, index));
+        if (view.area && scene.lights.hasArea()) sampled += seenByLightSample(rng);
+        const BrdfSample sample =
+            sampleBrdf(point.brdf, eyeLocal, 0.5f, glm::vec2(sobol4(index, uint32_t(stream))));
+        if (sample.pdf <= 0.0f) continue;
+        const glm::vec3 direction = glm::normalize(point.shading.toWorld(sample.direction));
+        if (!leavesSurface(point, direction)) continue;
+        const float weight = sample.weight.x;
+        weights += weight;
+
+        ++rayCount;
+        const Hit hit = scene.rays.closestHit(originOn(point, direction), direction);
+        const float lightPdf = areaPdf(scene.lights, point.position, hit, direction);
+        const float emissionWeight = weight * powerWeight(sample.pdf, lightPdf);
+        if (!hit) {
+            seen.area += emissionWeight * scene.lights.environmentRadiance(direction);
+            continue;
+        }
+        const SurfacePoint far = surfaceAt(scene.rays.scene(), hit, direction);
+        seen.area += emissionWeight * far.emission;
+        if (view.indirect)
+            seen.indirect +=
+                weight * reflectedFromTexels(world, irradiance, hit, far, -direction, atHits, rng, rayCount);
+    }
+    if (weights <= 0.0f) return {};
+    seen.indirect /= weights;
+    seen.area = seen.area / weights + sampled / float(count);
+    // A clamp: the two are independent estimates, whose noise must not exceed all light that there is.
+    const glm::vec3 scale =
+        glm::min(glm::vec3(1), scene.brightest / glm::max(seen.indirect + seen.area, glm::vec3(1e-20f)));
+    seen.indirect *= scale;
+    seen.area *= scale;
+    return {seen, weights};
+}
+
+// A power of two: pictures whose jitter changes it still share one sequence. `raysForOne`: the pool's.
+int rayCountFor(const TracedLobe& lobe, float raysForOne, int pictures) {
+    const float wanted = std::clamp(kWantedRays / float(pictures), kLeastWanted, kMostWanted);
+    // What the lookup answers in part needs fewer.
+    const float own =
+        std::min({wanted * lobe.share / raysForOne, kRaysPerAlpha * lobe.alpha, kMostOwn * wanted});
+    return int(std::bit_ceil(uint32_t(std::max(std::ceil(own), 1.0f))));
+}
+
+// What all lobes of a kind, base or coat, see.
+class LobeTracer {
+  public:
+    LobeTracer(const ReflectionScene& scene, const ReflectionView& view,
+               std::span<const TracedSurface> surfaces, std::span<const glm::vec2> barycentrics,
+               TracedLobe TracedSurface::*lobe, uint64_t kind)
+        : scene_(scene),
+          view_(view),
+          surfaces_(surfaces),
+          barycentrics_(barycentrics),
+          lobe_(lobe),
+          kind_(kind),
+          pool_(places(), view.width, view.height),
+          own_(surfaces.size()) {}
+
+    bool wanted(size_t i) const { return (surfaces_[i].*lobe_).share > 0; }
+
+    void trace(size_t i, uint64_t& rayCount) {
+        const TracedSurface& s = surfaces_[i];
+        const TracedLobe& lobe = s.*lobe_;
+        const CameraRay eye = cameraRay(view_.camera, view_.width, view_.height, s.place);
+        LobeRays rays{scene_, view_, rayCount,
+                      surfaceAt(scene_.rays.scene(), s.triangle, barycentrics_[i], s.back)};
+        rays.point.shading = frameFromNormal(lobe.normal);
+        rays.point.brdf = Brdf{};
+        rays.point.brdf.f0 = glm::vec3(lobe.f0);
+        rays.point.brdf.f90 = lobe.f90;
+        rays.point.brdf.alpha = lobe.alpha;
+        rays.eyeLocal = rays.point.shading.toLocal(-eye.direction);
+        rays.albedo = specularAlbedo(rays.point.brdf.f0, lobe.f90, lobe.alpha, rays.eyeLocal.z).x;
+        if (rays.albedo <= 0.0f) return;
+        const float raysForOne = pool_.raysForOne(i);
+        const int count = rayCountFor(lobe, raysForOne, view_.pictures);
+        const int walks = std::max(int(kWalks / (raysForOne * float(count))), 1);
+        own_[i] = rays.trace(count, walks, hashOf(kStream, s.pixel) + kind_);
+    }
+
+    SeenByLobe pooled(size_t i) const {
+        SeenByLobe sum;
+        float weights = 0;
+        pool_.visit(i, [&](size_t j, float likeness) {
+            const auto& [seen, weight] = own_[j];
+            weights += likeness * weight;
+            sum.indirect += likeness * weight * seen.indirect;
+            sum.area += likeness * weight * seen.area;
+        });
+        if (weights <= 0.0f) return {};
+        return {sum.indirect / weights, sum.area / weights, (surfaces_[i].*lobe_).share};
+    }
+
+  private:
+    std::vector<PooledLobe> places() const {
+        const Scene& scene = scene_.rays.scene();
+        std::vector<PooledLobe> places(surfaces_.size());
+        for (size_t i = 0; i < places.size(); ++i) {
+            const TracedSurface& s = surfaces_[i];
+            const TracedLobe& lobe = s.*lobe_;
+            const glm::vec3 way = cameraRay(view_.camera, view_.width, view_.height, s.place).direction;
+            places[i] = {s.pixel,
+                         2 * scene.triangleSurface[s.triangle] + uint32_t(s.back),
+                         positionAt(scene, s.triangle, barycentrics_[i]),
+                         glm::reflect(way, lobe.normal),
+                         wanted(i) ? lobe.alpha : 0,
+                         std::max(lobe.distance, 1e-3f)};
+        }
+        return places;
+    }
+
+    const ReflectionScene& scene_;
+    const ReflectionView& view_;
+    const std::span<const TracedSurface> surfaces_;
+    const std::span<const glm::vec2> barycentrics_;
+    TracedLobe TracedSurface::*const lobe_;
+    const uint64_t kind_;
+    const ReflectionPool pool_;
+    std::vector<std::pair<SeenByLobe, float>> own_;
+};
+
+}  // namespace
+
+std::vector<SeenBySurface> traceReflections(const ReflectionScene& scene, const ReflectionView& view,
+                                            std::span<const TracedSurface> surfaces, Progress& progress,
+                                            uint64_t& rayCount) {
+    constexpr size_t kGrain = 64;
+    splitSumTable();  // integrated now, not by the first of the threads while the others wait
+    std::vector<glm::vec2> barycentrics(surfaces.size());
+    for (size_t i = 0; i < surfaces.size(); ++i)
+        barycentrics[i] = barycentricOn(scene.rays.scene(), surfaces[i].triangle,
+                                        cameraRay(view.camera, view.width, view.height, surfaces[i].place));
+    LobeTracer base(scene, view, surfaces, barycentrics, &TracedSurface::base, 0);
+    LobeTracer coat(scene, view, surfaces, barycentrics, &TracedSurface::coat, 1);
+
+    std::atomic<uint64_t> rays{0};
+    const ProgressStage stage(progress, "reflections", surfaces.size());
+    parallelRanges(surfaces.size(), kGrain, progress, [&](size_t begin, size_t end) {
+        uint64_t rangeRays = 0;
+        for (size_t i = begin; i < end; ++i) {
+            if (base.wanted(i)) base.trace(i, rangeRays);
+            if (coat.wanted(i)) coat.trace(i, rangeRays);
+        }
+        rays += rangeRays;
+    });
+    rayCount += rays;
+
+    std::vector<SeenBySurface> seen(surfaces.size());
+    SilentProgress silent;
+    parallelRanges(surfaces.size(), kGrain, silent, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            if (base.wanted(i)) seen[i].base = base.pooled(i);
+            if (coat.wanted(i)) seen[i].coat = coat.pooled(i);
+        }
+    });
+    return seen;
+}
+
+}  // namespace phat
