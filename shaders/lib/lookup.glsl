@@ -26,7 +26,7 @@ const float kAside = 1.0;
 const float kLeastTexels = 2.0;
 // What is within kContactTexels is asked for once more, of a group of 2^kNearBits texels a side, within kNearTexels,
 // that answers as if it were the pixel: parallax in the smallest group may hide it from every aim.
-const float kContactTexels = 16.0;
+const float kContactTexels = 6.0;
 const int kNearBits = 3;
 const float kNearTexels = 4.0;
 const float kFewestTexels = 6.0;    // search radius: .7 of the distance, between these

@@ -52,7 +52,7 @@ glm::vec2 jitterOf(int index, int count) {
 
 // Measured: see docs/pipeline.md, "Lookup".
 LookupDraws drawsOf(Quality quality) {
-    constexpr LookupDraws kDraws[] = {{2, 2}, {12, 4}, {32, 4}};
+    constexpr LookupDraws kDraws[] = {{2, 2}, {8, 4}, {32, 4}};
     return kDraws[size_t(quality)];
 }
 

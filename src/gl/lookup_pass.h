@@ -53,7 +53,7 @@ inline int lookedUpLayers(const LookupPass& pass) {
 
 /// What a pixel asks.
 struct LookupDraws {
-    int count = 12;    // directions of a lobe, at most 32
+    int count = 8;     // directions of a lobe, at most 32
     int lampBits = 3;  // see shaders/lib/lookup.glsl
 };
 /// Clears the targets, binds what the lookup of every surface shares, and reseeds the draws.

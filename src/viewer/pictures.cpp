@@ -18,7 +18,7 @@ constexpr int kCountSamples = 1;
 // Reads a pixel that are shown white; --quality high reads 137 in the mean.
 constexpr float kMostReads = 256;
 // Rays of a still picture's first sample may take so long; the window does not answer meanwhile.
-constexpr double kRaySeconds = 0.4;
+constexpr double kRaySeconds = 0.8;
 // While something moves, pixels are left out so that a frame takes no longer than this.
 constexpr double kMovingFrameSeconds = 0.04;
 constexpr int kMostCoarseness = 8;

@@ -26,7 +26,7 @@ const kKeptSizes = 2,
 // twin: drawsOf in src/gl/display_pass.cpp
 const kDraws = {
     fast: { count: 2, lampBits: 2 },
-    default: { count: 12, lampBits: 4 },
+    default: { count: 8, lampBits: 4 },
     high: { count: 32, lampBits: 4 },
 };
 
