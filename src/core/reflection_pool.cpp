@@ -5,7 +5,7 @@ namespace {
 
 // A neighbour whose lobe is so many of one's own widths away sees other things, and so does one whose lobe is
 // so much wider or narrower.
-constexpr float kWidthPerAlpha = 0.8f;
+constexpr float kPoolWidthPerAlpha = 0.8f;
 constexpr float kMostTimesAlpha = 1.5f;
 // A mirror is sharper than a pixel; it needs no other's rays.
 constexpr float kLeastAlpha = 0.005f;
@@ -29,7 +29,7 @@ float ReflectionPool::likeness(const PooledLobe& mine, const PooledLobe& other) 
     // them.
     glm::vec3 step = (other.position - mine.position) / mine.distance;
     step -= glm::dot(step, mine.mirror) * mine.mirror;
-    const glm::vec3 apart = (other.mirror - mine.mirror + step) / (kWidthPerAlpha * mine.alpha);
+    const glm::vec3 apart = (other.mirror - mine.mirror + step) / (kPoolWidthPerAlpha * mine.alpha);
     return std::exp(-0.5f * glm::dot(apart, apart));
 }
 

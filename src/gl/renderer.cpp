@@ -148,7 +148,9 @@ struct Renderer::State {
         else if (what != Inspected::nothing)
             settings.method = Method::phatPyramid;
         if (settings.method == Method::phat && lookup.guideCount == 0) settings.method = Method::phatPyramid;
-        if (settings.method != Method::phat) settings.traced = nullptr;
+        if (settings.method != Method::phat ||
+            (settings.traced && settings.traced->reflections == Reflections::lookup))
+            settings.traced = nullptr;
         return settings;
     }
     /// A clear coat changes what the shaders are made of.

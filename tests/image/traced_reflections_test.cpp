@@ -241,6 +241,9 @@ TEST(TracedReflections, TakeThePlaceOfTheLookup) {
     EXPECT_NEAR(middle(&traced, Component::direct), 5, 0.02f);
     EXPECT_NEAR(middle(&traced, Component::glossyIndirect), 0, 1e-4f);
     EXPECT_GT(renderer.lastFrameTimes().reflectionRays, 0u);
+    const TracedReflections none{scene, Reflections::lookup, silent};
+    EXPECT_NEAR(middle(&none, Component::all), 2, 0.02f);
+    EXPECT_EQ(renderer.lastFrameTimes().reflectionRays, 0u);
 }
 
 // Every pixel's ray starts where the rasteriser drew it: the floor mirrors a ceiling whose left half is
