@@ -55,8 +55,7 @@ struct LobeRays {
     float albedo = 0;
 
     glm::vec3 seenByLightSample(Rng& rng) const;
-    // The sum of the rays' weights tells how much the mean is worth.
-    std::pair<SeenByLobe, float> trace(int count, int walks, uint64_t stream) const;
+    PooledLight trace(int count, int walks, uint64_t stream) const;
 };
 
 // Power heuristic (Veach 1997): most light samples of a sharp lobe are rare finds of what its own rays find
@@ -85,13 +84,12 @@ glm::vec3 LobeRays::seenByLightSample(Rng& rng) const {
     return value * weight / light.pdf / albedo * light.radiance;
 }
 
-std::pair<SeenByLobe, float> LobeRays::trace(int count, int walks, uint64_t stream) const {
+PooledLight LobeRays::trace(int count, int walks, uint64_t stream) const {
     const TexelWorld world{scene.rays, scene.lights, scene.atlas, scene.texels};
     const TexelIrradiance irradiance{scene.phatexture.indirectIrradiance, scene.phatexture.areaIrradiance,
                                      true};
     const PathSettings atHits{walks, kMostBounces};
-    SeenByLobe seen;
-    float weights = 0;
+    PooledLight seen;
     glm::vec3 sampled(0);
     for (int i = 0; i < count; ++i) {
         const uint32_t index = view.frame * uint32_t(count) + uint32_t(i);
@@ -103,7 +101,7 @@ std::pair<SeenByLobe, float> LobeRays::trace(int count, int walks, uint64_t stre
         const glm::vec3 direction = glm::normalize(point.shading.toWorld(sample.direction));
         if (!leavesSurface(point, direction)) continue;
         const float weight = sample.weight.x;
-        weights += weight;
+        seen.weight += weight;
 
         ++rayCount;
         const Hit hit = scene.rays.closestHit(originOn(point, direction), direction);
@@ -119,15 +117,15 @@ std::pair<SeenByLobe, float> LobeRays::trace(int count, int walks, uint64_t stre
             seen.indirect +=
                 weight * reflectedFromTexels(world, irradiance, hit, far, -direction, atHits, rng, rayCount);
     }
-    if (weights <= 0.0f) return {};
-    seen.indirect /= weights;
-    seen.area = seen.area / weights + sampled / float(count);
+    if (seen.weight <= 0.0f) return {};
+    seen.indirect /= seen.weight;
+    seen.area = seen.area / seen.weight + sampled / float(count);
     // A clamp: the two are independent estimates, whose noise must not exceed all light that there is.
     const glm::vec3 scale =
         glm::min(glm::vec3(1), scene.brightest / glm::max(seen.indirect + seen.area, glm::vec3(1e-20f)));
     seen.indirect *= scale;
     seen.area *= scale;
-    return {seen, weights};
+    return seen;
 }
 
 // A power of two: pictures whose jitter changes it still share one sequence. `raysForOne`: the pool's.
@@ -152,7 +150,8 @@ class LobeTracer {
           lobe_(lobe),
           kind_(kind),
           pool_(places(), view.width, view.height),
-          own_(surfaces.size()) {}
+          lights_(surfaces.size()),
+          shares_(surfaces.size()) {}
 
     bool wanted(size_t i) const { return (surfaces_[i].*lobe_).share > 0; }
 
@@ -173,20 +172,16 @@ class LobeTracer {
         const float raysForOne = pool_.raysForOne(i);
         const int count = rayCountFor(lobe, raysForOne, view_.pictures);
         const int walks = std::max(int(kWalks / (raysForOne * float(count))), 1);
-        own_[i] = rays.trace(count, walks, hashOf(kStream, s.pixel) + kind_);
+        lights_[i] = rays.trace(count, walks, hashOf(kStream, s.pixel) + kind_);
     }
 
-    SeenByLobe pooled(size_t i) const {
-        SeenByLobe sum;
-        float weights = 0;
-        pool_.visit(i, [&](size_t j, float likeness) {
-            const auto& [seen, weight] = own_[j];
-            weights += likeness * weight;
-            sum.indirect += likeness * weight * seen.indirect;
-            sum.area += likeness * weight * seen.area;
-        });
-        if (weights <= 0.0f) return {};
-        return {sum.indirect / weights, sum.area / weights, (surfaces_[i].*lobe_).share};
+    // After all have traced.
+    void shareOut(size_t i) { shares_[i] = pool_.shareOut(i, lights_); }
+
+    // After all have shared out.
+    SeenByLobe seen(size_t i) const {
+        const PooledLight light = pool_.pooled(i, lights_, shares_);
+        return {light.indirect, light.area, light.weight > 0.0f ? (surfaces_[i].*lobe_).share : 0.0f};
     }
 
   private:
@@ -214,7 +209,8 @@ class LobeTracer {
     TracedLobe TracedSurface::*const lobe_;
     const uint64_t kind_;
     const ReflectionPool pool_;
-    std::vector<std::pair<SeenByLobe, float>> own_;
+    std::vector<PooledLight> lights_;
+    std::vector<ReflectionPool::Share> shares_;
 };
 
 }  // namespace
@@ -247,8 +243,14 @@ std::vector<SeenBySurface> traceReflections(const ReflectionScene& scene, const 
     SilentProgress silent;
     parallelRanges(surfaces.size(), kGrain, silent, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
-            if (base.wanted(i)) seen[i].base = base.pooled(i);
-            if (coat.wanted(i)) seen[i].coat = coat.pooled(i);
+            if (base.wanted(i)) base.shareOut(i);
+            if (coat.wanted(i)) coat.shareOut(i);
+        }
+    });
+    parallelRanges(surfaces.size(), kGrain, silent, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            if (base.wanted(i)) seen[i].base = base.seen(i);
+            if (coat.wanted(i)) seen[i].coat = coat.seen(i);
         }
     });
     return seen;

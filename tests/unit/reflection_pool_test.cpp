@@ -70,22 +70,49 @@ TEST(ReflectionPool, MirrorsKeepToTheirOwnRays) {
     EXPECT_EQ(raysForMiddle(flatFloor(1e-3f, 1e4f)), 1);
 }
 
-TEST(ReflectionPool, VisitsEachNeighbourOnceAndItselfWithAllWeight) {
-    const ReflectionPool pool(flatFloor(0.1f, 1e4f), kSide, kSide);
-    std::vector<int> visits(kSide * kSide);
-    pool.visit(kMiddle, [&](size_t i, float weight) {
-        ++visits[i];
-        EXPECT_LE(weight, 16);
-        if (i == kMiddle) {
-            EXPECT_EQ(weight, 16);
-        }
-    });
-    int neighbours = 0;
-    for (int count : visits) {
-        EXPECT_LE(count, 1);
-        neighbours += count;
+/// What all see by the pool where all rays brought 1 but for the middle's.
+std::vector<glm::vec3> pooledAround(float middle, float distance) {
+    const ReflectionPool pool(flatFloor(0.1f, distance), kSide, kSide);
+    std::vector<PooledLight> lights(kSide * kSide, {glm::vec3(1), glm::vec3(2), 4});
+    lights[kMiddle].indirect = glm::vec3(middle);
+    std::vector<ReflectionPool::Share> shares;
+    for (size_t i = 0; i < lights.size(); ++i) shares.push_back(pool.shareOut(i, lights));
+    std::vector<glm::vec3> pooled;
+    for (size_t i = 0; i < lights.size(); ++i) {
+        const PooledLight light = pool.pooled(i, lights, shares);
+        pooled.push_back(light.indirect);
+        EXPECT_NEAR(light.area.x, 2, 1e-4f);
     }
-    EXPECT_EQ(neighbours, 7 * 7);
+    return pooled;
+}
+
+TEST(ReflectionPool, IsTheMeanOfWhatItsNeighboursSee) {
+    const auto pooled = pooledAround(3, 1e4f);
+    EXPECT_NEAR(pooled[kMiddle].x, (240 + 16 * 3) / 256.0f, 1e-3f);
+    EXPECT_NEAR(pooled[kMiddle + 3].x, (252 + 4 * 3) / 256.0f,
+                0.02f);  // its neighbourhood ends at the border
+    EXPECT_NEAR(pooled[kMiddle + 4].x, 1, 1e-3f);
+}
+
+TEST(ReflectionPool, WhatIsCloseIsEachPixelsOwn) {
+    EXPECT_NEAR(pooledAround(3, 0.005f)[kMiddle].x, 3, 1e-3f);
+}
+
+// 8 is 4 more than four times what is around: those go to all by the tent, 1/256 each.
+TEST(ReflectionPool, SpotsAreSharedOut) {
+    const auto pooled = pooledAround(8, 0.005f);
+    EXPECT_NEAR(pooled[kMiddle].x, 4 + 4 * 16 / 256.0f, 1e-3f);
+    EXPECT_NEAR(pooled[kMiddle + 1].x, 1 + 4 * 12 / 256.0f, 1e-3f);
+    float sum = 0;
+    for (const glm::vec3& light : pooled) sum += light.x;
+    EXPECT_NEAR(sum, kSide * kSide - 1 + 8, 0.01f);
+}
+
+TEST(ReflectionPool, NoSpotShowsWhereItWasSharedOut) {
+    const auto pooled = pooledAround(1e6f, 0.005f);
+    EXPECT_NEAR(pooled[kMiddle].x, 5, 1e-3f);
+    EXPECT_NEAR(pooled[kMiddle + 1].x, 1 + 12 / 16.0f, 1e-3f);
+    EXPECT_NEAR(pooled[kMiddle + 4].x, 1, 1e-3f);
 }
 
 }  // namespace
