@@ -2,6 +2,7 @@
 #include "lib/sharpness.glsl"
 
 uniform bool tracesAll;
+uniform int frame;  // of several whose mean is shown
 
 // Lobes whose width the PHATexels' spread exceeds by so much are left to the lookup and to rays alone; measured
 // (docs/pipeline.md).
@@ -13,14 +14,22 @@ const float kAllTraced = 1.5;
 vec2 tracedShare(vec3 normal, float alpha, vec3 position, vec3 towardEye, vec2 texel, uint chartIndex) {
     if (alpha <= 0.0) return vec2(0.0);
     ChartPlace chart = chartPlace(chartIndex);
-    ivec2 here = texelInChart(chart, texel, texel);
+    // Between tiles, 4x4 pixels are shared out to both, others from frame to frame.
+    int rank = (4 * (int(gl_FragCoord.y) & 3) + (int(gl_FragCoord.x) & 3)) ^ (frame & 15);
+    vec2 within = (vec2(rank & 3, rank >> 2) - 1.5) * (float(kTileSize) / 4.0);
+    ivec2 here = texelInChart(chart, texel + within, texel);
     Probe probe = probeAt(lookupTileAt(chart, here), here, position);
     vec3 mirror = reflect(-towardEye, normal);
-    float d = kHorizonMeters;
-    for (int i = 0; i < 9; ++i) d = min(d, distanceAlong(probe, mirror, vec2(i % 3 - 1, i / 3 - 1)));
-    int bits = groupBits(chart.texelMeters, d);
-    vec2 spread = vec2(cellAngle(bits), parallaxAngle(chart.texelMeters, d, bits));
     // Seen at grazing angles a lobe is narrower one way: its solid angle goes with the cosine.
     float width = alpha * sqrt(max(dot(normal, towardEye), 0.01));
-    return vec2(tracesAll ? 1.0 : smoothstep(kNoneTraced, kAllTraced, length(spread) / width), d);
+    float nearest = kHorizonMeters, share = 0.0;
+    for (int i = 0; i < 9; ++i) {
+        float d = distanceAlong(probe, mirror, vec2(i % 3 - 1, i / 3 - 1));
+        int bits = groupBits(chart.texelMeters, d);
+        vec2 spread = vec2(cellAngle(bits), parallaxAngle(chart.texelMeters, d, bits));
+        share += smoothstep(kNoneTraced, kAllTraced, length(spread) / width) / 9.0;
+        nearest = min(nearest, d);
+    }
+    // Half of the cells around are enough: beside what is close, rays take over by degrees.
+    return vec2(tracesAll ? 1.0 : min(2.0 * share, 1.0), nearest);
 }

@@ -12,11 +12,13 @@
 namespace phat {
 namespace {
 
-// Rays a lobe wants in all pictures together, its neighbours' included, and in each of them; for a mirror
-// one, more as the lobe's width in radians, some 2 alpha, grows. At most a part of them are its own.
-constexpr float kWantedRays = 64, kMostWanted = 32, kLeastWanted = 8;
+// Rays a lobe wants in all pictures together, its neighbours' included, and in each of them at least; for a
+// mirror one, more as the lobe's width in radians, some 2 alpha, grows. At most a part of them are its own.
+constexpr float kWantedRays = 64, kLeastWanted = 8;
 constexpr float kRaysPerAlpha = 800;
 constexpr float kMostOwn = 0.5f;
+// From so many rays that count for one on, pixels share a sequence.
+constexpr float kSharedFrom = 4;
 // Where rays hit something glossy, walks go on from there: so many a pixel and picture, shared by its rays,
 // and of so many reflections at most.
 constexpr float kWalks = 8;
@@ -45,6 +47,14 @@ glm::vec3 positionAt(const Scene& scene, uint32_t triangle, glm::vec2 barycentri
            barycentric.x * scene.positions[t.y] + barycentric.y * scene.positions[t.z];
 }
 
+/// The points of Sobol's sequence that a pixel's rays take.
+struct RayNumbers {
+    uint32_t seed = 0;
+    uint32_t first = 0, stride = 1;
+
+    glm::vec2 of(int ray) const { return glm::vec2(sobol4(first + uint32_t(ray) * stride, seed)); }
+};
+
 /// A lobe as a surface of its own.
 struct LobeRays {
     const ReflectionScene& scene;
@@ -55,7 +65,7 @@ struct LobeRays {
     float albedo = 0;
 
     glm::vec3 seenByLightSample(Rng& rng) const;
-    PooledLight trace(int count, int walks, uint64_t stream) const;
+    PooledLight trace(int count, int walks, const RayNumbers& numbers, uint64_t stream) const;
 };
 
 // Power heuristic (Veach 1997): most light samples of a sharp lobe are rare finds of what its own rays find
@@ -84,7 +94,7 @@ glm::vec3 LobeRays::seenByLightSample(Rng& rng) const {
     return value * weight / light.pdf / albedo * light.radiance;
 }
 
-PooledLight LobeRays::trace(int count, int walks, uint64_t stream) const {
+PooledLight LobeRays::trace(int count, int walks, const RayNumbers& numbers, uint64_t stream) const {
     const TexelWorld world{scene.rays, scene.lights, scene.atlas, scene.texels};
     const TexelIrradiance irradiance{scene.phatexture.indirectIrradiance, scene.phatexture.areaIrradiance,
                                      true};
@@ -92,11 +102,9 @@ PooledLight LobeRays::trace(int count, int walks, uint64_t stream) const {
     PooledLight seen;
     glm::vec3 sampled(0);
     for (int i = 0; i < count; ++i) {
-        const uint32_t index = view.frame * uint32_t(count) + uint32_t(i);
-        Rng rng(hashOf(stream, index));
+        Rng rng(hashOf(stream, view.frame, uint64_t(i)));
         if (view.area && scene.lights.hasArea()) sampled += seenByLightSample(rng);
-        const BrdfSample sample =
-            sampleBrdf(point.brdf, eyeLocal, 0.5f, glm::vec2(sobol4(index, uint32_t(stream))));
+        const BrdfSample sample = sampleBrdf(point.brdf, eyeLocal, 0.5f, numbers.of(i));
         if (sample.pdf <= 0.0f) continue;
         const glm::vec3 direction = glm::normalize(point.shading.toWorld(sample.direction));
         if (!leavesSurface(point, direction)) continue;
@@ -130,7 +138,7 @@ PooledLight LobeRays::trace(int count, int walks, uint64_t stream) const {
 
 // A power of two: pictures whose jitter changes it still share one sequence. `raysForOne`: the pool's.
 int rayCountFor(const TracedLobe& lobe, float raysForOne, int pictures) {
-    const float wanted = std::clamp(kWantedRays / float(pictures), kLeastWanted, kMostWanted);
+    const float wanted = std::max(kWantedRays / float(pictures), kLeastWanted);
     // What the lookup answers in part needs fewer.
     const float own =
         std::min({wanted * lobe.share / raysForOne, kRaysPerAlpha * lobe.alpha, kMostOwn * wanted});
@@ -172,7 +180,8 @@ class LobeTracer {
         const float raysForOne = pool_.raysForOne(i);
         const int count = rayCountFor(lobe, raysForOne, view_.pictures);
         const int walks = std::max(int(kWalks / (raysForOne * float(count))), 1);
-        lights_[i] = rays.trace(count, walks, hashOf(kStream, s.pixel) + kind_);
+        const uint64_t stream = hashOf(kStream, s.pixel) + kind_;
+        lights_[i] = rays.trace(count, walks, numbersFor(s.pixel, stream, count, raysForOne), stream);
     }
 
     // After all have traced.
@@ -185,6 +194,16 @@ class LobeTracer {
     }
 
   private:
+    // Where neighbours count, 4x4 pixels share a sequence, in other parts from picture to picture: their rays
+    // are stratified together.
+    RayNumbers numbersFor(uint32_t pixel, uint64_t stream, int count, float raysForOne) const {
+        const uint32_t first = view_.frame * uint32_t(count);
+        if (raysForOne < kSharedFrom) return {uint32_t(stream), first, 1};
+        const uint32_t x = pixel % uint32_t(view_.width), y = pixel / uint32_t(view_.width);
+        const uint32_t rank = (4 * (y & 3) + (x & 3)) ^ (view_.frame & 15);
+        return {uint32_t(hashOf(kStream, kind_)), 16 * first + rank, 16};
+    }
+
     std::vector<PooledLobe> places() const {
         const Scene& scene = scene_.rays.scene();
         std::vector<PooledLobe> places(surfaces_.size());

@@ -219,7 +219,8 @@ bool traceLobes(const DisplayInput& input, const CameraMatrices& matrices, const
     if (!settings.traced || shown.x + shown.y == 0.0f) return false;
     const auto& [scene, reflections, progress] = *settings.traced;
     const ShaderProgram& program = input.reflectionPass->program;
-    beginReflections(*input.reflectionPass, input.atlas, input.lookup, targets.reflections, reflections);
+    beginReflections(*input.reflectionPass, input.atlas, input.lookup, targets.reflections, reflections,
+                     frame);
     bindCamera(program, matrices, settings);
     drawOpaque(program, input);
     input.clock.ended(Pass::display);

@@ -41,7 +41,7 @@ ReflectionTargets createReflectionTargets(glm::uvec2 size, GLuint depth) {
 }
 
 void beginReflections(const ReflectionPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
-                      const ReflectionTargets& targets, Reflections reflections) {
+                      const ReflectionTargets& targets, Reflections reflections, uint32_t frame) {
     glBindFramebuffer(GL_FRAMEBUFFER, targets.target.name());
     const GLfloat nothing[4] = {0, 0, 0, 0};
     const GLuint noTriangle[4] = {0, 0, 0, 0};
@@ -51,6 +51,7 @@ void beginReflections(const ReflectionPass& pass, const GpuAtlas& atlas, const G
     pass.program.bind("tilePatches", 0, atlas.tilePatches.name());
     pass.program.bind("charts", 1, atlas.charts.name());
     pass.program.bind("probes", 2, lookup.probes.name());
+    pass.program.set("frame", int(frame));
     pass.program.set("tracesAll", int(reflections == Reflections::rays));
 }
 

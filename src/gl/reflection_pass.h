@@ -28,7 +28,7 @@ ReflectionTargets createReflectionTargets(glm::uvec2 size, GLuint depth);
 /// Binds the cleared targets, and what all surfaces share; the caller draws its opaque surfaces with
 /// `program`.
 void beginReflections(const ReflectionPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
-                      const ReflectionTargets& targets, Reflections reflections);
+                      const ReflectionTargets& targets, Reflections reflections, uint32_t frame);
 
 /// The surfaces that were drawn and ask for rays; `jitter`: where in the pixels, see jitterOf in
 /// display_pass.cpp.
