@@ -263,9 +263,7 @@ SeenLight lookUp(Receiver r, Lobe lobe, int rank, out float drawnAlpha) {
     vec3 wo = r.towardEye * worldFromLocal;
     if (wo.z <= 0.0) return seen;
     ChartPlace chart = chartPlace(r.chart);
-    // Between tiles, a group's pixels are shared out to both.
-    vec2 within = (vec2(rank & 3, rank >> 2) - 1.5) * (float(kTileSize) / 4.0);
-    ivec2 hereTexel = texelInChart(chart, r.texel + within, r.texel);
+    ivec2 hereTexel = texelOfRank(chart, r.texel, rank);
     LookupTile here = lookupTileAt(chart, hereTexel);
     Probe probe = probeAt(here, hereTexel, r.position);
     drawnAlpha = widenedAlpha(lobe, chart, here, probe, worldFromLocal * vec3(-wo.xy, wo.z), wo.z);

@@ -139,3 +139,9 @@ ivec2 texelInChart(ChartPlace chart, vec2 place, vec2 around) {
     if (any(lessThan(place, low)) || any(greaterThanEqual(place, high))) place = 2.0 * around - place;
     return clamp(ivec2(floor(place)), chart.origin, chart.origin + chart.size - 1);
 }
+
+// Where pixel `rank` of a group of 4x4 at `place` reads: between tiles the group is shared out to both.
+ivec2 texelOfRank(ChartPlace chart, vec2 place, int rank) {
+    vec2 within = (vec2(rank & 3, rank >> 2) - 1.5) * (float(kTileSize) / 4.0);
+    return texelInChart(chart, place + within, place);
+}

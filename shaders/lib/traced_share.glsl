@@ -14,10 +14,9 @@ const float kAllTraced = 1.5;
 vec2 tracedShare(vec3 normal, float alpha, vec3 position, vec3 towardEye, vec2 texel, uint chartIndex) {
     if (alpha <= 0.0) return vec2(0.0);
     ChartPlace chart = chartPlace(chartIndex);
-    // Between tiles, 4x4 pixels are shared out to both, others from frame to frame.
+    // Another one from frame to frame.
     int rank = (4 * (int(gl_FragCoord.y) & 3) + (int(gl_FragCoord.x) & 3)) ^ (frame & 15);
-    vec2 within = (vec2(rank & 3, rank >> 2) - 1.5) * (float(kTileSize) / 4.0);
-    ivec2 here = texelInChart(chart, texel + within, texel);
+    ivec2 here = texelOfRank(chart, texel, rank);
     Probe probe = probeAt(lookupTileAt(chart, here), here, position);
     vec3 mirror = reflect(-towardEye, normal);
     // Seen at grazing angles a lobe is narrower one way: its solid angle goes with the cosine.

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <glm/glm.hpp>
-#include <span>
 #include <vector>
 
 namespace phat {

@@ -199,6 +199,10 @@ SurfacePoint surfaceAt(const Scene& scene, uint32_t triangle, glm::vec2 barycent
     return shade(scene, triangle, barycentric, back);
 }
 
+glm::vec3 positionAt(const Scene& scene, uint32_t triangle, glm::vec2 barycentric) {
+    return interpolate(scene.positions, scene.triangles[triangle], barycentric);
+}
+
 float opacityAt(const Scene& scene, uint32_t triangle, glm::vec2 barycentric) {
     const Material& material = scene.materialOf(triangle);
     if (material.alphaMode == AlphaMode::opaque) return 1.0f;

@@ -28,6 +28,9 @@ SurfacePoint surfaceAt(const Scene& scene, const Hit& hit, glm::vec3 direction);
 /// triangle (gutters) are clamped for textures and extrapolated for the position.
 SurfacePoint surfaceAt(const Scene& scene, uint32_t triangle, glm::vec2 barycentric, bool back);
 
+/// World, also outside the triangle.
+glm::vec3 positionAt(const Scene& scene, uint32_t triangle, glm::vec2 barycentric);
+
 /// Opacity after base colour, texture, vertex colour and cutoff: 0 or 1 for mask, [0,1] for blend.
 float opacityAt(const Scene& scene, uint32_t triangle, glm::vec2 barycentric);
 

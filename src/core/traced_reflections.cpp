@@ -41,12 +41,6 @@ glm::vec2 barycentricOn(const Scene& scene, uint32_t triangle, const CameraRay& 
     return glm::vec2(glm::dvec2(u, v) / std::max(u + v, 1.0));
 }
 
-glm::vec3 positionAt(const Scene& scene, uint32_t triangle, glm::vec2 barycentric) {
-    const glm::uvec3 t = scene.triangles[triangle];
-    return (1.0f - barycentric.x - barycentric.y) * scene.positions[t.x] +
-           barycentric.x * scene.positions[t.y] + barycentric.y * scene.positions[t.z];
-}
-
 /// The points of Sobol's sequence that a pixel's rays take.
 struct RayNumbers {
     uint32_t seed = 0;
@@ -145,36 +139,45 @@ int rayCountFor(const TracedLobe& lobe, float raysForOne, int pictures) {
     return int(std::bit_ceil(uint32_t(std::max(std::ceil(own), 1.0f))));
 }
 
-// What all lobes of a kind, base or coat, see.
+// Where a surface is seen.
+struct Sight {
+    glm::vec3 way{0};  // from the eye, world
+    glm::vec2 barycentric{0};
+};
+
+// What all lobes of a kind, base or coat, see: those whose share is not 0. Each step is called for all, [0,
+// count()), before the next.
 class LobeTracer {
   public:
     LobeTracer(const ReflectionScene& scene, const ReflectionView& view,
-               std::span<const TracedSurface> surfaces, std::span<const glm::vec2> barycentrics,
+               std::span<const TracedSurface> surfaces, std::span<const Sight> sights,
                TracedLobe TracedSurface::*lobe, uint64_t kind)
         : scene_(scene),
           view_(view),
           surfaces_(surfaces),
-          barycentrics_(barycentrics),
+          sights_(sights),
           lobe_(lobe),
           kind_(kind),
+          wanted_(wantedOf(surfaces, lobe)),
           pool_(places(), view.width, view.height),
-          lights_(surfaces.size()),
-          shares_(surfaces.size()) {}
+          lights_(wanted_.size()),
+          shares_(wanted_.size()) {}
 
-    bool wanted(size_t i) const { return (surfaces_[i].*lobe_).share > 0; }
+    size_t count() const { return wanted_.size(); }
+    uint32_t surfaceOf(size_t i) const { return wanted_[i]; }
 
     void trace(size_t i, uint64_t& rayCount) {
-        const TracedSurface& s = surfaces_[i];
+        const TracedSurface& s = surfaces_[wanted_[i]];
+        const Sight& sight = sights_[wanted_[i]];
         const TracedLobe& lobe = s.*lobe_;
-        const CameraRay eye = cameraRay(view_.camera, view_.width, view_.height, s.place);
         LobeRays rays{scene_, view_, rayCount,
-                      surfaceAt(scene_.rays.scene(), s.triangle, barycentrics_[i], s.back)};
+                      surfaceAt(scene_.rays.scene(), s.triangle, sight.barycentric, s.back)};
         rays.point.shading = frameFromNormal(lobe.normal);
         rays.point.brdf = Brdf{};
         rays.point.brdf.f0 = glm::vec3(lobe.f0);
         rays.point.brdf.f90 = lobe.f90;
         rays.point.brdf.alpha = lobe.alpha;
-        rays.eyeLocal = rays.point.shading.toLocal(-eye.direction);
+        rays.eyeLocal = rays.point.shading.toLocal(-sight.way);
         rays.albedo = specularAlbedo(rays.point.brdf.f0, lobe.f90, lobe.alpha, rays.eyeLocal.z).x;
         if (rays.albedo <= 0.0f) return;
         const float raysForOne = pool_.raysForOne(i);
@@ -184,16 +187,23 @@ class LobeTracer {
         lights_[i] = rays.trace(count, walks, numbersFor(s.pixel, stream, count, raysForOne), stream);
     }
 
-    // After all have traced.
     void shareOut(size_t i) { shares_[i] = pool_.shareOut(i, lights_); }
 
-    // After all have shared out.
     SeenByLobe seen(size_t i) const {
         const PooledLight light = pool_.pooled(i, lights_, shares_);
-        return {light.indirect, light.area, light.weight > 0.0f ? (surfaces_[i].*lobe_).share : 0.0f};
+        return {light.indirect, light.area,
+                light.weight > 0.0f ? (surfaces_[wanted_[i]].*lobe_).share : 0.0f};
     }
 
   private:
+    static std::vector<uint32_t> wantedOf(std::span<const TracedSurface> surfaces,
+                                          TracedLobe TracedSurface::*lobe) {
+        std::vector<uint32_t> wanted;
+        for (uint32_t i = 0; i < surfaces.size(); ++i)
+            if ((surfaces[i].*lobe).share > 0) wanted.push_back(i);
+        return wanted;
+    }
+
     // Where neighbours count, 4x4 pixels share a sequence, in other parts from picture to picture: their rays
     // are stratified together.
     RayNumbers numbersFor(uint32_t pixel, uint64_t stream, int count, float raysForOne) const {
@@ -206,17 +216,14 @@ class LobeTracer {
 
     std::vector<PooledLobe> places() const {
         const Scene& scene = scene_.rays.scene();
-        std::vector<PooledLobe> places(surfaces_.size());
-        for (size_t i = 0; i < places.size(); ++i) {
+        std::vector<PooledLobe> places;
+        for (const uint32_t i : wanted_) {
             const TracedSurface& s = surfaces_[i];
             const TracedLobe& lobe = s.*lobe_;
-            const glm::vec3 way = cameraRay(view_.camera, view_.width, view_.height, s.place).direction;
-            places[i] = {s.pixel,
-                         2 * scene.triangleSurface[s.triangle] + uint32_t(s.back),
-                         positionAt(scene, s.triangle, barycentrics_[i]),
-                         glm::reflect(way, lobe.normal),
-                         wanted(i) ? lobe.alpha : 0,
-                         std::max(lobe.distance, 1e-3f)};
+            places.push_back({s.pixel, 2 * scene.triangleSurface[s.triangle] + uint32_t(s.back),
+                              positionAt(scene, s.triangle, sights_[i].barycentric),
+                              glm::reflect(sights_[i].way, lobe.normal), lobe.alpha,
+                              std::max(lobe.distance, 1e-3f)});
         }
         return places;
     }
@@ -224,9 +231,10 @@ class LobeTracer {
     const ReflectionScene& scene_;
     const ReflectionView& view_;
     const std::span<const TracedSurface> surfaces_;
-    const std::span<const glm::vec2> barycentrics_;
+    const std::span<const Sight> sights_;
     TracedLobe TracedSurface::*const lobe_;
     const uint64_t kind_;
+    const std::vector<uint32_t> wanted_;  // of the surfaces
     const ReflectionPool pool_;
     std::vector<PooledLight> lights_;
     std::vector<ReflectionPool::Share> shares_;
@@ -239,39 +247,34 @@ std::vector<SeenBySurface> traceReflections(const ReflectionScene& scene, const 
                                             uint64_t& rayCount) {
     constexpr size_t kGrain = 64;
     splitSumTable();  // integrated now, not by the first of the threads while the others wait
-    std::vector<glm::vec2> barycentrics(surfaces.size());
-    for (size_t i = 0; i < surfaces.size(); ++i)
-        barycentrics[i] = barycentricOn(scene.rays.scene(), surfaces[i].triangle,
-                                        cameraRay(view.camera, view.width, view.height, surfaces[i].place));
-    LobeTracer base(scene, view, surfaces, barycentrics, &TracedSurface::base, 0);
-    LobeTracer coat(scene, view, surfaces, barycentrics, &TracedSurface::coat, 1);
-
-    std::atomic<uint64_t> rays{0};
-    const ProgressStage stage(progress, "reflections", surfaces.size());
-    parallelRanges(surfaces.size(), kGrain, progress, [&](size_t begin, size_t end) {
-        uint64_t rangeRays = 0;
-        for (size_t i = begin; i < end; ++i) {
-            if (base.wanted(i)) base.trace(i, rangeRays);
-            if (coat.wanted(i)) coat.trace(i, rangeRays);
-        }
-        rays += rangeRays;
-    });
-    rayCount += rays;
+    std::vector<Sight> sights;
+    for (const TracedSurface& s : surfaces) {
+        const CameraRay eye = cameraRay(view.camera, view.width, view.height, s.place);
+        sights.push_back({eye.direction, barycentricOn(scene.rays.scene(), s.triangle, eye)});
+    }
+    LobeTracer base(scene, view, surfaces, sights, &TracedSurface::base, 0);
+    LobeTracer coat(scene, view, surfaces, sights, &TracedSurface::coat, 1);
 
     std::vector<SeenBySurface> seen(surfaces.size());
-    SilentProgress silent;
-    parallelRanges(surfaces.size(), kGrain, silent, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            if (base.wanted(i)) base.shareOut(i);
-            if (coat.wanted(i)) coat.shareOut(i);
-        }
-    });
-    parallelRanges(surfaces.size(), kGrain, silent, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            if (base.wanted(i)) seen[i].base = base.seen(i);
-            if (coat.wanted(i)) seen[i].coat = coat.seen(i);
-        }
-    });
+    std::atomic<uint64_t> rays{0};
+    const ProgressStage stage(progress, "reflections", base.count() + coat.count());
+    const auto trace = [&](LobeTracer& lobes, SeenByLobe SeenBySurface::*lobe) {
+        parallelRanges(lobes.count(), kGrain, progress, [&](size_t begin, size_t end) {
+            uint64_t rangeRays = 0;
+            for (size_t i = begin; i < end; ++i) lobes.trace(i, rangeRays);
+            rays += rangeRays;
+        });
+        SilentProgress silent;
+        parallelRanges(lobes.count(), kGrain, silent, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; ++i) lobes.shareOut(i);
+        });
+        parallelRanges(lobes.count(), kGrain, silent, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; ++i) seen[lobes.surfaceOf(i)].*lobe = lobes.seen(i);
+        });
+    };
+    trace(base, &SeenBySurface::base);
+    trace(coat, &SeenBySurface::coat);
+    rayCount += rays;
     return seen;
 }
 

@@ -69,12 +69,21 @@ void fillWithLookups(RendererWorld& world, float indirect, float area) {
                   RayScene(world.scene), silent);
 }
 
-/// Traces from the floor's middle, seen from an eye that looks down at 45 degrees.
-struct FloorProbe {
-    explicit FloorProbe(const RendererWorld& world)
+/// What rays read of a world.
+struct WorldOfRays {
+    explicit WorldOfRays(const RendererWorld& world)
         : rays(world.scene),
           lights(world.scene),
           scene(rays, lights, world.atlas, world.points, world.phatexture) {}
+
+    RayScene rays;
+    LightSampler lights;
+    ReflectionScene scene;
+};
+
+/// Traces from the floor's middle, seen from an eye that looks down at 45 degrees.
+struct FloorProbe : WorldOfRays {
+    using WorldOfRays::WorldOfRays;
 
     std::vector<SeenBySurface> trace(float roughness, uint32_t count, float share = 1) const {
         ReflectionView view;
@@ -101,10 +110,6 @@ struct FloorProbe {
         }
         return sum;
     }
-
-    RayScene rays;
-    LightSampler lights;
-    ReflectionScene scene;
 };
 
 TEST(TracedReflections, MirrorShowsAlbedoTimesIrradiance) {
@@ -189,11 +194,9 @@ uint64_t raysFor(float roughness, float height, float texelsPerMeter) {
     addCeiling(scene, lambert(0.5f), 4, height);
     RendererWorld world = worldOfQuads(std::move(scene), texelsPerMeter);
     fillWithLookups(world, 2, 0);
-    const RayScene rays(world.scene);
-    const LightSampler lights(world.scene);
-    const ReflectionScene reflections(rays, lights, world.atlas, world.points, world.phatexture);
+    const WorldOfRays traceable(world);
     SilentProgress silent;
-    const TracedReflections traced{reflections, Reflections::automatic, silent};
+    const TracedReflections traced{traceable.scene, Reflections::automatic, silent};
     Renderer renderer(world.input(), kShaderFolder);
     FrameSettings settings;
     settings.width = 16;
@@ -209,7 +212,7 @@ TEST(TracedReflections, LobesSharperThanThePhatexelsAroundAreTraced) {
     const HeadlessContext context;
     EXPECT_GT(raysFor(0.05f, 2, 48), 0u);
     EXPECT_EQ(raysFor(0.5f, 2, 48), 0u);
-    EXPECT_GT(raysFor(0.5f, 2, 8), 0u);        // texels too far apart
+    EXPECT_GT(raysFor(0.5f, 2, 8), 0u);       // texels too far apart
     EXPECT_GT(raysFor(0.5f, 0.05f, 48), 0u);  // or what is seen too close
     EXPECT_EQ(raysFor(1, 2, 48), 0u);
 }
@@ -219,9 +222,7 @@ TEST(TracedReflections, TakeThePlaceOfTheLookup) {
     const HeadlessContext context;
     RendererWorld world = worldOfQuads(floorAndCeiling(metal(0.05f), emitter(glm::vec3(5))), 4);
     fillWithLookups(world, 2, 0);
-    const RayScene rays(world.scene);
-    const LightSampler lights(world.scene);
-    const ReflectionScene scene(rays, lights, world.atlas, world.points, world.phatexture);
+    const WorldOfRays traceable(world);
     SilentProgress silent;
     Renderer renderer(world.input(), kShaderFolder);
     FrameSettings settings;
@@ -236,12 +237,12 @@ TEST(TracedReflections, TakeThePlaceOfTheLookup) {
     };
     EXPECT_NEAR(middle(nullptr, Component::glossyIndirect), 2, 0.02f);
     EXPECT_NEAR(middle(nullptr, Component::direct), 0, 1e-4f);
-    const TracedReflections traced{scene, Reflections::automatic, silent};
+    const TracedReflections traced{traceable.scene, Reflections::automatic, silent};
     EXPECT_NEAR(middle(&traced, Component::all), 5, 0.02f);
     EXPECT_NEAR(middle(&traced, Component::direct), 5, 0.02f);
     EXPECT_NEAR(middle(&traced, Component::glossyIndirect), 0, 1e-4f);
     EXPECT_GT(renderer.lastFrameTimes().reflectionRays, 0u);
-    const TracedReflections none{scene, Reflections::lookup, silent};
+    const TracedReflections none{traceable.scene, Reflections::lookup, silent};
     EXPECT_NEAR(middle(&none, Component::all), 2, 0.02f);
     EXPECT_EQ(renderer.lastFrameTimes().reflectionRays, 0u);
 }
@@ -256,11 +257,9 @@ TEST(TracedReflections, AgreeWithTheRasterisersGeometry) {
     addQuad(scene, emitter(glm::vec3(9)), {0, 2, -4}, {4, 0, 0}, {0, 0, 8});
     RendererWorld world = worldOfQuads(std::move(scene), 4);
     fillWithLookups(world, 3, 2);
-    const RayScene rays(world.scene);
-    const LightSampler lights(world.scene);
-    const ReflectionScene reflections(rays, lights, world.atlas, world.points, world.phatexture);
+    const WorldOfRays traceable(world);
     SilentProgress silent;
-    const TracedReflections traced{reflections, Reflections::rays, silent};
+    const TracedReflections traced{traceable.scene, Reflections::rays, silent};
     Renderer renderer(world.input(), kShaderFolder);
     FrameSettings settings;
     settings.width = 64;
