@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/atlas.h"
+#include "core/atlas/atlas.h"
 
 namespace phat {
 namespace {

@@ -3,9 +3,9 @@
 #include <fstream>
 
 #include "bench_scene.h"
-#include "core/gather.h"
-#include "core/irradiance_ray.h"
-#include "core/parallel.h"
+#include "core/bake/gather.h"
+#include "core/bake/irradiance_ray.h"
+#include "core/base/parallel.h"
 
 namespace phat {
 namespace {

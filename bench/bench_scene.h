@@ -7,9 +7,10 @@
 #include <map>
 #include <string>
 
-#include "core/progress.h"
-#include "core/scene.h"
-#include "io/gltf_loader.h"
+#include "core/base/progress.h"
+#include "core/base/stopwatch.h"
+#include "core/scene/scene.h"
+#include "io/gltf/gltf_loader.h"
 
 namespace phat {
 
@@ -19,9 +20,9 @@ inline Scene benchScene(const std::string& name) {
 
 template <typename Work>
 double secondsOf(const Work& work) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch start;
     work();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return start.seconds();
 }
 
 /// Seconds by stage; stages of one name together.

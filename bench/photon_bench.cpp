@@ -2,7 +2,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "core/photon_map.h"
+#include "core/transport/photon_map.h"
 
 namespace phat {
 namespace {

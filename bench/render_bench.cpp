@@ -1,7 +1,7 @@
 // Putting a bake on the GPU, and frames by pass.
 
 #include "bench_scene.h"
-#include "core/bake.h"
+#include "core/bake/bake.h"
 #include "gl/gl_context.h"
 #include "gl/renderer.h"
 

@@ -1,5 +1,5 @@
 // splitSumTable, a texel an entry, for renderers that have no CPU to spare.
-// twin: integrateSplitSumTable in src/core/brdf.cpp.
+// twin: integrateSplitSumTable in src/core/scene/brdf.cpp.
 #include "lib/split_sum.glsl"
 
 uniform int size;

@@ -1,5 +1,5 @@
 // What rays ask of a pixel: which triangle it shows, and the lobes there with textures and normal maps as they
-// are drawn. src/core/traced_reflections.h traces them.
+// are drawn. src/core/render/traced_reflections.h traces them.
 #include "lib/atlas.glsl"
 #include "lib/visible_surface.glsl"
 #include "lib/traced_share.glsl"

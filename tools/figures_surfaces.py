@@ -16,7 +16,7 @@ from figures_run import PEERS, PHAT, ROOT, compare
 TABLE = "table_top"
 ROUGHNESS = (0.15, 0.25, 0.4, 0.6)
 SEEDS = (1, 2, 3)
-# Side of the table's texels, mm -> flags. The table's density (src/core/glossy_density.cpp) is 3.59 where it is not held.
+# Side of the table's texels, mm -> flags. The table's density (src/core/atlas/glossy_density.cpp) is 3.59 where it is not held.
 TEXELS = {"3.9": ("--texel-size", 0.0117, "--glossy-density", 3), "1.95": ("--texel-size", 0.0070, "--glossy-density", 8)}
 CAMERAS = {"file": (), "steep": ((0.3, 2.2, 0.75), (0.0, 0.75, -0.05))}  # eye, target
 MATERIALS = {"metal": (), "dielectric": (f"{TABLE}.metallic=0",)}

@@ -6,21 +6,20 @@
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <glm/gtc/matrix_transform.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "core/live_light.h"
-#include "core/photon_map.h"
-#include "core/processor_time.h"
+#include "core/base/stopwatch.h"
+#include "core/dynamic/baker_thread.h"
+#include "core/transport/photon_map.h"
 #include "gl/gl_context.h"
 #include "gl/picture_sum.h"
 #include "gl/renderer.h"
-#include "io/bake_record.h"
-#include "io/baked_file.h"
+#include "io/phat/bake_record.h"
+#include "io/phat/baked_file.h"
 
 namespace phat {
 namespace {
@@ -95,13 +94,13 @@ nlohmann::json measure(const Options& options) {
     light.waitUntilStarted();
     LiveUpdate renewed;
     const auto draw = [&] {
-        const auto start = std::chrono::steady_clock::now();
+        const Stopwatch start;
         if (renewed.empty())
             if (auto update = light.take()) renewed = std::move(*update);
         if (!renewed.empty()) renderer.takeUpdate(renewed, kUploadSeconds);
         renderer.draw(frame, sum);
         renderer.lastFrameTimes();  // waits
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        return start.seconds();
     };
     std::vector<double> idle, updating;
     bool away = false;

@@ -2,9 +2,9 @@
 
 #include <optional>
 
-#include "core/hemisphere_map.h"
-#include "core/parallel.h"
-#include "core/phatexture.h"
+#include "core/base/hemisphere_map.h"
+#include "core/base/parallel.h"
+#include "core/phatexel/phatexture.h"
 #include "peer_picture.h"
 
 namespace phat::peers {

@@ -6,11 +6,11 @@
 #include <array>
 #include <vector>
 
-#include "core/atlas.h"
-#include "core/lights.h"
-#include "core/path.h"
-#include "core/progress.h"
-#include "core/shading.h"
+#include "core/atlas/atlas.h"
+#include "core/base/progress.h"
+#include "core/scene/lights.h"
+#include "core/scene/shading.h"
+#include "core/transport/path.h"
 
 namespace phat::peers {
 

@@ -3,19 +3,19 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <glm/gtc/matrix_transform.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/lights.h"
+#include "core/base/stopwatch.h"
+#include "core/scene/lights.h"
 #include "gaussian_lightmap.h"
 #include "gl/renderer.h"
 #include "gl/shader_loader.h"
-#include "io/baked_file.h"
-#include "io/file_error.h"
-#include "io/image_file.h"
+#include "io/base/file_error.h"
+#include "io/image/image_file.h"
+#include "io/phat/baked_file.h"
 #include "peer_picture.h"
 #include "reflection_probe.h"
 
@@ -42,10 +42,6 @@ struct Options {
     bool center = false;
     std::vector<std::string> defines;
 };
-
-double secondsSince(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// PHATexels on the surface of one material: what a peer may use as many bytes as.
 uint64_t phatexelBytes(const BakedScene& baked, uint32_t material) {
@@ -85,14 +81,14 @@ void writeViews(const Options& options, const RayScene& rays, uint32_t material,
         settings.camera = firstCamera(edited, options.input);
         settings.samplesPerPixel = options.samplesPerPixel;
         if (options.center) settings.filter = PixelFilter::center;
-        const auto start = std::chrono::steady_clock::now();
+        const Stopwatch start;
         const TracedPicture picture =
             tracePicture(settings, peerIntegrator(rays, edited, material, shade), progress);
         const std::string path =
             all.size() == 1 ? options.output : fmt::format(fmt::runtime(options.output), roughness);
         writeExr(path, picture.mean);
         report["pictures"].push_back(
-            {{"output", path}, {"roughness", roughness}, {"seconds", secondsSince(start)}});
+            {{"output", path}, {"roughness", roughness}, {"seconds", start.seconds()}});
     }
 }
 
@@ -105,7 +101,7 @@ void renderPeer(const Options& options) {
     SilentProgress progress;
     const uint64_t allowed = phatexelBytes(baked, material);
     json report{{"peer", options.peer}, {"phatexelBytes", allowed}};
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch start;
     if (options.peer == "probe") {
         ProbeSettings settings;
         settings.box = boundsOf(scene);
@@ -115,7 +111,7 @@ void renderPeer(const Options& options) {
         settings.faceSize = probeFaceSize(allowed);
         settings.paths.pathsPerHit = BakeSettings().pathsPerPhatexel;
         const ReflectionProbe probe = bakeProbe(rays, lights, settings, progress);
-        report["bakeSeconds"] = secondsSince(start);
+        report["bakeSeconds"] = start.seconds();
         report["bytes"] = probeBytes(settings.faceSize);
         report["faceSize"] = settings.faceSize;
         writeViews(
@@ -134,7 +130,7 @@ void renderPeer(const Options& options) {
         settings.raysPerTexel = options.raysPerTexel;
         settings.paths.pathsPerHit = 1;
         const GaussianLightmap lightmap = bakeGaussians(rays, lights, material, settings, progress);
-        report["bakeSeconds"] = secondsSince(start);
+        report["bakeSeconds"] = start.seconds();
         report["bytes"] = lightmap.texelCount * kGaussianTexelBytes;
         report["raysPerTexel"] = settings.raysPerTexel;
         const auto reading = options.reading == "exact" ? GaussianReading::exact : GaussianReading::warped;

@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
-#include "core/picture.h"
-#include "core/shading.h"
+#include "core/render/picture.h"
+#include "core/scene/shading.h"
 
 namespace phat::peers {
 

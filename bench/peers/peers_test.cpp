@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include "core/hemisphere_map.h"
+#include "core/base/hemisphere_map.h"
 #include "gaussian_lightmap.h"
 #include "peer_picture.h"
 #include "reflection_probe.h"
-#include "scene_builder.h"
+#include "support/scene_builder.h"
 
 namespace phat::peers {
 namespace {

@@ -1,7 +1,7 @@
 #include "reflection_probe.h"
 
-#include "core/parallel.h"
-#include "core/phatexture.h"
+#include "core/base/parallel.h"
+#include "core/phatexel/phatexture.h"
 
 namespace phat::peers {
 namespace {

@@ -5,11 +5,11 @@
 
 #include <vector>
 
-#include "core/lights.h"
-#include "core/path.h"
-#include "core/progress.h"
-#include "core/scene.h"
-#include "core/shading.h"
+#include "core/base/progress.h"
+#include "core/scene/lights.h"
+#include "core/scene/scene.h"
+#include "core/scene/shading.h"
+#include "core/transport/path.h"
 
 namespace phat::peers {
 

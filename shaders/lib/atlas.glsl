@@ -1,5 +1,5 @@
 // Which chart and which block an atlas texel belongs to.
-// twin: Atlas::chartAt and Atlas::blockAt in src/core/atlas.h.
+// twin: Atlas::chartAt and Atlas::blockAt in src/core/atlas/atlas.h.
 
 const int kTileSize = 8;
 const uint kNoChart = 0xffffffffu;

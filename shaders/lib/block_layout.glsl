@@ -1,5 +1,5 @@
 // Which texel of a block holds the sample of a place in its unit square.
-// twin: stratifiedSquare in src/core/directions.h, of which this is the inverse; tests/shader compares the two.
+// twin: stratifiedSquare in src/core/phatexel/directions.h, of which this is the inverse; tests/shader compares the two.
 
 const int kBlockBits = 5;
 const int kBlockSize = 1 << kBlockBits;

@@ -1,6 +1,6 @@
 // The glTF 2.0 material model. All directions are unit, local (z = shading normal) and point away from the
 // surface.
-// twin: src/core/brdf.h, same names and sources; tests/shader compares the two.
+// twin: src/core/scene/brdf.h, same names and sources; tests/shader compares the two.
 #include "lib/hemisphere_map.glsl"
 
 const float kMinAlpha = 1e-3;
@@ -24,7 +24,7 @@ struct LobeValues {
 // 64x64 over (nDotV, sqrt(alpha)), two channels, entry i at i / 63: core's splitSumTable().
 uniform sampler2D splitSumTable;
 
-// twin: luminance in src/core/math.h.
+// twin: luminance in src/core/base/math.h.
 float luminance(vec3 rgb) {
     return dot(rgb, vec3(0.2126, 0.7152, 0.0722));
 }

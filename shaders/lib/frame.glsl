@@ -1,4 +1,4 @@
-// twin: Frame in src/core/math.h, with its source.
+// twin: Frame in src/core/base/math.h, with its source.
 
 // Columns: tangent, bitangent, normal.
 mat3 frameFromNormal(vec3 n) {

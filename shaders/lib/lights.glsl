@@ -1,5 +1,5 @@
 // Punctual lights and their shadow maps.
-// twin: LightSampler::samplePunctual in src/core/lights.h; src/gl/shadow_maps.cpp writes the table.
+// twin: LightSampler::samplePunctual in src/core/scene/lights.h; src/gl/shadow_maps.cpp writes the table.
 #include "lib/table.glsl"
 
 const int kLightRows = 4;

@@ -72,7 +72,7 @@ float searchRadius(float distance, float texelMeters) {
 }
 
 // 1/sr: guides are mixed with so much of the uniform density; a warp's 8 bits may say 0.
-// twin: kUniformShare in src/core/directions.cpp.
+// twin: kUniformShare in src/core/phatexel/directions.cpp.
 const float kLeastDensity = 0.3 / (2.0 * kPi);
 
 struct Found {

@@ -1,5 +1,5 @@
 // What the lookup reads: charts, tiles, distances around them, the guides' warps.
-// twin of the tables: src/core/lookup_tables.h, src/core/distance_probes.h, src/gl/lookup_pass.cpp.
+// twin of the tables: src/core/phatexel/lookup_tables.h, src/core/phatexel/depth_probes.h, src/gl/lookup_pass.cpp.
 #include "lib/atlas.glsl"
 #include "lib/block_layout.glsl"
 #include "lib/fetch.glsl"
@@ -89,7 +89,7 @@ Probe probeAt(LookupTile tile, ivec2 texel, vec3 position) {
                  uvec4(0u));
 }
 
-// twin: probeDistance in src/core/distance_probes.h.
+// twin: probeDistance in src/core/phatexel/depth_probes.h.
 float levelDistance(vec2 range, uint level) {
     return level == 15u ? kFarDistance : range.x * pow(range.y / range.x, float(level) / 14.0);
 }

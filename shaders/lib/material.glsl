@@ -1,5 +1,5 @@
 // A material's factors and texture values to a Brdf.
-// twin: surfaceAt in src/core/shading.h; src/gl/material_table.cpp writes the rows.
+// twin: surfaceAt in src/core/scene/shading.h; src/gl/material_table.cpp writes the rows.
 #include "lib/brdf.glsl"
 
 // Rows of a material, in this order. Slots follow, two rows each:

@@ -15,7 +15,7 @@ Draws noDraws() {
     return Draws(vec4(0.0), vec4(0.0), vec4(0.0), vec3(0.0, 0.0, 1.0), 0u, 0.0);
 }
 
-// twin: packRgb9e5 in src/core/phatexture.h; tests/shader compares the two.
+// twin: packRgb9e5 in src/core/phatexel/phatexture.h; tests/shader compares the two.
 uint packRgb9e5(vec3 rgb) {
     rgb = clamp(rgb, vec3(0.0), vec3(65408.0));
     float largest = max(rgb.r, max(rgb.g, rgb.b));

@@ -1,5 +1,5 @@
 // Where a tile's texels are, and the frame of its block.
-// twin: src/core/tile_patch.h.
+// twin: src/core/phatexel/tile_patch.h.
 #include "lib/fetch.glsl"
 #include "lib/frame.glsl"
 #include "lib/phatexel.glsl"

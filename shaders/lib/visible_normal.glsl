@@ -2,7 +2,7 @@
 #include "lib/hemisphere_map.glsl"
 
 // source: Heitz 2018, "Sampling the GGX Distribution of Visible Normals", section 3.
-// twin: squareToVisibleNormal in src/core/brdf.h; tests/shader compares the two.
+// twin: squareToVisibleNormal in src/core/scene/brdf.h; tests/shader compares the two.
 vec3 squareToVisibleNormal(vec2 s, vec3 towardEye, float alpha) {
     vec3 v = normalize(vec3(alpha * towardEye.xy, towardEye.z));
     float length2 = dot(v.xy, v.xy);

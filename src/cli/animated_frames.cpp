@@ -3,29 +3,23 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 
 #include "cli/data_folders.h"
 #include "cli/drawn_report.h"
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
-#include "core/live_engine.h"
+#include "core/base/stopwatch.h"
+#include "core/dynamic/incremental_baker.h"
 #include "gl/gl_context.h"
-#include "io/bake_record.h"
+#include "io/phat/bake_record.h"
 
 namespace phat {
 namespace {
 
 using nlohmann::json;
-using Clock = std::chrono::steady_clock;
-
 // Rays between two looks at the clock: some milliseconds.
 constexpr uint64_t kWorkAtOnce = 20'000;
-
-double secondsSince(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 const Animation& animationOf(const RenderOptions& options, const Scene& scene) {
     if (scene.animations.empty())
@@ -43,9 +37,9 @@ const Animation& animationOf(const RenderOptions& options, const Scene& scene) {
 /// Lets the light follow for a frame; returns the work that was done.
 uint64_t follow(LiveEngine& engine, const AnimatedFrames& frames, Progress& progress) {
     if (frames.secondsPerFrame <= 0) return engine.advance(uint64_t(frames.workPerFrame), progress);
-    const Clock::time_point start = Clock::now();
+    const Stopwatch start;
     uint64_t work = 0;
-    while (secondsSince(start) < frames.secondsPerFrame) {
+    while (start.seconds() < frames.secondsPerFrame) {
         if (engine.settled()) break;
         work += engine.advance(kWorkAtOnce, progress);
     }
@@ -80,17 +74,17 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
     for (int i = 0; i < count; ++i) {
         progress.throwIfStopped();
         const double seconds = frames.start + double(i) / frames.perSecond;
-        const Clock::time_point begin = Clock::now();
+        const Stopwatch begin;
         if (engine.setPose(poseAt(seconds)))
             renderer.moveScene(engine.scene().scene(), baked.atlas, engine.scene().points());
-        const double moving = secondsSince(begin);
-        const Clock::time_point following = Clock::now();
+        const double moving = begin.seconds();
+        const Stopwatch following;
         const uint64_t work = follow(engine, frames, progress);
-        const double followed = secondsSince(following);
-        const Clock::time_point uploading = Clock::now();
+        const double followed = following.seconds();
+        const Stopwatch uploading;
         LiveUpdate update = engine.takeUpdate();
         renderer.takeUpdate(update, std::numeric_limits<double>::infinity());
-        const double uploaded = secondsSince(uploading);
+        const double uploaded = uploading.seconds();
 
         const ReflectionScene reflectionScene(engine.rays(), engine.lights(), baked.atlas,
                                               engine.scene().points(), engine.phatexture());

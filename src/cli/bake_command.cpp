@@ -16,14 +16,14 @@
 #include "cli/count_option.h"
 #include "cli/interrupt.h"
 #include "cli/progress_bar.h"
-#include "core/glossy_density.h"
-#include "core/lights.h"
-#include "io/atomic_file.h"
-#include "io/bake_journal.h"
-#include "io/bake_record.h"
-#include "io/baked_file.h"
-#include "io/file_error.h"
-#include "io/gltf_loader.h"
+#include "core/atlas/glossy_density.h"
+#include "core/scene/lights.h"
+#include "io/base/atomic_file.h"
+#include "io/base/file_error.h"
+#include "io/gltf/gltf_loader.h"
+#include "io/phat/bake_journal.h"
+#include "io/phat/bake_record.h"
+#include "io/phat/baked_file.h"
 
 namespace phat {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cli/progress_bar.h"
-#include "core/bake.h"
+#include "core/bake/bake.h"
 
 namespace phat {
 

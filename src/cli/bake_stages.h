@@ -2,7 +2,7 @@
 // What the stages of a bake cost, for the time that is left.
 
 #include "cli/progress_bar.h"
-#include "core/bake.h"
+#include "core/bake/bake.h"
 
 namespace phat {
 

@@ -10,9 +10,9 @@
 #include <span>
 
 #include "cli/commands.h"
-#include "core/metrics.h"
-#include "io/file_error.h"
-#include "io/image_file.h"
+#include "core/render/metrics.h"
+#include "io/base/file_error.h"
+#include "io/image/image_file.h"
 
 namespace phat {
 namespace {

@@ -6,11 +6,11 @@
 #include <filesystem>
 
 #include "cli/commands.h"
-#include "core/atlas.h"
-#include "core/phatexture.h"
-#include "io/baked_file.h"
-#include "io/file_error.h"
-#include "io/image_file.h"
+#include "core/atlas/atlas.h"
+#include "core/phatexel/phatexture.h"
+#include "io/base/file_error.h"
+#include "io/image/image_file.h"
+#include "io/phat/baked_file.h"
 
 namespace phat {
 namespace {

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "core/scene.h"
-#include "io/baked_file.h"
-#include "io/gltf_loader.h"
+#include "core/scene/scene.h"
+#include "io/gltf/gltf_loader.h"
+#include "io/phat/baked_file.h"
 
 namespace phat {
 namespace {
@@ -179,13 +179,13 @@ void printBake(const Json& bake) {
 void addInfoCommand(CLI::App& app) {
     CLI::App* command = app.add_subcommand("info", "Say what is in a scene or a baked file");
     CLI::Option* file = command->add_option("FILE", "A .glb or .gltf file, baked or not")->required();
-    CLI::Option* json = command->add_flag("--json")->description("Print JSON");
+    CLI::Option* asJson = command->add_flag("--json")->description("Print JSON");
     command->footer(
         "Sizes of payloads are in memory; the file holds them compressed.\n"
         "Example: phat info room.phat.glb --json");
     command->callback([=] {
         const Json report = describe(file->as<std::string>());
-        if (json->count() > 0) {
+        if (asJson->count() > 0) {
             fmt::print("{}\n", report.dump(2, ' ', false, Json::error_handler_t::replace));
             return;
         }

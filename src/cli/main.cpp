@@ -8,8 +8,8 @@
 #include <new>
 
 #include "cli/commands.h"
-#include "core/progress.h"
-#include "io/file_error.h"
+#include "core/base/progress.h"
+#include "io/base/file_error.h"
 
 namespace {
 

@@ -6,10 +6,10 @@
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
-#include "core/live_engine.h"
+#include "core/dynamic/incremental_baker.h"
 #include "gl/gl_context.h"
 #include "gl/picture_sum.h"
-#include "io/bake_record.h"
+#include "io/phat/bake_record.h"
 
 namespace phat {
 

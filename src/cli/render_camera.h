@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cli/render_options.h"
-#include "core/scene.h"
+#include "core/scene/scene.h"
 #include "gl/renderer.h"
 
 namespace phat {

@@ -5,11 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "core/bake.h"
-#include "io/atomic_file.h"
-#include "io/image_file.h"
-#include "io/material_edit.h"
-#include "io/scene_file.h"
+#include "core/bake/bake.h"
+#include "io/base/atomic_file.h"
+#include "io/gltf/material_edit.h"
+#include "io/image/image_file.h"
+#include "io/phat/scene_file.h"
 
 namespace phat {
 namespace {

@@ -3,9 +3,9 @@
 
 #include "cli/render_camera.h"
 #include "cli/render_options.h"
-#include "core/progress.h"
-#include "core/scene.h"
-#include "io/baked_file.h"
+#include "core/base/progress.h"
+#include "core/scene/scene.h"
+#include "io/phat/baked_file.h"
 
 namespace phat {
 

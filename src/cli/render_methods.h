@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cli/render_options.h"
-#include "core/progress.h"
+#include "core/base/progress.h"
 
 namespace phat {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/phat_gather.h"
-#include "core/photon_renderer.h"
-#include "core/picture.h"
+#include "core/render/phat_gather.h"
+#include "core/render/photon_renderer.h"
+#include "core/render/picture.h"
 #include "gl/renderer.h"
 
 namespace phat {

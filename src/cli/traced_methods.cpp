@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
-
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
 #include "cli/traced_scene.h"
-#include "io/file_error.h"
-#include "io/image_file.h"
+#include "core/base/stopwatch.h"
+#include "io/base/file_error.h"
+#include "io/image/image_file.h"
 
 namespace phat {
 
@@ -46,10 +45,9 @@ std::vector<json> renderTraced(const RenderOptions& options, Progress& progress)
         settings.seed = options.seed;
         settings.filter = options.filter;
         if (!options.pixels.empty()) settings.pixels = pixelsOf(options.pixels, view);
-        const auto start = std::chrono::steady_clock::now();
+        const Stopwatch start;
         const TracedPicture picture = tracePicture(settings, traced.integrator, progress);
-        const double seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        const double seconds = start.seconds();
 
         progress.throwIfStopped();
         writePicture(options, view, picture.mean);

@@ -1,11 +1,11 @@
 #include "cli/traced_scene.h"
 
-#include <chrono>
 #include <string_view>
 
 #include "cli/render_files.h"
-#include "core/path_guide.h"
-#include "core/path_tracer.h"
+#include "core/base/stopwatch.h"
+#include "core/render/path_tracer.h"
+#include "core/transport/path_guide.h"
 
 namespace phat {
 namespace {
@@ -37,9 +37,9 @@ PathGuide guideFor(TracedScene& traced, const RenderOptions& options, Progress& 
     const double height = options.height > 0 ? options.height : kHeightPerWidth * options.width;
     const double paths = options.seconds > 0 ? options.seconds * kPathsPerSecond
                                              : options.width * height * options.samplesPerPixel;
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch start;
     PathGuide guide = learnGuide(traced.rays, traced.lights, paths, options.seed, progress);
-    traced.guideSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    traced.guideSeconds = start.seconds();
     return guide;
 }
 

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "cli/render_options.h"
-#include "core/progress.h"
-#include "io/baked_file.h"
+#include "core/base/progress.h"
+#include "io/phat/baked_file.h"
 
 namespace phat {
 

@@ -13,10 +13,10 @@
 #include "cli/progress_bar.h"
 #include "cli/render_methods.h"
 #include "cli/render_options.h"
-#include "io/atomic_file.h"
-#include "io/baked_file.h"
-#include "io/file_error.h"
-#include "io/web_parts.h"
+#include "io/base/atomic_file.h"
+#include "io/base/file_error.h"
+#include "io/phat/baked_file.h"
+#include "io/phat/web_parts.h"
 
 namespace phat {
 namespace {

@@ -1,10 +1,10 @@
 #include "gl/display_pass.h"
 
 #include <algorithm>
-#include <chrono>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "core/random.h"
+#include "core/base/random.h"
+#include "core/base/stopwatch.h"
 #include "gl/inspect_pass.h"
 #include "gl/textures.h"
 
@@ -227,13 +227,13 @@ bool traceLobes(const DisplayInput& input, const CameraMatrices& matrices, const
 
     const std::vector<TracedSurface> surfaces = readTracedSurfaces(targets.reflections, jitter);
     if (surfaces.empty()) return false;
-    const auto start = std::chrono::steady_clock::now();  // not before: reading waits for the GPU
+    const Stopwatch start;  // not before: reading waits for the GPU
     const ReflectionView view{settings.camera,          int(targets.size.x), int(targets.size.y), frame,
                               settings.samplesPerPixel, shown.y > 0,         shown.x > 0};
     const std::vector<SeenBySurface> seen = traceReflections(scene, view, surfaces, progress, cost.rays);
     uploadReflections(*input.reflectionPass, targets.reflections, surfaces, seen, targets.lookup.seen.name(),
                       lookedUpLayers(*input.lookupPass));
-    cost.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    cost.seconds += start.seconds();
     input.clock.ended(Pass::none);
     return true;
 }

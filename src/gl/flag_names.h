@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/picture.h"
+#include "core/render/picture.h"
 #include "gl/renderer.h"
 
 namespace phat {

@@ -3,9 +3,9 @@
 #include <array>
 #include <bit>
 
-#include "core/lookup_tables.h"
-#include "core/random.h"
-#include "core/sobol.h"
+#include "core/base/random.h"
+#include "core/base/sobol.h"
+#include "core/phatexel/lookup_tables.h"
 #include "gl/textures.h"
 
 namespace phat {

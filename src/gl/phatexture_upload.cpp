@@ -2,7 +2,7 @@
 
 #include <bit>
 
-#include "core/tile_light.h"
+#include "core/phatexel/radiance_bound.h"
 #include "gl/gl_error.h"
 #include "gl/textures.h"
 

@@ -1,10 +1,10 @@
 #pragma once
 // The atlas and the PHATexels on the GPU.
 
-#include "core/atlas.h"
-#include "core/live_update.h"
-#include "core/phatexture.h"
-#include "core/scene.h"
+#include "core/atlas/atlas.h"
+#include "core/dynamic/light_update.h"
+#include "core/phatexel/phatexture.h"
+#include "core/scene/scene.h"
 #include "gl/gl_objects.h"
 
 namespace phat {

@@ -3,7 +3,7 @@
 
 #include <glm/glm.hpp>
 
-#include "core/image.h"
+#include "core/base/image.h"
 #include "gl/gl_objects.h"
 
 namespace phat {

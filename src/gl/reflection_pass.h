@@ -1,8 +1,8 @@
 #pragma once
-// Lobes by rays: what the rasteriser shows goes to core/traced_reflections.h, what comes back to
+// Lobes by rays: what the rasteriser shows goes to core/render/traced_reflections.h, what comes back to
 // display.frag.
 
-#include "core/traced_reflections.h"
+#include "core/render/traced_reflections.h"
 #include "gl/gl_objects.h"
 #include "gl/lookup_pass.h"
 #include "gl/shader_loader.h"

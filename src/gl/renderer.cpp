@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 
-#include "core/lookup_tables.h"
+#include "core/base/stopwatch.h"
+#include "core/phatexel/lookup_tables.h"
 #include "gl/display_pass.h"
 #include "gl/gl_error.h"
 #include "gl/phatexture_upload.h"
@@ -278,10 +278,8 @@ void Renderer::moveScene(const Scene& scene, const Atlas& atlas, const TexelPoin
 
 bool Renderer::takeUpdate(LiveUpdate& update, double seconds) {
     State& s = *state_;
-    const auto start = std::chrono::steady_clock::now();
-    const auto late = [&] {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > seconds;
-    };
+    const Stopwatch start;
+    const auto late = [&] { return start.seconds() > seconds; };
     if (!update.empty()) s.texelsChanged();
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     const glm::uvec2 tiles = s.atlas.sizeTexels / kTileSize;

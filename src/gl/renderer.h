@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "core/atlas.h"
-#include "core/image.h"
-#include "core/live_update.h"
-#include "core/phatexture.h"
-#include "core/picture.h"
-#include "core/scene.h"
-#include "core/traced_reflections.h"
+#include "core/atlas/atlas.h"
+#include "core/base/image.h"
+#include "core/dynamic/light_update.h"
+#include "core/phatexel/phatexture.h"
+#include "core/render/picture.h"
+#include "core/render/traced_reflections.h"
+#include "core/scene/scene.h"
 
 namespace phat {
 
@@ -71,7 +71,8 @@ struct FrameSettings {
     /// Anti-aliasing: this many whole pictures, shifted inside the pixel, are averaged (a box filter of one
     /// pixel, over edges, textures and highlights alike). 1 turns it off.
     int samplesPerPixel = 4;
-    /// With `center` they are not shifted, nor textures filtered: the mean of what frames of a still view show there.
+    /// With `center` they are not shifted, nor textures filtered: the mean of what frames of a still view
+    /// show there.
     PixelFilter filter = PixelFilter::box;
     /// How many of them one draw() adds; 0: all.
     int samplesPerDraw = 0;

@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstddef>
 
-#include "core/brdf.h"
+#include "core/scene/brdf.h"
 #include "gl/material_table.h"
 #include "gl/textures.h"
 

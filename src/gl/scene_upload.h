@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/atlas.h"
-#include "core/picture.h"
-#include "core/scene.h"
+#include "core/atlas/atlas.h"
+#include "core/render/picture.h"
+#include "core/scene/scene.h"
 #include "gl/gl_objects.h"
 #include "gl/shader_loader.h"
 
@@ -41,8 +41,8 @@ GpuScene uploadScene(const Scene& scene, const Atlas& atlas);
 /// Moves everything to where it is in `scene`, which has the triangles of the one that was uploaded.
 void moveScene(GpuScene& gpu, const Scene& scene, const Atlas& atlas);
 
-/// How textures of materials are read from now on where a pixel covers several of their texels: `box` from pictures of
-/// half their size and so on; `center` at the very point, as the path tracer reads them.
+/// How textures of materials are read from now on where a pixel covers several of their texels: `box` from
+/// pictures of half their size and so on; `center` at the very point, as the path tracer reads them.
 void filterTextures(GpuScene& gpu, PixelFilter filter);
 
 /// Binds a material's uniforms; textures from unit `firstUnit` on when `allSlots`, else the base colour

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/scene.h"
+#include "core/scene/scene.h"
 #include "gl/gl_objects.h"
 #include "gl/scene_upload.h"
 

@@ -2,8 +2,8 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "core/octahedral.h"
-#include "core/shading.h"
+#include "core/base/octahedral.h"
+#include "core/scene/shading.h"
 #include "gl/gl_error.h"
 #include "gl/textures.h"
 

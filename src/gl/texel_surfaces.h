@@ -2,8 +2,8 @@
 // The surface under every texel on the GPU. Relighting reads it and the lookup does not, so it is made with
 // the first pyramid.
 
-#include "core/atlas.h"
-#include "core/scene.h"
+#include "core/atlas/atlas.h"
+#include "core/scene/scene.h"
 #include "gl/gl_objects.h"
 
 namespace phat {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <thread>
 
-#include "core/bake.h"
+#include "core/bake/bake.h"
 #include "viewer/background.h"
 
 namespace phat {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <system_error>
 
-#include "core/animation.h"
-#include "io/bake_record.h"
-#include "io/baked_edits.h"
-#include "io/scene_file.h"
+#include "core/scene/animation.h"
+#include "io/phat/bake_record.h"
+#include "io/phat/baked_edits.h"
+#include "io/phat/scene_file.h"
 
 namespace phat {
 namespace {
@@ -59,7 +59,8 @@ Document::Changes Document::show() {
     applied_ = edits.now();
     std::vector<glm::mat4> animated;
     if (playback.animation >= 0)
-        animated = worldFromRest(scene().nodes, scene().animations[size_t(playback.animation)], playback.seconds);
+        animated =
+            worldFromRest(scene().nodes, scene().animations[size_t(playback.animation)], playback.seconds);
     std::vector<glm::mat4> now = withMotions(scene().nodes, std::move(animated), applied_.motions);
     const bool moved = moveSurfaces(scene(), worldFromRest_, now, shown);
     worldFromRest_ = std::move(now);

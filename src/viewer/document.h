@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
-#include "core/live_scene.h"
-#include "core/live_update.h"
-#include "core/rays.h"
-#include "io/baked_file.h"
+#include "core/dynamic/dynamic_scene.h"
+#include "core/dynamic/light_update.h"
+#include "core/scene/rays.h"
+#include "io/phat/baked_file.h"
 #include "viewer/edit_history.h"
 
 namespace phat {

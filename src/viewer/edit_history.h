@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/scene_edits.h"
+#include "core/scene/scene_edits.h"
 
 namespace phat {
 

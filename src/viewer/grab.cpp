@@ -1,12 +1,12 @@
 #include "viewer/grab.h"
 
+#include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
-#include <GLFW/glfw3.h>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "core/picture.h"
+#include "core/render/picture.h"
 #include "viewer/viewer_state.h"
 
 namespace phat {
@@ -26,7 +26,8 @@ glm::vec3 axisOf(int axis) {
 glm::vec3 inPlane(const ViewerState& state, glm::vec3 pivot, glm::vec2 place) {
     const CameraRay ray = rayAt(state, place);
     const glm::vec3 forward = -glm::vec3(state.navigation.camera.worldFromCamera[2]);
-    return ray.origin + ray.direction * (glm::dot(pivot - ray.origin, forward) / glm::dot(ray.direction, forward));
+    return ray.origin +
+           ray.direction * (glm::dot(pivot - ray.origin, forward) / glm::dot(ray.direction, forward));
 }
 
 // Metres from the pivot to where the axis comes nearest to the mouse's ray.
@@ -77,8 +78,7 @@ void applyGrab(ViewerState& state) {
     if (grab.changed) edits.drop();
     SceneEdits next = edits.now();
     NodeMotion& motion = motionFor(next.motions, state.document->scene(), grab.node);
-    const glm::mat4 above =
-        motionAbove(state.document->scene().nodes, next.motions, grab.node);
+    const glm::mat4 above = motionAbove(state.document->scene().nodes, next.motions, grab.node);
     if (!grab.turns && above == glm::mat4(1)) {
         motion.meters += metersOf(state, grab);
     } else {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/picture.h"
+#include "core/render/picture.h"
 
 namespace phat {
 namespace {

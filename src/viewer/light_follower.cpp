@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "io/bake_record.h"
+#include "io/phat/bake_record.h"
 #include "viewer/sentence.h"
 #include "viewer/window.h"
 

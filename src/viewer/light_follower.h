@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "core/live_light.h"
+#include "core/dynamic/baker_thread.h"
 #include "viewer/viewer_state.h"
 
 namespace phat {

@@ -4,7 +4,8 @@ namespace phat {
 
 LiveReflections::LiveReflections(const Document& document)
     : lights_(document.shown),
-      scene_(document.rays(), lights_, document.baked.atlas, document.baked.points, document.baked.phatexture),
+      scene_(document.rays(), lights_, document.baked.atlas, document.baked.points,
+             document.baked.phatexture),
       traced_{scene_, Reflections::automatic, limit_} {}
 
 const TracedReflections& LiveReflections::within(double seconds) {

@@ -3,7 +3,7 @@
 
 #include <chrono>
 
-#include "core/lights.h"
+#include "core/scene/lights.h"
 #include "gl/renderer.h"
 #include "viewer/document.h"
 

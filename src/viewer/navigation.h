@@ -2,7 +2,7 @@
 // Moving a camera by hand. The state is the camera itself, so a file's camera is shown as it is until it is
 // moved.
 
-#include "core/scene.h"
+#include "core/scene/scene.h"
 
 namespace phat {
 

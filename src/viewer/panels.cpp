@@ -75,7 +75,8 @@ void drawGrab(const ViewerState& state, float leftEdge) {
     const std::string words = describe(grab);
     const ImVec2 place(leftEdge + line, line);
     const float width = size.x - leftEdge - 2 * line;
-    list->AddText(nullptr, 0, {place.x + 1, place.y + 1}, IM_COL32(0, 0, 0, 255), words.c_str(), nullptr, width);
+    list->AddText(nullptr, 0, {place.x + 1, place.y + 1}, IM_COL32(0, 0, 0, 255), words.c_str(), nullptr,
+                  width);
     list->AddText(nullptr, 0, place, IM_COL32(255, 255, 255, 255), words.c_str(), nullptr, width);
 }
 

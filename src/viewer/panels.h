@@ -1,7 +1,7 @@
 #pragma once
 // The panels: what they change, they change in the state.
 
-#include "core/live_light.h"
+#include "core/dynamic/baker_thread.h"
 #include "viewer/pictures.h"
 #include "viewer/viewer_state.h"
 

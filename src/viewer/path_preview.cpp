@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/path_tracer.h"
+#include "core/render/path_tracer.h"
 
 namespace phat {
 

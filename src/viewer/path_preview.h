@@ -7,8 +7,8 @@
 #include <optional>
 #include <thread>
 
-#include "core/picture.h"
-#include "core/rays.h"
+#include "core/render/picture.h"
+#include "core/scene/rays.h"
 #include "viewer/background.h"
 #include "viewer/edit_history.h"
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "core/metrics.h"
+#include "core/render/metrics.h"
 #include "gl/picture_sum.h"
 #include "gl/present_pass.h"
 #include "viewer/path_preview.h"

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "io/atomic_file.h"
+#include "io/base/atomic_file.h"
 
 namespace phat {
 namespace {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "gl/flag_names.h"
-#include "io/material_edit.h"
+#include "io/gltf/material_edit.h"
 
 namespace phat {
 namespace {

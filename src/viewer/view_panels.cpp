@@ -161,7 +161,8 @@ void drawPerformancePanel(ViewerState& state, const Pictures& pictures) {
     row("all on the GPU", 1e3 * times.gpu());
     row("rays, on the CPU", 1e3 * times.reflections);
     panelText(fmt::format("a pixel drawn for {0} x {0} of the window", pictures.coarseness()));
-    if (pictures.tooManyRays()) wrappedText("Sharp reflections are looked up: rays would take too long here.");
+    if (pictures.tooManyRays())
+        wrappedText("Sharp reflections are looked up: rays would take too long here.");
     ImGui::Separator();
     const ResidentBytes bytes = state.renderer->residentBytes();
     sizeRow("scene", bytes.scene);

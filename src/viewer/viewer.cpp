@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "gl/gl_error.h"
-#include "io/image_file.h"
+#include "io/image/image_file.h"
 #include "viewer/background_bake.h"
 #include "viewer/input.h"
 #include "viewer/light_follower.h"

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/image.h"
-#include "core/math.h"
+#include "core/base/image.h"
+#include "core/base/math.h"
 
 namespace phat {
 

@@ -1,4 +1,4 @@
-#include "window_driver.h"
+#include "viewer/window_driver.h"
 
 #include <X11/Xlib.h>
 #include <X11/Xutil.h>

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/image.h"
-#include "temporary_folder.h"
+#include "core/base/image.h"
+#include "support/temporary_folder.h"
 
 struct _XDisplay;
 

@@ -9,10 +9,11 @@
 #include <sstream>
 #include <thread>
 
-#include "io/image_file.h"
-#include "run_program.h"
-#include "screen_pictures.h"
-#include "window_driver.h"
+#include "core/base/stopwatch.h"
+#include "io/image/image_file.h"
+#include "support/run_program.h"
+#include "viewer/screen_pictures.h"
+#include "viewer/window_driver.h"
 
 namespace phat {
 namespace {
@@ -287,9 +288,8 @@ TEST_F(ViewerWindow, SurvivesLongUseInFlatMemory) {
     };
     const char* const keys[] = {"f", "Home", "c", "Tab", "Tab", "Escape", "ctrl+z", "ctrl+y",
                                 "w", "a",    "e", "g",   "r",   "x",      "Return", "l"};
-    using Clock = std::chrono::steady_clock;
-    const auto start = Clock::now();
-    const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+    const Stopwatch start;
+    const auto elapsed = [&] { return start.seconds(); };
     std::vector<double> megabytes;  // once a minute, the first after all has been used
     int actions = 0;
     for (; elapsed() < seconds; ++actions) {

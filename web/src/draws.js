@@ -1,5 +1,5 @@
 // The numbers that the lookup draws directions with.
-// twin: src/core/sobol.cpp, setDraws in src/gl/lookup_pass.cpp.
+// twin: src/core/base/sobol.cpp, setDraws in src/gl/lookup_pass.cpp.
 
 const kRanks = 16,
     kMostDraws = 32; // twin: shaders/lib/lookup.glsl
@@ -33,7 +33,7 @@ export function sobolBits(index) {
     });
 }
 
-// twin: hashOf in src/core/random.h, of two numbers below 2^32; the lower half.
+// twin: hashOf in src/core/base/random.h, of two numbers below 2^32; the lower half.
 function hashOf(a, b) {
     const mask = (1n << 64n) - 1n;
     const mixBits = (x) => {

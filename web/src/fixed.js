@@ -1,7 +1,7 @@
 // What the passes need whatever the room: WebGL's state, and textures that never change.
 import { ShaderProgram, createFramebuffer, createTexture2D } from './gl.js';
 
-const kSplitSumSize = 64; // twin: src/core/brdf.h
+const kSplitSumSize = 64; // twin: src/core/scene/brdf.h
 
 // What three.js may have left switched on.
 export function resetState(gl, width, height) {

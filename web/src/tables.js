@@ -1,5 +1,5 @@
 // The tables that the shaders read, from what is in the file.
-// twin: src/gl/phatexture_upload.cpp, src/gl/lookup_pass.cpp, warpOf in src/core/lookup_tables.cpp.
+// twin: src/gl/phatexture_upload.cpp, src/gl/lookup_pass.cpp, warpOf in src/core/phatexel/lookup_tables.cpp.
 import { createTexture2D, createTextureArray } from './gl.js';
 import { kNoChart } from './file.js';
 

@@ -11,7 +11,7 @@ export function sphereOf(root) {
     return sphere;
 }
 
-// Where a file has no camera. twin: defaultCamera in src/core/scene.cpp.
+// Where a file has no camera. twin: defaultCamera in src/core/scene/scene.cpp.
 export function defaultCamera({ center, radius }) {
     const camera = new PerspectiveCamera((0.7 * 180) / Math.PI);
     const distance = (1.1 * radius) / Math.sin(0.35);

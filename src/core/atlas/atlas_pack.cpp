@@ -1,0 +1,213 @@
+#include "core/atlas/atlas_pack.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "core/base/random.h"
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wall"
+#pragma GCC diagnostic ignored "-Wextra"
+#pragma GCC diagnostic ignored "-Wunused-function"
+#define STB_RECT_PACK_IMPLEMENTATION
+#define STBRP_STATIC
+#include <stb_rect_pack.h>
+#pragma GCC diagnostic pop
+
+namespace phat {
+namespace {
+
+// A chart at some texel size.
+struct Fit {
+    glm::uvec2 tiles{1};  // x >= y, gutters included
+    double scale = 1;     // its texels along a length, over those asked for
+};
+
+Fit fitOf(glm::dvec2 sizeTexels, double scale, uint32_t gutter) {
+    // A box that is a whole number of tiles but for rounding must not take another tile.
+    constexpr double kSlackTexels = 1e-4;
+    const glm::dvec2 texels = scale * sizeTexels + 2.0 * gutter - kSlackTexels;
+    return {glm::uvec2(glm::max(glm::ceil(texels / double(kTileSize)), 1.0)), scale};
+}
+
+// The fit within `freedom` of the asked density whose tiles the chart fills best: one side then ends where a
+// tile does. Charts of some ten tiles lose a twentieth of their area to rounding without it.
+Fit bestFitOf(glm::dvec2 sizeTexels, uint32_t gutter, double freedom) {
+    Fit best = fitOf(sizeTexels, 1, gutter);
+    const auto filled = [&](const Fit& fit) {
+        return fit.scale * fit.scale / (double(fit.tiles.x) * double(fit.tiles.y));
+    };
+    for (int axis = 0; axis < 2; ++axis) {
+        const auto tilesAt = [&](double scale) {
+            return (scale * sizeTexels[axis] + 2.0 * gutter) / double(kTileSize);
+        };
+        const double last = std::floor(tilesAt(freedom));
+        for (double tiles = std::ceil(tilesAt(1 / freedom)); tiles <= last; ++tiles) {
+            const double scale = (tiles * kTileSize - 2.0 * gutter) / sizeTexels[axis];
+            if (!(scale > 0)) continue;
+            const Fit fit = fitOf(sizeTexels, scale, gutter);
+            if (filled(fit) > filled(best)) best = fit;
+        }
+    }
+    return best;
+}
+
+std::vector<Fit> fitsOf(std::span<const PackBox> boxes, double texelSizeMeters, uint32_t gutter,
+                        double freedom) {
+    std::vector<Fit> fits;
+    fits.reserve(boxes.size());
+    for (const PackBox& box : boxes)
+        fits.push_back(bestFitOf(box.sizeMeters / texelSizeMeters, gutter, freedom));
+    return fits;
+}
+
+uint64_t sumOf(const std::vector<Fit>& fits) {
+    uint64_t sum = 0;
+    for (const Fit& fit : fits) sum += uint64_t(fit.tiles.x) * fit.tiles.y;
+    return sum;
+}
+
+// One run of the skyline packer; empty sizeTiles if the boxes do not fit.
+Packing packAtWidth(const std::vector<Fit>& fits, const std::vector<uint8_t>& turned, uint32_t width,
+                    uint32_t maxHeight, int heuristic) {
+    std::vector<stbrp_rect> rects(fits.size());
+    for (size_t i = 0; i < fits.size(); ++i) {
+        const glm::uvec2 t = turned[i] ? glm::uvec2(fits[i].tiles.y, fits[i].tiles.x) : fits[i].tiles;
+        rects[i] = {int(i), stbrp_coord(t.x), stbrp_coord(t.y), 0, 0, 0};
+    }
+    std::vector<stbrp_node> nodes(width);
+    stbrp_context context;
+    stbrp_init_target(&context, int(width), int(maxHeight), nodes.data(), int(nodes.size()));
+    stbrp_setup_heuristic(&context, heuristic);
+    Packing packing;
+    if (!stbrp_pack_rects(&context, rects.data(), int(rects.size()))) return packing;
+    packing.turned = turned;
+    packing.originTile.resize(fits.size());
+    packing.chartTiles.resize(fits.size());
+    for (const stbrp_rect& rect : rects) {
+        packing.originTile[rect.id] = {uint32_t(rect.x), uint32_t(rect.y)};
+        packing.chartTiles[rect.id] = {uint32_t(rect.w), uint32_t(rect.h)};
+        packing.sizeTiles =
+            glm::max(packing.sizeTiles, packing.originTile[rect.id] + packing.chartTiles[rect.id]);
+    }
+    return packing;
+}
+
+// The smallest atlas over widths, heuristics and ways to lay the charts. `effort`: box placements to spend.
+Packing packTiles(std::span<const PackBox> boxes, const std::vector<Fit>& fits, uint32_t maxTiles,
+                  uint64_t effort, const Progress& progress) {
+    uint32_t narrowest = 1;
+    for (const Fit& fit : fits) narrowest = std::max(narrowest, fit.tiles.y);
+    const double side = std::sqrt(double(sumOf(fits)));
+    const uint64_t runs = std::clamp<uint64_t>(effort / std::max<size_t>(fits.size(), 1), 4, 400);
+
+    Packing best;
+    uint64_t bestArea = std::numeric_limits<uint64_t>::max();
+    std::vector<uint8_t> turned(fits.size());
+    for (uint64_t run = 0; run < runs; ++run) {
+        progress.throwIfStopped();
+        // Aspect ratios of about 1 to 2, upright and lying boxes alternating, then mixed ones.
+        const double aspect = 1.0 + double(run / 4) / double((runs + 3) / 4);
+        const int heuristic =
+            run & 1 ? STBRP_HEURISTIC_Skyline_BF_sortHeight : STBRP_HEURISTIC_Skyline_BL_sortHeight;
+        const bool upright = (run & 2) != 0;
+        const uint32_t width =
+            uint32_t(std::clamp(std::ceil(side * std::sqrt(aspect)), double(narrowest), double(maxTiles)));
+        for (size_t i = 0; i < fits.size(); ++i) {
+            const uint32_t longer = fits[i].tiles.x;
+            turned[i] = upright || longer > width;
+            // Every second round lays about a third of the boxes the other way, if they fit.
+            if ((run & 4) && hashOf(run, i) % 3 == 0 && longer <= width) turned[i] = !turned[i];
+            if (boxes[i].twin) turned[i] = turned[i - 1];
+        }
+        Packing packing = packAtWidth(fits, turned, width, maxTiles, heuristic);
+        const uint64_t area = uint64_t(packing.sizeTiles.x) * packing.sizeTiles.y;
+        if (area == 0 || area >= bestArea) continue;
+        bestArea = area;
+        best = std::move(packing);
+    }
+    if (!best.originTile.empty())
+        for (const Fit& fit : fits) best.scale.push_back(fit.scale);
+    return best;
+}
+
+[[noreturn]] void throwTooLarge(const AtlasSettings& settings) {
+    throw std::runtime_error("the atlas does not fit in " + std::to_string(settings.maxSizeTexels) + "x" +
+                             std::to_string(settings.maxSizeTexels) + " texels; ask for larger texels");
+}
+
+}  // namespace
+
+Packing packCharts(std::span<const PackBox> boxes, const AtlasSettings& settings, Progress& progress) {
+    const uint32_t maxTiles = std::max(1u, settings.maxSizeTexels / kTileSize);
+    // About a second for any number of charts.
+    constexpr uint64_t kEffort = 200000;
+
+    if (boxes.empty()) return {};
+    if (settings.texelSizeMeters > 0) {
+        const auto fits = fitsOf(boxes, settings.texelSizeMeters, settings.gutterTexels, 1);
+        Packing packing;
+        if (std::all_of(fits.begin(), fits.end(), [&](const Fit& fit) { return fit.tiles.x <= maxTiles; }))
+            packing = packTiles(boxes, fits, maxTiles, kEffort, progress);
+        if (packing.originTile.empty()) throwTooLarge(settings);
+        packing.texelSizeMeters = settings.texelSizeMeters;
+        return packing;
+    }
+
+    double area = 0, longest = 0;
+    for (const PackBox& box : boxes) {
+        area += box.sizeMeters.x * box.sizeMeters.y;
+        longest = std::max(longest, box.sizeMeters.x);
+    }
+    const double budget = double(std::max<uint64_t>(settings.texelBudget, kTileSize * kTileSize));
+    const double roomTexels = double(maxTiles) * kTileSize - 2.0 * settings.gutterTexels;
+    // Between "no gutters, no gaps" and texels so coarse that coarser ones save nothing.
+    const double finest = std::max(std::sqrt(area / budget), longest / std::max(roomTexels, 1.0));
+    const double coarsest = 32 * finest;
+
+    // Bisection of the logarithm, first on the boxes' sum (cheap) with the share of the atlas that the last
+    // packing could fill, then packed. The share hardly depends on the texel size: two or three packings do.
+    constexpr double kTolerance = 0.02;
+    double filled = 0.85;
+    // Many small charts: their gutters alone may exceed the budget, and coarser texels then save nothing. A
+    // quarter over the tiles that must be there anyway, the triangles keep what these tiles have room for.
+    const double leastTexels =
+        double(sumOf(fitsOf(boxes, coarsest, settings.gutterTexels, kFillFreedom))) * kTileSize * kTileSize;
+    const double target = std::max(budget, 1.25 * leastTexels);
+    Packing best;
+    bool bestWithin = false;
+    for (int round = 0; round < 6; ++round) {
+        double fine = finest, coarse = coarsest;
+        for (int step = 0; step < 40; ++step) {
+            const double middle = std::sqrt(fine * coarse);
+            const uint64_t sum = sumOf(fitsOf(boxes, middle, settings.gutterTexels, kFillFreedom));
+            const bool within =
+                double(sum) * kTileSize * kTileSize <= std::max(filled * target, 1.02 * leastTexels);
+            (within ? coarse : fine) = middle;
+        }
+        const auto fits = fitsOf(boxes, coarse, settings.gutterTexels, kFillFreedom);
+        Packing packing = packTiles(boxes, fits, maxTiles, kEffort, progress);
+        packing.texelSizeMeters = coarse;
+        const double packed = double(packing.sizeTiles.x) * packing.sizeTiles.y * kTileSize * kTileSize;
+        if (packed == 0) {  // higher or wider than maxSizeTexels
+            filled *= 0.8;
+            continue;
+        }
+        filled = double(sumOf(fits)) * kTileSize * kTileSize / packed;
+        const bool within = packed <= target;
+        const bool better = within == bestWithin ? coarse < best.texelSizeMeters : within;
+        if (best.originTile.empty() || better) {
+            best = std::move(packing);
+            bestWithin = within;
+        }
+        if (within && packed >= (1 - kTolerance) * target) break;
+        if (!within) filled *= 0.995;  // approach the target from below
+    }
+    if (best.originTile.empty()) throwTooLarge(settings);
+    return best;
+}
+
+}  // namespace phat

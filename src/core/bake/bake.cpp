@@ -1,0 +1,171 @@
+#include "core/bake/bake.h"
+
+#include <stdexcept>
+
+#include "core/atlas/glossy_density.h"
+#include "core/bake/gather.h"
+#include "core/bake/irradiance_finish.h"
+#include "core/bake/irradiance_ray.h"
+#include "core/base/stopwatch.h"
+#include "core/phatexel/directions.h"
+#include "core/phatexel/lookup_tables.h"
+#include "core/scene/lights.h"
+
+namespace phat {
+namespace {
+
+// A side that gets less than this share of the other side's photons is a leak or an outside that nobody sees.
+constexpr double kLeastSideShare = 0.02;
+
+/// Sides that light reaches, per connected component; only they get texels.
+std::vector<Sides> litSides(const Scene& scene, const PhotonMap& map) {
+    const std::vector<uint32_t> component = connectedComponents(scene);
+    const uint32_t count = component.empty() ? 0 : *std::max_element(component.begin(), component.end()) + 1;
+    std::vector<std::array<double, 2>> photons(count, {0, 0});
+    for (const Photon& photon : map.photons) photons[component[photon.triangle]][photon.backFace] += 1;
+
+    std::vector<Sides> sides(count, Sides::front);
+    for (uint32_t i = 0; i < count; ++i) {
+        const auto [front, back] = photons[i];
+        if (back > kLeastSideShare * front)
+            sides[i] = front > kLeastSideShare * back ? Sides::both : Sides::back;
+    }
+    return sides;
+}
+
+std::vector<Guide> guidesFor(const GatherInput& input, Directions strategy, PhotonFilter keep,
+                             Progress& progress) {
+    if (input.atlas.blockCount == 0) return {uniformGuide()};  // no surface has an area
+    switch (strategy) {
+        case Directions::uniform:
+            return {uniformGuide()};
+        case Directions::cosine:
+            return {cosineGuide()};
+        default: {
+            ProgressStage stage(progress, "guides", input.atlas.blockCount);
+            return buildGuides(input.atlas, input.points, input.frames, input.photons, input.index, keep,
+                               progress);
+        }
+    }
+}
+
+ChosenDirections directionsFor(const GatherInput& input, const std::vector<Guide>& guides, PhotonFilter keep,
+                               const DirectionSettings& settings, Progress& progress) {
+    ProgressStage stage(progress, "directions", input.atlas.texelCount());
+    return chooseDirections(input.atlas, input.points, input.frames, guides, input.photons, input.index, keep,
+                            settings, progress);
+}
+
+void bakeIndirect(const GatherInput& input, const BakeSettings& settings, Progress& progress,
+                  BakeJournal* journal, std::atomic<uint64_t>& rays, Phatexture& out) {
+    out.indirectGuides = guidesFor(input, settings.directions, isIndirectPhoton, progress);
+    for (int layer = 0; layer < settings.layers; ++layer) {
+        ChosenDirections chosen =
+            directionsFor(input, out.indirectGuides, isIndirectPhoton,
+                          {settings.directions, settings.density, settings.seed, layer}, progress);
+        ProgressStage stage(progress, "indirect light", input.atlas.texelCount());
+        out.indirect.push_back(gatherIndirect(input, chosen, {out.indirectIrradiance, out.areaIrradiance},
+                                              layer, settings, progress, journal, rays));
+        const bool densityFromPhotons = !chosen.splatRadiance.empty();
+        if (densityFromPhotons) out.indirect.back().pdf = std::move(chosen.pdf);
+        out.indirect.back().scrambles = std::move(chosen.scrambles);
+    }
+}
+
+void bakeAreaLight(const GatherInput& input, const std::vector<SeamPoint>& seams,
+                   const BakeSettings& settings, Progress& progress, BakeJournal* journal,
+                   std::atomic<uint64_t>& rays, Phatexture& out) {
+    if (!input.lights.hasArea()) return;
+    out.areaGuides = guidesFor(input, Directions::guided, isAreaPhoton, progress);
+    // Layer -1: a stream of its own, whatever the number of indirect layers.
+    ChosenDirections chosen =
+        directionsFor(input, out.areaGuides, isAreaPhoton,
+                      {Directions::guided, settings.density, settings.seed, -1}, progress);
+    {
+        ProgressStage stage(progress, "area light", input.atlas.texelCount());
+        out.area.push_back(gatherArea(input, chosen, progress, journal, rays));
+        out.area.back().scrambles = std::move(chosen.scrambles);
+    }
+    ProgressStage stage(progress, "soft shadows",
+                        2 * input.atlas.texelCount());  // all texels, then the hard ones
+    const std::vector<IrradianceEstimate> estimates =
+        gatherAreaIrradiance(input, settings, progress, journal, rays);
+    IrradianceMap filtered;
+    const ChartSet all;
+    finish(filterAreaIrradiance(estimates, input.atlas, input.points, input.irradianceTexels, all, filtered,
+                                kAllAtOnce));
+    out.areaIrradiance = finishAreaIrradiance(std::move(filtered), input, seams, progress);
+}
+
+}  // namespace
+
+Phatexture gatherLight(const GatherInput& input, const BakeSettings& settings, Progress& progress,
+                       BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
+    Phatexture result;
+    const std::vector<SeamPoint> seams = findSeams(input.rays.scene(), input.atlas);
+    bakeAreaLight(input, seams, settings, progress, journal, rayCount, result);
+    result.indirectIrradiance = finishIndirectIrradiance(
+        gatherIndirectIrradiance(input, result.areaIrradiance, settings, progress, journal, rayCount), input,
+        seams, progress);
+    bakeIndirect(input, settings, progress, journal, rayCount, result);
+    prepareLookup(result, input.atlas, input.points, input.frames, input.rays, progress);
+    return result;
+}
+
+Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, BakeJournal* journal) {
+    if (settings.radiance == RadianceSource::splat && !choosesPhotons(settings.directions))
+        throw std::invalid_argument("splatted radiance needs directions from photons");
+    const Stopwatch start;
+    Bake result;
+    const RayScene rays(scene);
+    const LightSampler lights(scene);
+
+    const PhotonMap photons = tracePhotons(rays, lights, settings.photons, progress);
+    const PhotonIndex index(photons.photons);
+    result.atlas = buildAtlas(scene, litSides(scene, photons), settings.atlas, progress, &result.stats.atlas);
+    result.points = buildTexelPoints(scene, result.atlas);
+    markCoveredTexels(result.points, result.atlas, rays, progress);
+    const std::vector<Frame> frames = blockFrames(result.atlas, result.points);
+    const std::vector<uint8_t> wanted = irradianceTexels(result.atlas, result.points);
+    const GatherInput input{rays, lights, result.atlas, result.points, frames, photons, index, wanted};
+
+    std::atomic<uint64_t> rayCount = 0;
+    result.phatexture = gatherLight(input, settings, progress, journal, rayCount);
+
+    result.stats.photons = photons.stats;
+    result.stats.texels = result.atlas.texelCount();
+    for (const PhatexelLayer& layer : result.phatexture.indirect)
+        for (PackedPhatexel packed : layer.texels)
+            result.stats.validPhatexels += packed.directionDistance != 0;
+    result.stats.rays = rayCount;
+    result.stats.seconds = start.seconds();
+    return result;
+}
+
+uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings) {
+    double texels = double(settings.atlas.texelBudget);
+    if (settings.atlas.texelSizeMeters > 0.0f) {
+        const std::vector<float> density = glossyDensities(scene, settings.atlas.glossyDensity);
+        double area = 0;  // as if all texels were of the given size
+        for (size_t i = 0; i < scene.triangles.size(); ++i) {
+            const glm::uvec3& t = scene.triangles[i];
+            area += 0.5 * square(density[scene.triangleSurface[i]]) *
+                    glm::length(glm::cross(scene.positions[t.y] - scene.positions[t.x],
+                                           scene.positions[t.z] - scene.positions[t.x]));
+        }
+        // Packing and gutters take up to half as much again.
+        texels = 1.5 * area / (double(settings.atlas.texelSizeMeters) * settings.atlas.texelSizeMeters);
+    }
+    // Texel points, directions and their density, area layer and irradiance, guides, tiles, and the written
+    // file; of the nodes' rays (33) and maps (24) of indirect irradiance, what the directions' room does not
+    // hold.
+    const double bytesPerTexel = 53 + 28 + 12 + 3 + 3 + 29 + 24.0 * settings.layers;
+    // A photon meets about five surfaces before it is absorbed at albedo .8; the kd-tree adds an index.
+    const double photonBytes = 5.0 * double(settings.photons.count) * (sizeof(Photon) + 16);
+    // Embree's tree and copies of the geometry, the unwrapper's topology.
+    const double sceneBytes = 700.0 * double(scene.triangles.size());
+    constexpr double kFixed = 128e6;
+    return uint64_t(texels * bytesPerTexel + photonBytes + sceneBytes + kFixed);
+}
+
+}  // namespace phat

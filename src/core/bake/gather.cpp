@@ -1,0 +1,230 @@
+#include "core/bake/gather.h"
+
+#include "core/bake/gather_parts.h"
+#include "core/bake/irradiance_ray.h"
+
+namespace phat {
+namespace {
+
+// Of what is nearer the lookup asks fewer PHATexels, so that the noise of each counts: measured,
+// docs/pipeline.md.
+constexpr float kNearTexels = 160.0f;
+
+// Rounds of light samples for every texel, and further ones for those in penumbrae or noise.
+constexpr int kFirstRounds = 2, kFurtherRounds = 6;
+// Standard errors below this share need no further rounds: the filter removes them.
+constexpr float kQuietRelativeError = 0.02f;
+
+/// A texel's ray: where it starts and its direction in the world; invalid below the texel's horizon.
+struct TexelRay {
+    glm::vec3 origin{0};
+    glm::vec3 direction{0};
+    bool valid = false;
+};
+
+TexelRay texelRay(const GatherInput& input, const TexelDirection& chosen, size_t texel) {
+    TexelRay ray;
+    if (!input.points.valid(texel) || chosen.pdf <= 0.0f) return ray;
+    const glm::uvec2 xy(texel % input.atlas.sizeTexels.x, texel / input.atlas.sizeTexels.x);
+    const Frame& frame = input.frames[input.atlas.blockAt(xy)];
+
+    ray.direction = glm::normalize(frame.toWorld(chosen.directionBlock));
+    const glm::vec3 flatNormal = flatNormalOf(input, texel);
+    ray.valid = glm::dot(ray.direction, input.points.normal[texel]) > 0.0f &&
+                glm::dot(ray.direction, flatNormal) > 0.0f;
+    ray.origin = offsetOrigin(input.points.position[texel], flatNormal);
+    return ray;
+}
+
+/// Radiance by the photons at the ray's hit: the paper's exact-solution analogue (section 5.1.2).
+IncidentRadiance photonIncident(const GatherInput& input, const TexelRay& ray,
+                                const DensityEstimate& density) {
+    IncidentRadiance incident;
+    incident.rays = 1;
+    const Hit hit = input.rays.closestHit(ray.origin, ray.direction);
+    if (!hit) return incident;
+    incident.distance = hit.distance;
+    const SurfacePoint point = surfaceAt(input.rays.scene(), hit, ray.direction);
+    incident.reflected = photonRadiance(input.photons, input.index, point, -ray.direction, density,
+                                        [](const Photon&) { return true; });
+    return incident;
+}
+
+IncidentRadiance incidentAt(const GatherInput& input, const TexelDirection& chosen,
+                            const TexelIrradiance& irradiance, const TexelRay& ray, size_t texel, int layer,
+                            const BakeSettings& settings) {
+    const PathSettings path{settings.pathsPerPhatexel, settings.maxBounces};
+    const Rng rng(hashOf(settings.seed + 0x9a7, uint64_t(layer), texel));
+    switch (settings.radiance) {
+        case RadianceSource::texels:
+            return incidentFromTexels(input, irradiance, ray.origin, ray.direction, path,
+                                      kNearTexels * input.atlas.texelMetersAt(texel), rng);
+        case RadianceSource::path:
+            return traceIncident(input.rays, input.lights, ray.origin, ray.direction, path, rng);
+        case RadianceSource::photons:
+            return photonIncident(input, ray, settings.density);
+        case RadianceSource::splat:
+            break;
+    }
+    // splat: the photon itself is the sample; the ray only tells how far it came.
+    IncidentRadiance incident;
+    incident.rays = 1;
+    if (const Hit hit = input.rays.closestHit(ray.origin, ray.direction)) incident.distance = hit.distance;
+    incident.reflected = chosen.splatRadiance;
+    return incident;
+}
+
+PackedPhatexel packed(const TexelDirection& chosen, glm::vec3 radiance, float distance) {
+    return packPhatexel({radiance, chosen.directionBlock, distance, chosen.pdf, true});
+}
+
+/// Texels that deserve further rounds, judged by their eight neighbours alone: had a texel's own first
+/// samples a say in how many follow, the mean of them all would be biased.
+template <typename FirstEstimate>
+bool isHardTexel(const GatherInput& input, glm::ivec2 texel, const FirstEstimate& first) {
+    const glm::ivec2 size(input.atlas.sizeTexels);
+    bool shadowed = false;
+    float light = 0, variance = 0, count = 0;
+    for (int i = 0; i < 9; ++i) {
+        const glm::ivec2 p = texel + glm::ivec2(i % 3 - 1, i / 3 - 1);
+        if (i == 4 || p.x < 0 || p.y < 0 || p.x >= size.x || p.y >= size.y) continue;
+        const size_t neighbor = size_t(p.y) * size.x + p.x;
+        if (!input.irradianceTexels[neighbor]) continue;
+        const IrradianceEstimate& estimate = first(neighbor);
+        shadowed |= estimate.partlyShadowed;
+        light += luminance(estimate.value);
+        variance += estimate.variance;
+        count += 1;
+    }
+    const bool noisy = variance * count > square(kQuietRelativeError * light);
+    return shadowed || noisy;
+}
+
+IrradianceEstimate estimateArea(const GatherInput& input, const BakeSettings& settings, GatherStage stage,
+                                size_t texel, uint64_t& rays) {
+    const int samplesPerRound = std::max(settings.irradianceSamples / kFirstRounds, 1);
+    return areaIrradiance(input.rays, input.lights, input.points.position[texel], input.points.normal[texel],
+                          samplesPerRound,
+                          stage == GatherStage::areaIrradiance ? kFirstRounds : kFurtherRounds,
+                          Rng(hashOf(settings.seed + 0x17, uint64_t(stage), texel)), rays);
+}
+
+IrradianceEstimate joined(const IrradianceEstimate& first, const IrradianceEstimate& further) {
+    constexpr float kAll = kFirstRounds + kFurtherRounds;
+    constexpr float kFirstShare = kFirstRounds / kAll, kFurtherShare = kFurtherRounds / kAll;
+    return {kFirstShare * first.value + kFurtherShare * further.value,
+            square(kFirstShare) * first.variance + square(kFurtherShare) * further.variance,
+            first.partlyShadowed};
+}
+
+}  // namespace
+
+glm::vec3 flatNormalOf(const GatherInput& input, size_t texel) {
+    const glm::uvec2 xy(texel % input.atlas.sizeTexels.x, texel / input.atlas.sizeTexels.x);
+    const bool back = input.atlas.charts[input.atlas.chartAt(xy)].back;
+    const Scene& scene = input.rays.scene();
+    const glm::uvec3 t = scene.triangles[input.points.triangle[texel]];
+    const glm::vec3 normal =
+        glm::cross(scene.positions[t.y] - scene.positions[t.x], scene.positions[t.z] - scene.positions[t.x]);
+    return glm::normalize(back ? -normal : normal);
+}
+
+PackedPhatexel indirectPhatexel(const GatherInput& input, const TexelDirection& direction,
+                                const TexelIrradiance& irradiance, size_t texel, int layer,
+                                const BakeSettings& settings, uint64_t& rays) {
+    const TexelRay ray = texelRay(input, direction, texel);
+    if (!ray.valid) return {};
+    const IncidentRadiance incident = incidentAt(input, direction, irradiance, ray, texel, layer, settings);
+    rays += incident.rays;
+    return packed(direction, incident.reflected, incident.distance);
+}
+
+PackedPhatexel areaPhatexel(const GatherInput& input, const TexelDirection& direction, size_t texel,
+                            uint64_t& rays) {
+    const TexelRay ray = texelRay(input, direction, texel);
+    if (!ray.valid) return {};
+    const PathSettings emissionOnly{.pathsPerHit = 0, .maxBounces = 0};
+    const IncidentRadiance incident =
+        traceIncident(input.rays, input.lights, ray.origin, ray.direction, emissionOnly, Rng(0));
+    rays += incident.rays;
+    return packed(direction, incident.emitted, incident.distance);
+}
+
+PhatexelLayer gatherIndirect(const GatherInput& input, const ChosenDirections& chosen,
+                             const TexelIrradiance& irradiance, int layer, const BakeSettings& settings,
+                             Progress& progress, BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
+    PhatexelLayer result;
+    result.texels.resize(input.atlas.texelCount());
+    fillParts(result.texels, hashOf(uint64_t(GatherStage::indirect), uint64_t(layer)), progress, journal,
+              rayCount, [&](size_t texel, uint64_t& rays) {
+                  result.texels[texel] =
+                      indirectPhatexel(input, chosen.at(texel), irradiance, texel, layer, settings, rays);
+              });
+    return result;
+}
+
+PhatexelLayer gatherArea(const GatherInput& input, const ChosenDirections& chosen, Progress& progress,
+                         BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
+    PhatexelLayer result;
+    result.texels.resize(input.atlas.texelCount());
+    fillParts(result.texels, uint64_t(GatherStage::area), progress, journal, rayCount,
+              [&](size_t texel, uint64_t& rays) {
+                  result.texels[texel] = areaPhatexel(input, chosen.at(texel), texel, rays);
+              });
+    return result;
+}
+
+std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, const BakeSettings& settings,
+                                                     Progress& progress, BakeJournal* journal,
+                                                     std::atomic<uint64_t>& rayCount) {
+    const auto estimate = [&](GatherStage stage, const auto& wanted) {
+        std::vector<IrradianceEstimate> estimates(input.atlas.texelCount());
+        fillParts(estimates, uint64_t(stage), progress, journal, rayCount, [&](size_t texel, uint64_t& rays) {
+            if (!input.irradianceTexels[texel] || !wanted(texel)) return;
+            estimates[texel] = estimateArea(input, settings, stage, texel, rays);
+        });
+        return estimates;
+    };
+    std::vector<IrradianceEstimate> estimates =
+        estimate(GatherStage::areaIrradiance, [](size_t) { return true; });
+    std::vector<uint8_t> hard(estimates.size());
+    for (size_t texel = 0; texel < hard.size(); ++texel)
+        hard[texel] =
+            isHardTexel(input, glm::ivec2(texel % input.atlas.sizeTexels.x, texel / input.atlas.sizeTexels.x),
+                        [&](size_t i) -> const IrradianceEstimate& { return estimates[i]; });
+    const std::vector<IrradianceEstimate> further =
+        estimate(GatherStage::moreAreaIrradiance, [&](size_t texel) { return hard[texel] != 0; });
+    for (size_t texel = 0; texel < estimates.size(); ++texel)
+        if (hard[texel]) estimates[texel] = joined(estimates[texel], further[texel]);
+    return estimates;
+}
+
+void renewAreaIrradiance(const GatherInput& input, const BakeSettings& settings, glm::uvec2 corner,
+                         glm::uvec2 size, std::vector<IrradianceEstimate>& estimates, uint64_t& rays) {
+    // With a ring around, whose first rounds tell which texels at the border are hard.
+    const glm::ivec2 low = glm::max(glm::ivec2(corner) - 1, glm::ivec2(0));
+    const glm::ivec2 high = glm::min(glm::ivec2(corner + size) + 1, glm::ivec2(input.atlas.sizeTexels));
+    const int width = high.x - low.x, atlasWidth = int(input.atlas.sizeTexels.x);
+    std::vector<IrradianceEstimate> first(size_t(width) * (high.y - low.y));
+    const auto firstAt = [&](size_t texel) -> IrradianceEstimate& {
+        const glm::ivec2 p(int(texel) % atlasWidth, int(texel) / atlasWidth);
+        return first[size_t(p.y - low.y) * width + (p.x - low.x)];
+    };
+    for (int y = low.y; y < high.y; ++y)
+        for (int x = low.x; x < high.x; ++x) {
+            const size_t texel = size_t(y) * atlasWidth + x;
+            if (input.irradianceTexels[texel])
+                firstAt(texel) = estimateArea(input, settings, GatherStage::areaIrradiance, texel, rays);
+        }
+    for (uint32_t y = corner.y; y < corner.y + size.y; ++y)
+        for (uint32_t x = corner.x; x < corner.x + size.x; ++x) {
+            const size_t texel = size_t(y) * atlasWidth + x;
+            estimates[texel] = firstAt(texel);
+            if (input.irradianceTexels[texel] && isHardTexel(input, {x, y}, firstAt))
+                estimates[texel] =
+                    joined(estimates[texel],
+                           estimateArea(input, settings, GatherStage::moreAreaIrradiance, texel, rays));
+        }
+}
+
+}  // namespace phat

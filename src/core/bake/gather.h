@@ -1,0 +1,69 @@
+#pragma once
+// The slow stages: light per texel. Each can be done in parts and taken up again.
+
+#include <atomic>
+
+#include "core/bake/bake.h"
+#include "core/bake/irradiance.h"
+#include "core/phatexel/directions.h"
+#include "core/transport/path.h"
+
+namespace phat {
+
+struct TexelIrradiance;
+
+/// What the gathering stages read.
+struct GatherInput {
+    const RayScene& rays;
+    const LightSampler& lights;
+    const Atlas& atlas;
+    const TexelPoints& points;
+    const std::vector<Frame>& frames;
+    const PhotonMap& photons;
+    const PhotonIndex& index;
+    const std::vector<uint8_t>& irradianceTexels;  // [y][x], as the function of that name
+};
+
+/// Unit normal of a valid texel's flat triangle, on the chart's side.
+glm::vec3 flatNormalOf(const GatherInput& input, size_t texel);
+
+/// All that a bake gathers for the texels of an atlas, whatever they are in the scene by now.
+Phatexture gatherLight(const GatherInput& input, const BakeSettings& settings, Progress& progress,
+                       BakeJournal* journal, std::atomic<uint64_t>& rayCount);
+
+/// PHATexel `texel` of light that was reflected at least once, as gatherIndirect makes it.
+PackedPhatexel indirectPhatexel(const GatherInput& input, const TexelDirection& direction,
+                                const TexelIrradiance& irradiance, size_t texel, int layer,
+                                const BakeSettings& settings, uint64_t& rays);
+/// The same of light straight from emissive surfaces and the environment.
+PackedPhatexel areaPhatexel(const GatherInput& input, const TexelDirection& direction, size_t texel,
+                            uint64_t& rays);
+
+/// PHATexels of light that was reflected at least once: one ray each, its value by `settings.radiance`.
+/// A direction below its own texel's horizon (the block's frame is a mean) gives an invalid PHATexel.
+/// `irradiance` is what RadianceSource::texels reads.
+PhatexelLayer gatherIndirect(const GatherInput& input, const ChosenDirections& chosen,
+                             const TexelIrradiance& irradiance, int layer, const BakeSettings& settings,
+                             Progress& progress, BakeJournal* journal, std::atomic<uint64_t>& rayCount);
+
+/// PHATexels of light straight from emissive surfaces and the environment.
+PhatexelLayer gatherArea(const GatherInput& input, const ChosenDirections& chosen, Progress& progress,
+                         BakeJournal* journal, std::atomic<uint64_t>& rayCount);
+
+/// Estimates of the irradiance of emissive surfaces and the environment, [y][x].
+std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, const BakeSettings& settings,
+                                                     Progress& progress, BakeJournal* journal,
+                                                     std::atomic<uint64_t>& rayCount);
+
+/// The same for a rectangle of texels inside the atlas, into their places of `estimates`.
+void renewAreaIrradiance(const GatherInput& input, const BakeSettings& settings, glm::uvec2 corner,
+                         glm::uvec2 size, std::vector<IrradianceEstimate>& estimates, uint64_t& rays);
+
+/// Irradiance of all light that was reflected at least once, [y][x], everywhere in the charts, by rays of its
+/// own and smooth: the PHATexels have no part in it. `areaIrradiance`: as Phatexture's, what the walls are
+/// lit by.
+IrradianceMap gatherIndirectIrradiance(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
+                                       const BakeSettings& settings, Progress& progress, BakeJournal* journal,
+                                       std::atomic<uint64_t>& rayCount);
+
+}  // namespace phat

@@ -1,0 +1,47 @@
+#pragma once
+// Indirect irradiance in two steps: the rays of its nodes, which can be renewed one by one, and the light
+// that bounces between them.
+
+#include <array>
+
+#include "core/bake/gather.h"
+#include "core/bake/irradiance_levels.h"
+#include "core/base/resumable_task.h"
+
+namespace phat {
+
+// Rays of a node of the coarsest level.
+inline constexpr uint32_t kNodeRays = 64;
+
+/// A node's rays: what they know, and in which texels' irradiance they end.
+struct NodeRays {
+    glm::vec3 light{0};  // sum over the rays
+    float nearness = 0;  // mean of 1 / metres
+    uint32_t count = 0;  // rays above the surface
+    std::array<uint32_t, kNodeRays> texel;
+    std::array<uint32_t, kNodeRays> weight;  // RGB9E5
+};
+
+/// The nodes of the coarsest level.
+IrradianceLevel coarseLevel(const GatherInput& input);
+
+/// Traces the rays of one node. `areaIrradiance`: as in gatherIndirectIrradiance.
+NodeRays traceNode(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
+                   const BakeSettings& settings, const IrradianceLevel& level, size_t node, uint64_t& rays);
+
+/// The map that follows from the rays of the coarsest level's `nodes`: light bounces between them, finer
+/// nodes are added where something is near, and everything between is interpolated. `map` becomes it.
+Pieces irradianceFromNodes(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
+                           const BakeSettings& settings, IrradianceLevel coarse, std::vector<NodeRays> nodes,
+                           IrradianceMap& map, uint64_t pieceWork, Progress& progress, BakeJournal* journal,
+                           std::atomic<uint64_t>& rayCount);
+
+/// The map of some charts alone, in the light of `indirectIrradiance` as it is: one bounce further than that.
+/// Other charts are zero. Nodes elsewhere need no rays.
+Pieces irradianceOfCharts(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
+                          const std::vector<uint32_t>& indirectIrradiance, const BakeSettings& settings,
+                          IrradianceLevel coarse, const std::vector<NodeRays>& nodes, const ChartSet& charts,
+                          IrradianceMap& map, uint64_t pieceWork, Progress& progress,
+                          std::atomic<uint64_t>& rayCount);
+
+}  // namespace phat

@@ -1,0 +1,309 @@
+#include "core/bake/irradiance_levels.h"
+
+#include "core/atlas/chart_fill.h"
+#include "core/base/parallel.h"
+#include "core/base/plane_fit.h"
+
+namespace phat {
+namespace {
+
+// Radii of the neighbourhood: from the least that holds a plane and some rays, in steps of the node's level,
+// by this ratio to the largest, in steps again and in texels.
+constexpr float kMinRadiusSteps = 2.0f;
+constexpr float kRadiusRatio = 1.5f;
+constexpr float kMaxRadiusSteps = 12.0f;
+constexpr float kMaxRadiusTexels = 32.0f;
+// Nor beyond this share of the largest harmonic mean distance in that neighbourhood: a plane over irradiance
+// that bends as quickly as what it sees is near then misses by (1/4)^2 / 8, under 1 %.
+constexpr float kMaxRadiusOverDistance = 0.25f;
+// Between smooth nodes: at least two in each direction.
+constexpr float kBetweenSteps = 1.7f;
+// Half the width of the confidence intervals that must meet, standard errors.
+constexpr float kConfidence = 3.0f;
+// A node that lies so many standard errors above its neighbours had a ray that the others missed.
+constexpr float kOutlierErrors = 6.0f;
+// Estimates are never taken to be better than this: a third of a percent cannot be seen.
+constexpr float kLeastRelativeError = 0.003f;
+// Normals farther apart than this are different surfaces to the light.
+constexpr float kLeastNormalCosine = 0.9f;
+// In rays: the fit that tells a node's noise, a node's smoothing, a texel.
+constexpr uint64_t kNoiseWork = 4, kSmoothWork = 40, kTexelWork = 1;
+
+class Interpolator {
+  public:
+    Interpolator(const std::vector<IrradianceLevel>& levels, const Atlas& atlas, const TexelPoints& points,
+                 const ChartSet& charts)
+        : levels_(levels), atlas_(atlas), points_(points), charts_(charts) {
+        for (const IrradianceLevel& level : levels_) {
+            values_.push_back(level.value);
+            outlying_.emplace_back(level.texel.size(), glm::vec3(0));
+            noise_.emplace_back(level.texel.size());
+            smooth_.emplace_back(level.texel.size());
+        }
+    }
+
+    // In this order, each for all nodes before the next, and the noise again where light was shared out.
+    void findNoise(size_t level, size_t begin, size_t end) {
+        forNodes(level, begin, end, [&](uint32_t node) {
+            noise_[level][node] = fitAround(level, node, kMinRadiusSteps * stepOf(level)).atOrigin().residual;
+        });
+    }
+    void findOutliers(size_t level, size_t begin, size_t end) {
+        forNodes(level, begin, end,
+                 [&](uint32_t node) { outlying_[level][node] = outlyingPart(level, node); });
+    }
+    bool shareOutOutliers() {
+        bool any = false;
+        for (size_t level = 0; level < levels_.size(); ++level)
+            for (uint32_t node = 0; node < outlying_[level].size(); ++node) {
+                if (outlying_[level][node] == glm::vec3(0)) continue;
+                shareOut(level, node, outlying_[level][node]);
+                any = true;
+            }
+        return any;
+    }
+    void smooth(size_t level, size_t begin, size_t end) {
+        forNodes(level, begin, end, [&](uint32_t node) { smooth_[level][node] = smoothed(level, node); });
+    }
+
+    /// Whether the texel's group of the coarsest level has a node.
+    bool hasNode(uint32_t texel) const { return nodeAt(0, texel) != kNoNode; }
+    /// pre: hasNode(texel).
+    glm::vec3 at(uint32_t texel) const {
+        size_t own = 0;
+        while (own + 1 < levels_.size() && nodeAt(own + 1, texel) != kNoNode) ++own;
+        const uint32_t node = nodeAt(own, texel);
+        if (levels_[own].texel[node] == texel) return smooth_[own][node];
+        PlaneFit fit;
+        // Between nodes only the finest count: the others are smoothed more.
+        gather(texel, kBetweenSteps * float(levels_[own].step),
+               [&](size_t l, uint32_t n, bool split, float weight, glm::vec2 offset) {
+                   if (!split) fit.add(weight, offset, smooth_[l][n]);
+               });
+        // On a crease no node may face the same way.
+        return fit.empty() ? smooth_[own][node] : fit.atOrigin().value;
+    }
+
+  private:
+    template <typename Make>
+    void forNodes(size_t level, size_t first, size_t last, const Make& make) const {
+        SilentProgress silent;
+        parallelRanges(last - first, 256, silent, [&](size_t begin, size_t end) {
+            for (size_t i = first + begin; i < first + end; ++i)
+                if (hasChart(charts_, atlas_.chartAt(placeOf(levels_[level].texel[i])))) make(uint32_t(i));
+        });
+    }
+
+    float stepOf(size_t level) const { return float(levels_[level].step); }
+    float widestAround(size_t level) const {
+        return std::min(kMaxRadiusSteps * stepOf(level), kMaxRadiusTexels);
+    }
+
+    PlaneFit fitAround(size_t level, uint32_t node, float radius, bool withItself = true) const {
+        PlaneFit fit;
+        gather(levels_[level].texel[node], radius,
+               [&](size_t l, uint32_t n, bool, float weight, glm::vec2 offset) {
+                   if (withItself || l != level || n != node) fit.add(weight, offset, values_[l][n]);
+               });
+        return fit;
+    }
+
+    /// What a node has more than its neighbours, if that is no noise.
+    glm::vec3 outlyingPart(size_t level, uint32_t node) const {
+        const glm::vec3 value = values_[level][node];
+        const PlaneFit others = fitAround(level, node, kMinRadiusSteps * stepOf(level), false);
+        if (others.empty()) return glm::vec3(0);
+        const float light = luminance(value), expected = luminance(others.atOrigin().value);
+        // An outlier is a part of the noise at its own place: the cheaper question first.
+        if (light - expected <= 2.0f * std::sqrt(noise_[level][node])) return glm::vec3(0);
+        const float noise = noiseAround(level, node, widestAround(level));
+        if (light - expected <= kOutlierErrors * std::sqrt(noise)) return glm::vec3(0);
+        return value * (1.0f - expected / light);
+    }
+
+    /// A ray that meets a rare bright thing makes a spot that no smoothing removes, because it agrees with no
+    /// wider fit. Its light goes to all around, so that none is lost: it stands for what they missed.
+    void shareOut(size_t level, uint32_t node, glm::vec3 excess) {
+        const uint32_t texel = levels_[level].texel[node];
+        const float radius = widestAround(level);
+        float area = 0;  // texels, by weight
+        gather(texel, radius, [&](size_t l, uint32_t, bool split, float weight, glm::vec2) {
+            if (!split) area += weight * square(stepOf(l));
+        });
+        const glm::vec3 share = excess * square(stepOf(level)) / area;
+        values_[level][node] -= excess;
+        gather(texel, radius,
+               [&](size_t l, uint32_t n, bool, float weight, glm::vec2) { values_[l][n] += weight * share; });
+    }
+
+    /// Variance of the values around a node. The mean over many: with an estimate of its own, a place that a
+    /// rare bright ray missed would seem to be quiet, and be taken at its word.
+    float noiseAround(size_t level, uint32_t node, float radius) const {
+        float sum = 0, weights = 0;
+        gather(levels_[level].texel[node], radius, [&](size_t l, uint32_t n, bool, float weight, glm::vec2) {
+            sum += weight * noise_[l][n];
+            weights += weight;
+        });
+        return sum / weights;
+    }
+
+    float largestDistanceAround(size_t level, uint32_t node, float radius) const {
+        float largest = 0;
+        gather(levels_[level].texel[node], radius, [&](size_t l, uint32_t n, bool, float, glm::vec2) {
+            largest = std::max(largest, levels_[l].distanceTexels[n]);
+        });
+        return largest;
+    }
+
+    /// The widest fit that agrees with all narrower ones: the confidence intervals of all still have a place
+    /// in common. source: Katkovnik 1999, "A new method for varying adaptive bandwidth selection".
+    glm::vec3 smoothed(size_t level, uint32_t node) const {
+        const float step = stepOf(level);
+        const float around = widestAround(level);
+        const float noise = noiseAround(level, node, around);
+        const float widest = std::clamp(kMaxRadiusOverDistance * largestDistanceAround(level, node, around),
+                                        kMinRadiusSteps * step, around);
+        glm::vec3 best = values_[level][node];
+        float low = -1e30f, high = 1e30f;
+        for (float radius = kMinRadiusSteps * step; radius <= widest; radius *= kRadiusRatio) {
+            const PlaneFit::Estimate estimate = fitAround(level, node, radius).atOrigin();
+            const float light = luminance(estimate.value);
+            const float error =
+                kConfidence * std::sqrt(noise * estimate.share + square(kLeastRelativeError * light));
+            low = std::max(low, light - error);
+            high = std::min(high, light + error);
+            if (low > high) break;
+            best = estimate.value;
+        }
+        return best;
+    }
+
+    uint32_t nodeAt(size_t level, uint32_t texel) const {
+        return levels_[level].node[levels_[level].groupOf(texel, atlas_.sizeTexels.x)];
+    }
+    glm::ivec2 placeOf(uint32_t texel) const {
+        return {texel % atlas_.sizeTexels.x, texel / atlas_.sizeTexels.x};
+    }
+
+    /// Calls add(level, node, split, weight, offset) for the nodes around a texel; split: there are finer
+    /// nodes in the same group; the offset is in radii.
+    template <typename Add>
+    void gather(uint32_t texel, float radius, const Add& add) const {
+        const glm::ivec2 center = placeOf(texel);
+        const uint32_t chart = atlas_.chartAt(center);
+        const glm::ivec2 low(atlas_.charts[chart].originTexel());
+        const glm::ivec2 high = low + glm::ivec2(atlas_.charts[chart].sizeTexels()) - 1;
+        const int reach = int(radius);
+        const glm::ivec2 from = glm::max(center - reach, low) / int(kLevelSteps[0]);
+        const glm::ivec2 to = glm::min(center + reach, high) / int(kLevelSteps[0]);
+        const auto visit = [&](size_t level, uint32_t node, bool split) {
+            const uint32_t other = levels_[level].texel[node];
+            const glm::vec2 offset = glm::vec2(placeOf(other) - center) / radius;
+            const float fall = 1.0f - glm::dot(offset, offset);
+            if (fall <= 0.0f) return;
+            const float cosine = glm::dot(points_.normal[texel], points_.normal[other]);
+            const float alike = (cosine - kLeastNormalCosine) / (1.0f - kLeastNormalCosine);
+            if (alike > 0.0f) add(level, node, split, fall * fall * alike, offset);
+        };
+        for (int y = from.y; y <= to.y; ++y)
+            for (int x = from.x; x <= to.x; ++x)
+                if (atlas_.chartAt(glm::uvec2(x, y) * kLevelSteps[0]) == chart) descend(0, {x, y}, visit);
+    }
+
+    template <typename Visit>
+    bool descend(size_t level, glm::uvec2 group, const Visit& visit) const {
+        const IrradianceLevel& here = levels_[level];
+        const uint32_t node = here.node[size_t(group.y) * here.size.x + group.x];
+        if (node == kNoNode) return false;
+        bool split = false;
+        if (level + 1 < levels_.size())
+            for (uint32_t i = 0; i < 4; ++i)
+                split |= descend(level + 1, 2u * group + glm::uvec2(i & 1, i >> 1), visit);
+        visit(level, node, split);
+        return true;
+    }
+
+    const std::vector<IrradianceLevel>& levels_;
+    const Atlas& atlas_;
+    const TexelPoints& points_;
+    const ChartSet& charts_;
+    std::vector<std::vector<glm::vec3>> values_;  // [level][node], outliers shared out
+    std::vector<std::vector<glm::vec3>> outlying_;
+    std::vector<std::vector<float>> noise_;       // [level][node], variance of the luminance
+    std::vector<std::vector<glm::vec3>> smooth_;  // [level][node]
+};
+
+}  // namespace
+
+IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradianceTexels, uint32_t step,
+                          const std::function<bool(glm::uvec2 group)>& wanted) {
+    IrradianceLevel level;
+    level.step = step;
+    level.size = atlas.sizeTexels / step;
+    level.node.assign(size_t(level.size.x) * level.size.y, kNoNode);
+    for (uint32_t y = 0; y < level.size.y; ++y) {
+        for (uint32_t x = 0; x < level.size.x; ++x) {
+            uint32_t best = kNoNode;
+            float bestCost = 1e30f;
+            for (uint32_t i = 0; i < step * step; ++i) {
+                const glm::uvec2 within(i % step, i / step);
+                const glm::uvec2 texel = glm::uvec2(x, y) * step + within;
+                const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
+                if (!irradianceTexels[index]) continue;
+                const glm::vec2 off = glm::vec2(within) - 0.5f * float(step - 1);
+                const float cost = glm::dot(off, off);
+                if (cost >= bestCost) continue;
+                bestCost = cost;
+                best = uint32_t(index);
+            }
+            if (best == kNoNode || !wanted({x, y})) continue;
+            level.node[size_t(y) * level.size.x + x] = uint32_t(level.texel.size());
+            level.texel.push_back(best);
+        }
+    }
+    return level;
+}
+
+Pieces interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
+                         const TexelPoints& points, const ChartSet& charts, IrradianceMap& map,
+                         uint64_t pieceWork) {
+    Interpolator interpolator(levels, atlas, points, charts);
+    const auto forAll = [&](auto step, uint64_t itemWork) -> Pieces {
+        const size_t most = itemsAPiece(pieceWork, itemWork);
+        for (size_t level = 0; level < levels.size(); ++level) {
+            const size_t count = levels[level].texel.size();
+            for (size_t begin = 0, end = 0; begin < count; begin = end) {
+                end = begin + std::min(most, count - begin);
+                (interpolator.*step)(level, begin, end);
+                co_yield itemWork*(end - begin);
+            }
+        }
+    };
+    for (Pieces p = forAll(&Interpolator::findNoise, kNoiseWork); p.next();) co_yield p.work();
+    for (Pieces p = forAll(&Interpolator::findOutliers, kNoiseWork); p.next();) co_yield p.work();
+    if (interpolator.shareOutOutliers())
+        for (Pieces p = forAll(&Interpolator::findNoise, kNoiseWork); p.next();) co_yield p.work();
+    for (Pieces p = forAll(&Interpolator::smooth, kSmoothWork); p.next();) co_yield p.work();
+    map.assign(atlas.texelCount(), glm::vec3(0));
+    std::vector<uint8_t> known(map.size(), 0);
+    SilentProgress silent;
+    const size_t most = itemsAPiece(pieceWork, kTexelWork);
+    for (size_t first = 0, last = 0; first < map.size(); first = last) {
+        last = first + std::min(most, map.size() - first);
+        parallelRanges(last - first, 4096, silent, [&](size_t begin, size_t end) {
+            for (size_t i = first + begin; i < first + end; ++i) {
+                if (!hasChart(charts, atlas.chartAt(i))) {
+                    known[i] = 1;  // nothing to fill
+                    continue;
+                }
+                if (!points.valid(i) || !interpolator.hasNode(uint32_t(i))) continue;
+                map[i] = interpolator.at(uint32_t(i));
+                known[i] = 1;
+            }
+        });
+        co_yield kTexelWork*(last - first);
+    }
+    fillWithinCharts(map, known, atlas);
+}
+
+}  // namespace phat

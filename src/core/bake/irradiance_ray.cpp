@@ -1,0 +1,216 @@
+#include "core/bake/irradiance_ray.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/atlas/atlas_place.h"
+#include "core/base/sobol.h"
+#include "core/transport/path.h"
+#include "core/transport/path_vertex.h"
+
+namespace phat {
+namespace {
+
+// Walks that a lossless mirror gets for each path that is asked for: measured, see docs/pipeline.md.
+constexpr float kWalksPerPath = 3.0f;
+// How many times as many what is near gets.
+constexpr float kMostNear = 8.0f;
+
+// The share of diffuse irradiance over pi that is reflected toward the eye.
+glm::vec3 diffuseAlbedo(const Brdf& brdf, glm::vec3 towardEyeLocal) {
+    return clearcoatTransmission(brdf, towardEyeLocal) * diffuseWeight(brdf, towardEyeLocal.z) *
+           brdf.diffuseColor;
+}
+
+SurfacePoint withoutDiffuse(SurfacePoint point) {
+    point.brdf.diffuseColor = glm::vec3(0);
+    return point;
+}
+
+}  // namespace
+
+std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t>& wanted, const Hit& hit) {
+    const AtlasPlace place = atlasPlaceOf(atlas, hit);
+    if (place.chart == kNoChart) return {};
+    const glm::ivec2 center(place.texel), last = glm::ivec2(atlas.sizeTexels) - 1;
+    // At edges and contacts the texel's own centre may be off the surface or covered. The middle first.
+    constexpr int kOrder[9] = {4, 1, 3, 5, 7, 0, 2, 6, 8};
+    for (const int i : kOrder) {
+        const glm::ivec2 texel = center + glm::ivec2(i % 3 - 1, i / 3 - 1);
+        if (glm::any(glm::lessThan(texel, glm::ivec2(0))) || glm::any(glm::greaterThan(texel, last)))
+            continue;
+        const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
+        if (wanted[index] && atlas.chartAt(texel) == place.chart) return uint32_t(index);
+    }
+    return {};
+}
+
+namespace {
+
+// What one glossy reflection is made of, in [0, 1).
+struct StepNumbers {
+    glm::vec4 reflection;  // the lobe, the direction in it, whether the walk survives
+    glm::vec3 light;       // which area light, the place on it
+};
+
+StepNumbers stepNumbers(Rng& rng) {
+    const glm::vec2 lobe = rng.uniform2(), rest = rng.uniform2(), place = rng.uniform2();
+    return {{lobe, rest}, {place, rng.uniform()}};
+}
+
+// The same of walk `i` of those from one place, which are stratified together.
+StepNumbers firstStepNumbers(uint32_t i, uint64_t seed) {
+    return {shuffledSobol4(i, seed), glm::vec3(shuffledSobol4(i, seed + 3 * kSeedStep))};
+}
+
+/// A walk through mirrors and gloss until it ends in a texel. Each step returns whether it goes on.
+struct Walk {
+    const TexelWorld& world;
+    const std::vector<uint32_t>& areaIrradiance;
+    Rng& rng;
+    uint64_t& rayCount;
+    Hit hit;
+    SurfacePoint point;
+    glm::vec3 towardEye;
+    glm::vec3 throughput{1};
+    IrradianceRay found;
+
+    glm::vec3 eyeLocal() const { return point.shading.toLocal(towardEye); }
+    bool ends(int bouncesLeft);
+    bool reflectsGlossily(int bounce, const StepNumbers& numbers);
+};
+
+// The diffuse part stops here, or the specular part goes on.
+bool Walk::ends(int bouncesLeft) {
+    if (maxComponent(reflectance(point.brdf, eyeLocal())) <= 0.0f) return true;
+    const std::optional<uint32_t> texel = texelOfHit(world.atlas, world.irradianceTexels, hit);
+    if (!texel) {
+        found.light += throughput *
+                       traceReflected(world.rays, world.lights, point, towardEye, bouncesLeft, rng, rayCount);
+        return true;
+    }
+    found.light += throughput * punctualLight(world.rays, world.lights, point, towardEye, rng, rayCount);
+    const glm::vec3 diffuse = diffuseAlbedo(point.brdf, eyeLocal());
+    if (!areaIrradiance.empty())
+        found.light += throughput * diffuse / kPi * unpackRgb9e5(areaIrradiance[*texel]);
+
+    const float specular = maxComponent(reflectance(withoutDiffuse(point).brdf, eyeLocal()));
+    const float follow = specular / (specular + maxComponent(diffuse));
+    if (rng.uniform() >= follow) {
+        found.texel = *texel;
+        found.weight = throughput * diffuse / (kPi * (1.0f - follow));
+        return true;
+    }
+    throughput /= follow;
+    return false;
+}
+
+bool Walk::reflectsGlossily(int bounce, const StepNumbers& numbers) {
+    const RayScene& rays = world.rays;
+    const SurfacePoint glossy = withoutDiffuse(point);
+    if (world.lights.hasArea())
+        found.light += throughput *
+                       areaLight(rays, world.lights, PathVertex(glossy, towardEye), numbers.light, rayCount);
+    const glm::vec4 u = numbers.reflection;
+    const BrdfSample sample = sampleBrdf(glossy.brdf, eyeLocal(), u.x, {u.y, u.z});
+    if (sample.pdf <= 0.0f) return false;
+    const glm::vec3 direction = glm::normalize(point.shading.toWorld(sample.direction));
+    if (!leavesSurface(point, direction)) return false;
+    throughput *= sample.weight;
+    const float survival = survivalChance(bounce, throughput);
+    if (survival < 1.0f && u.w >= survival) return false;
+    throughput /= survival;
+
+    ++rayCount;
+    hit = rays.closestHit(originOn(point, direction), direction);
+    const float weight = sample.pdf / (sample.pdf + areaPdf(world.lights, point.position, hit, direction));
+    if (!hit) {
+        found.light += throughput * weight * world.lights.environmentRadiance(direction);
+        return false;
+    }
+    point = surfaceAt(rays.scene(), hit, direction);
+    found.light += throughput * weight * point.emission;
+    towardEye = -direction;
+    return true;
+}
+
+}  // namespace
+
+IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
+                            glm::vec3 origin, glm::vec3 direction, int maxBounces, Rng& rng,
+                            uint64_t& rayCount) {
+    ++rayCount;
+    const Hit hit = input.rays.closestHit(origin, direction);
+    if (!hit) return {};
+    const TexelWorld world{input.rays, input.lights, input.atlas, input.irradianceTexels};
+    Walk walk{world,      areaIrradiance, rng, rayCount, hit, surfaceAt(input.rays.scene(), hit, direction),
+              -direction, glm::vec3(1),   {}};
+    walk.found.distance = hit.distance;
+    for (int bounce = 0; bounce < maxBounces; ++bounce)
+        if (walk.ends(maxBounces - bounce) || !walk.reflectsGlossily(bounce, stepNumbers(rng))) break;
+    return walk.found;
+}
+
+glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance, const Hit& hit,
+                              const SurfacePoint& point, glm::vec3 towardEye, const PathSettings& settings,
+                              Rng& rng, uint64_t& rayCount) {
+    const glm::vec3 eyeLocal = point.shading.toLocal(towardEye);
+    if (maxComponent(reflectance(point.brdf, eyeLocal)) <= 0.0f) return glm::vec3(0);
+
+    const int paths = std::max(settings.pathsPerHit, 1);
+    const std::optional<uint32_t> texel = texelOfHit(world.atlas, world.irradianceTexels, hit);
+    if (!texel) {
+        glm::vec3 reflected(0);
+        for (int i = 0; i < paths; ++i)
+            reflected += traceReflected(world.rays, world.lights, point, towardEye, settings.maxBounces, rng,
+                                        rayCount);
+        return reflected / float(paths);
+    }
+    const auto arriving = [&](const std::vector<uint32_t>& map) {
+        if (map.empty()) return glm::vec3(0);
+        if (!irradiance.interpolated) return unpackRgb9e5(map[*texel]);
+        return bilinearAt(world.atlas, atlasPlaceOf(world.atlas, hit),
+                          [&](size_t at) { return unpackRgb9e5(map[at]); });
+    };
+    const glm::vec3 diffuse = diffuseAlbedo(point.brdf, eyeLocal) / kPi *
+                              (arriving(irradiance.indirect) + arriving(irradiance.area));
+    const glm::vec3 punctual = punctualLight(world.rays, world.lights, point, towardEye, rng, rayCount);
+    const float glossyAlbedo = maxComponent(reflectance(withoutDiffuse(point).brdf, eyeLocal));
+    if (glossyAlbedo <= 0.0f) return punctual + diffuse;
+
+    // The walks' noise counts by the albedo.
+    const int walks = std::max(1, int(std::ceil(kWalksPerPath * glossyAlbedo * float(paths))));
+    const uint64_t seed = rng.bits64();
+    glm::vec3 glossy(0);
+    for (int i = 0; i < walks; ++i) {
+        Walk walk{world, irradiance.area, rng, rayCount, hit, point, towardEye, glm::vec3(1), {}};
+        for (int bounce = 0; bounce < settings.maxBounces; ++bounce)
+            if (!walk.reflectsGlossily(bounce,
+                                       bounce ? stepNumbers(rng) : firstStepNumbers(uint32_t(i), seed)) ||
+                walk.ends(settings.maxBounces - bounce - 1))
+                break;
+        glossy += walk.found.light;
+        if (walk.found.texel != kNoTexel)
+            glossy += walk.found.weight * unpackRgb9e5(irradiance.indirect[walk.found.texel]);
+    }
+    return punctual + diffuse + glossy / float(walks);
+}
+
+IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradiance& irradiance,
+                                    glm::vec3 origin, glm::vec3 direction, const PathSettings& settings,
+                                    float nearMeters, Rng rng) {
+    IncidentRadiance incident;
+    incident.rays = 1;
+    const Hit hit = input.rays.closestHit(origin, direction);
+    if (!hit) return incident;
+    incident.distance = hit.distance;
+    const TexelWorld world{input.rays, input.lights, input.atlas, input.irradianceTexels};
+    PathSettings paths = settings;
+    paths.pathsPerHit *= int(std::clamp(nearMeters / hit.distance, 1.0f, kMostNear));
+    incident.reflected =
+        reflectedFromTexels(world, irradiance, hit, surfaceAt(input.rays.scene(), hit, direction), -direction,
+                            paths, rng, incident.rays);
+    return incident;
+}
+
+}  // namespace phat

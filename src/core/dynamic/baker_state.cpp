@@ -1,0 +1,105 @@
+#include "core/dynamic/baker_state.h"
+
+#include <stdexcept>
+
+#include "core/base/parallel.h"
+#include "core/phatexel/lookup_tables.h"
+
+namespace phat {
+namespace {
+
+// Parts of the photon map, renewed one by one.
+constexpr size_t kPhotonParts = 16;
+
+void requireRenewable(const BakeSettings& settings) {
+    if (choosesPhotons(settings.directions) || settings.radiance == RadianceSource::photons ||
+        settings.radiance == RadianceSource::splat)
+        throw std::invalid_argument("PHATexels that are made from single photons cannot be renewed");
+}
+
+std::vector<uint16_t> scramblesOf(const Atlas& atlas, const BakeSettings& settings, int layer) {
+    std::vector<uint16_t> scrambles;
+    for (uint32_t block = 0; block < atlas.blockCount; ++block)
+        scrambles.push_back(scrambleOf({settings.directions, settings.density, settings.seed, layer}, block));
+    return scrambles;
+}
+
+}  // namespace
+
+LiveState::LiveState(const Scene& rest, const Atlas& atlas, const TexelPoints& points,
+                     const Phatexture& baked, const BakeSettings& wanted)
+    : scene(rest, atlas, points), settings(wanted), phatexture(baked) {
+    requireRenewable(settings);
+    rebuildRays();
+    hasArea = lights->hasArea();
+    noIndex.emplace(noPhotons.photons);
+    seams = findSeams(rest, atlas);
+    blocks = blockPlaces(atlas);
+
+    const size_t tiles = atlas.tileChart.size(), texels = atlas.texelCount();
+    const bool fresh = phatexture.indirect.empty();
+    if (fresh) {
+        phatexture.indirect.resize(size_t(settings.layers));
+        for (PhatexelLayer& layer : phatexture.indirect) layer.texels.resize(texels);
+        phatexture.indirectIrradiance.assign(texels, 0);
+        phatexture.indirectGuides =
+            guided() ? std::vector<Guide>(atlas.blockCount, uniformGuide())
+                     : std::vector<Guide>{settings.directions == Directions::cosine ? cosineGuide()
+                                                                                    : uniformGuide()};
+        if (hasArea) {
+            phatexture.area.resize(1);
+            phatexture.area[0].texels.resize(texels);
+            phatexture.areaGuides.assign(atlas.blockCount, uniformGuide());
+            phatexture.areaIrradiance.assign(texels, 0);
+        }
+    }
+    settings.layers = int(phatexture.indirect.size());
+    hasArea = hasArea && !phatexture.area.empty();
+
+    for (int layer = 0; layer < settings.layers && fresh; ++layer)
+        phatexture.indirect[size_t(layer)].scrambles = scramblesOf(atlas, settings, layer);
+    if (fresh && hasArea) phatexture.area[0].scrambles = scramblesOf(atlas, settings, -1);
+    if (fresh) {
+        SilentProgress silent;
+        prepareLookup(phatexture, atlas, scene.points(), scene.frames(), *rays, silent);
+    }
+    photons.resize(kPhotonParts);
+    photonsScene.assign(kPhotonParts, 0);
+    const glm::uvec2 regions = (atlas.sizeTexels + kBlockSize - 1u) / kBlockSize;
+    regionScene.assign(hasArea ? size_t(regions.x) * regions.y : 0, 0);
+    regionClock.assign(regionScene.size(), 0);
+    if (hasArea) {
+        // Until a texel has an estimate of its own, what was baked stands for it.
+        areaEstimates.resize(texels);
+        for (size_t i = 0; i < texels; ++i)
+            areaEstimates[i].value = unpackRgb9e5(phatexture.areaIrradiance[i]);
+    }
+    for (const uint32_t packed : phatexture.areaIrradiance) areaMap.push_back(unpackRgb9e5(packed));
+    for (const uint32_t packed : phatexture.indirectIrradiance) indirectMap.push_back(unpackRgb9e5(packed));
+    tileScene.assign(tiles, scene.version());
+    tileClock.assign(tiles, 0);
+    blockAge.assign(atlas.blockCount, {});
+    for (BlockAge& age : blockAge) age.seed = settings.seed;
+    if (!fresh)
+        for (BlockAge& age : blockAge)
+            age = {scene.version(), scene.version(), irradianceVersion, 0, settings.seed};
+    tileDirty.assign(tiles, 0);
+    blockDirty.assign(atlas.blockCount, 0);
+}
+
+void LiveState::rebuildRays() {
+    rays.emplace(scene.scene());
+    lights.emplace(scene.scene());
+}
+
+uint64_t LiveState::photonsVersion() const {
+    return *std::min_element(photonsScene.begin(), photonsScene.end());
+}
+
+IrradianceMap meanMap(const IrradianceMap& mean, const IrradianceMap& map, uint32_t passes) {
+    IrradianceMap next = mean;
+    for (size_t i = 0; i < next.size(); ++i) next[i] += (map[i] - next[i]) / float(passes + 1);
+    return next;
+}
+
+}  // namespace phat

@@ -1,0 +1,200 @@
+#include "core/dynamic/dynamic_scene.h"
+
+#include "core/bake/irradiance.h"
+#include "core/base/parallel.h"
+#include "core/scene/scene_motion.h"
+
+namespace phat {
+namespace {
+
+// Of a node that moves in every frame, so many places are told apart.
+constexpr size_t kMostChanges = 48;
+
+Frame movedFrame(const Frame& frame, const glm::mat4& m) {
+    return frameFromNormalAndTangent(glm::normalize(normalMatrix(m) * frame.normal),
+                                     glm::mat3(m) * frame.tangent);
+}
+
+}  // namespace
+
+LiveScene::LiveScene(const Scene& rest, const Atlas& atlas, const TexelPoints& points)
+    : atlas_(atlas),
+      scene_(rest),
+      points_(points),
+      frames_(blockFrames(atlas, points)),
+      restPositions_(rest.positions),
+      restNormals_(rest.normals),
+      restTangents_(rest.tangents),
+      restPoints_(points),
+      restState_(buildTexelPoints(rest, atlas).state),
+      restFrames_(frames_),
+      committedState_(points.state),
+      irradianceTexels_(phat::irradianceTexels(atlas, points)),
+      surfaceTexels_(atlas.charts.size(), 0),
+      chartMoved_(atlas.charts.size(), 0) {
+    patches_ = restPatches_ = fitTilePatches(atlas_, points_, frames_);
+    restPoints_.state = {};
+    restPoints_.triangle = {};
+    restPoints_.barycentric = {};
+    for (size_t i = 0; i < points_.state.size(); ++i)
+        if (points_.state[i] == TexelState::surface) ++surfaceTexels_[atlas_.chartAt(i)];
+}
+
+Bounds LiveScene::boundsOfSurface(const Surface& surface) const {
+    Bounds bounds;
+    for (uint32_t t = 0; t < surface.triangleCount; ++t)
+        for (int corner = 0; corner < 3; ++corner)
+            bounds.add(scene_.positions[scene_.triangles[surface.firstTriangle + t][corner]]);
+    return bounds;
+}
+
+void LiveScene::addChange(const Bounds& box) {
+    if (box.empty()) return;
+    if (changes_.size() >= kMostChanges) {
+        // The older half in one box, as if all of it were as recent as its last.
+        const size_t half = kMostChanges / 2;
+        SceneChange& kept = changes_[half - 1];
+        for (size_t i = 0; i + 1 < half; ++i) {
+            kept.box.add(changes_[i].box.low);
+            kept.box.add(changes_[i].box.high);
+        }
+        changes_.erase(changes_.begin(), changes_.begin() + ptrdiff_t(half) - 1);
+    }
+    changes_.push_back({version_, box});
+}
+
+void LiveScene::moveChart(const Chart& chart, const glm::mat4& m) {
+    const glm::mat3 normals = normalMatrix(m), linear(m);
+    const bool atRest = m == glm::mat4(1);  // exactly as it was
+    const glm::uvec2 origin = chart.originTexel(), size = chart.sizeTexels();
+    const auto tileOf = [&](uint32_t x, uint32_t y) {
+        return size_t(chart.originTile.y + y) * atlas_.sizeTiles().x + chart.originTile.x + x;
+    };
+    SilentProgress silent;
+    parallelRanges(size.y, 8, silent, [&](size_t begin, size_t end) {
+        for (size_t y = begin; y < end; ++y)
+            for (uint32_t x = 0; x < size.x; ++x) {
+                const size_t i = (origin.y + y) * atlas_.sizeTexels.x + origin.x + x;
+                if (points_.triangle[i] == kNoTriangle) continue;
+                points_.position[i] = movedPoint(m, restPoints_.position[i]);
+                const glm::vec3 normal = glm::normalize(normals * restPoints_.normal[i]);
+                const Frame frame = frameFromNormalAndTangent(normal, linear * restPoints_.tangent[i]);
+                points_.normal[i] = atRest ? restPoints_.normal[i] : normal;
+                points_.tangent[i] = atRest ? restPoints_.tangent[i] : frame.tangent;
+            }
+    });
+    for (uint32_t b = 0; b < chart.blocksWide() * chart.blocksHigh(); ++b)
+        frames_[chart.firstBlock + b] =
+            atRest ? restFrames_[chart.firstBlock + b] : movedFrame(restFrames_[chart.firstBlock + b], m);
+    for (uint32_t y = 0; y < chart.sizeTiles.y; ++y)
+        for (uint32_t x = 0; x < chart.sizeTiles.x; ++x) {
+            TilePatch& patch = patches_[tileOf(x, y)];
+            const TilePatch& rest = restPatches_[tileOf(x, y)];
+            patch.center = movedPoint(m, rest.center);
+            patch.alongX = linear * rest.alongX;
+            patch.alongY = linear * rest.alongY;
+        }
+}
+
+bool LiveScene::setNodes(const std::vector<glm::mat4>& worldFromRest) {
+    bool any = false;
+    std::vector<uint8_t> surfaceMoves(scene_.surfaces.size(), 0);
+    for (size_t s = 0; s < scene_.surfaces.size(); ++s) {
+        const Surface& surface = scene_.surfaces[s];
+        const glm::mat4 m = matrixAt(worldFromRest, surface.node);
+        if (m == matrixAt(worldFromRest_, surface.node)) continue;
+        any = true;
+        surfaceMoves[s] = 1;
+        addChange(boundsOfSurface(surface));
+        moveSurface({restPositions_, restNormals_, restTangents_}, surface, m, scene_);
+        addChange(boundsOfSurface(surface));
+    }
+    for (size_t c = 0; c < atlas_.charts.size(); ++c) {
+        const Chart& chart = atlas_.charts[c];
+        if (!surfaceMoves[chart.surface]) continue;
+        moveChart(chart, matrixAt(worldFromRest, scene_.surfaces[chart.surface].node));
+        chartMoved_[c] = version_;
+    }
+    worldFromRest_ = worldFromRest;
+    return any;
+}
+
+bool LiveScene::setLights(const std::vector<PunctualLight>& lights) {
+    std::vector<PunctualLight> placed = movedLights(lights, worldFromRest_);
+    if (placed == scene_.lights) return false;
+    scene_.lights = std::move(placed);
+    return true;
+}
+
+bool LiveScene::setMaterials(const std::vector<Material>& materials) {
+    if (materials == scene_.materials) return false;
+    for (const Surface& surface : scene_.surfaces)
+        if (!(materials[surface.material] == scene_.materials[surface.material]))
+            addChange(boundsOfSurface(surface));
+    scene_.materials = materials;
+    return true;
+}
+
+bool LiveScene::set(const LivePose& pose) {
+    ++version_;
+    const bool nodes = setNodes(pose.worldFromRest);
+    const bool lights = setLights(pose.lights);
+    const bool materials = setMaterials(pose.materials);
+    if (nodes || lights || materials) return true;
+    --version_;
+    return false;
+}
+
+void LiveScene::markCovered(size_t tile, const RayScene& rays) {
+    const glm::uvec2 corner =
+        glm::uvec2(tile % atlas_.sizeTiles().x, tile / atlas_.sizeTiles().x) * kTileSize;
+    for (uint32_t i = 0; i < kTileSize * kTileSize; ++i) {
+        const size_t texel =
+            size_t(corner.y + i / kTileSize) * atlas_.sizeTexels.x + corner.x + i % kTileSize;
+        if (restState_[texel] == TexelState::unused) continue;
+        points_.state[texel] = restState_[texel];
+        if (isCoveredTexel(points_, atlas_, rays, texel)) points_.state[texel] = TexelState::covered;
+    }
+}
+
+bool LiveScene::commitCovered(size_t tile) {
+    const glm::uvec2 corner =
+        glm::uvec2(tile % atlas_.sizeTiles().x, tile / atlas_.sizeTiles().x) * kTileSize;
+    const uint32_t chart = atlas_.tileChart[tile];
+    const uint32_t surfaceBefore = surfaceTexels_[chart];
+    bool any = false;
+    for (uint32_t i = 0; i < kTileSize * kTileSize; ++i) {
+        const size_t texel =
+            size_t(corner.y + i / kTileSize) * atlas_.sizeTexels.x + corner.x + i % kTileSize;
+        const TexelState before = committedState_[texel], now = points_.state[texel];
+        if (before == now) continue;
+        any = true;
+        surfaceTexels_[chart] -= before == TexelState::surface;
+        surfaceTexels_[chart] += now == TexelState::surface;
+        committedState_[texel] = now;
+        irradianceTexels_[texel] =
+            now == TexelState::surface || (now == TexelState::gutter && surfaceTexels_[chart] == 0);
+    }
+    if (!any) return false;
+    ++texelsVersion_;
+    // Gutters stand in where no texel of a chart is on its surface.
+    if ((surfaceBefore == 0) != (surfaceTexels_[chart] == 0)) {
+        const glm::uvec2 origin = atlas_.charts[chart].originTexel(),
+                         size = atlas_.charts[chart].sizeTexels();
+        for (uint32_t y = 0; y < size.y; ++y)
+            for (uint32_t x = 0; x < size.x; ++x) {
+                const size_t texel = size_t(origin.y + y) * atlas_.sizeTexels.x + origin.x + x;
+                irradianceTexels_[texel] =
+                    points_.state[texel] == TexelState::surface ||
+                    (points_.state[texel] == TexelState::gutter && surfaceTexels_[chart] == 0);
+            }
+    }
+    TilePatch& rest = restPatches_[tile];
+    const TilePatch fitted = fitTilePatch(atlas_, points_, frames_, tile);
+    rest.probeTexel = patches_[tile].probeTexel = fitted.probeTexel;
+    rest.empty = patches_[tile].empty = fitted.empty;
+    rest.groupBits = patches_[tile].groupBits = fitted.groupBits;
+    return true;
+}
+
+}  // namespace phat

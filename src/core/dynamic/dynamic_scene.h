@@ -1,0 +1,91 @@
+#pragma once
+// A scene whose nodes move, with its texels: they ride on their triangles.
+
+#include <span>
+
+#include "core/atlas/atlas.h"
+#include "core/phatexel/tile_patch.h"
+
+namespace phat {
+
+/// Something of the scene is not what it was: a box in which light may meet something else now.
+struct SceneChange {
+    uint64_t version = 0;  // of the scene that it led to
+    Bounds box;
+};
+
+/// What may differ from the scene at rest. Empty: as at rest.
+struct LivePose {
+    std::vector<glm::mat4> worldFromRest;  // [glTF node]; of nodes beyond its end: identity
+    std::vector<PunctualLight> lights;     // where they are at rest: their nodes carry them
+    std::vector<Material> materials;
+};
+
+/// The scene as it is now. Motion is meant to be rigid: the atlas does not follow a change of scale.
+class LiveScene {
+  public:
+    /// `points` of the scene at rest, states included. pre: all belong together.
+    LiveScene(const Scene& rest, const Atlas& atlas, const TexelPoints& points);
+    LiveScene(const LiveScene&) = delete;
+    LiveScene& operator=(const LiveScene&) = delete;
+
+    /// Returns whether anything is different. Then version() has grown and changes() has the boxes.
+    bool set(const LivePose& pose);
+
+    /// A new version in which nothing is different.
+    void renew() { ++version_; }
+
+    uint64_t version() const { return version_; }
+    const Scene& scene() const { return scene_; }
+    const Atlas& atlas() const { return atlas_; }
+    const TexelPoints& points() const { return points_; }
+    const std::vector<Frame>& frames() const { return frames_; }
+    const std::vector<TilePatch>& patches() const { return patches_; }
+    const std::vector<uint8_t>& irradianceTexels() const { return irradianceTexels_; }
+    /// Grows when irradianceTexels changes.
+    uint64_t texelsVersion() const { return texelsVersion_; }
+    /// Version at which a chart last moved.
+    uint64_t movedAt(uint32_t chart) const { return chartMoved_[chart]; }
+    /// Oldest first; what is too old to be told apart is in one box.
+    std::span<const SceneChange> changes() const { return changes_; }
+
+    /// State of a texel if nothing covered it.
+    TexelState restState(size_t texel) const { return restState_[texel]; }
+    /// Asks again which of a tile's texels are covered; safe for different tiles at a time.
+    void markCovered(size_t tile, const RayScene& rays);
+    /// To be called for a tile after markCovered, by one thread: whether any state has changed.
+    bool commitCovered(size_t tile);
+    /// Ends such calls: if any has changed something, the scene is a new one.
+    void endCovered(bool anyChanged) { version_ += anyChanged; }
+
+  private:
+    void moveChart(const Chart& chart, const glm::mat4& worldFromRest);
+    void addChange(const Bounds& box);
+    Bounds boundsOfSurface(const Surface& surface) const;
+    bool setNodes(const std::vector<glm::mat4>& worldFromRest);
+    bool setLights(const std::vector<PunctualLight>& lights);
+    bool setMaterials(const std::vector<Material>& materials);
+
+    Atlas atlas_;
+    Scene scene_;
+    TexelPoints points_;
+    std::vector<Frame> frames_;
+    std::vector<TilePatch> patches_;
+
+    std::vector<glm::vec3> restPositions_, restNormals_;  // of vertices
+    std::vector<glm::vec4> restTangents_;
+    std::vector<glm::mat4> worldFromRest_;
+    TexelPoints restPoints_;
+    std::vector<TexelState> restState_;
+    std::vector<Frame> restFrames_;
+    std::vector<TilePatch> restPatches_;
+
+    std::vector<TexelState> committedState_;
+    std::vector<uint8_t> irradianceTexels_;
+    std::vector<uint32_t> surfaceTexels_;  // [chart], texels that are TexelState::surface
+    std::vector<uint64_t> chartMoved_;
+    std::vector<SceneChange> changes_;
+    uint64_t version_ = 1, texelsVersion_ = 1;
+};
+
+}  // namespace phat

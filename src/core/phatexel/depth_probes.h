@@ -1,0 +1,37 @@
+#pragma once
+// How far away things are around each tile of an atlas: what the lookup expects before it looks.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/phatexel/tile_patch.h"
+#include "core/scene/rays.h"
+
+namespace phat {
+
+/// Distances that rays from TilePatch::probeTexel meet, by direction: an equal-area map of the hemisphere
+/// (hemisphere_map.h) in the block's frame, one ray through the middle of each cell. Sixteen levels a cell;
+/// the codes of packDistance would make no difference (docs/pipeline.md).
+inline constexpr int kProbeSize = 16;
+inline constexpr uint32_t kFarLevel = 15;
+struct DistanceProbe {
+    uint32_t low = 0, high = 0;  // a quarter of the codes of levels 0 and 14; 15 is infinity
+    std::array<uint8_t, kProbeSize * kProbeSize> level;  // [y][x]
+};
+
+/// Metres, or kFarDistance. twin: levelDistance in shaders/lib/lookup.glsl.
+float probeDistance(const DistanceProbe& probe, uint32_t level);
+
+/// Of one tile; of an empty one all levels are far.
+DistanceProbe traceDistanceProbe(const Atlas& atlas, const TexelPoints& points,
+                                 const std::vector<Frame>& frames, const TilePatch& patch, size_t tile,
+                                 const RayScene& rays);
+
+/// One a tile, [tileY][tileX].
+std::vector<DistanceProbe> traceDistanceProbes(const Atlas& atlas, const TexelPoints& points,
+                                               const std::vector<Frame>& frames,
+                                               const std::vector<TilePatch>& patches, const RayScene& rays,
+                                               Progress& progress);
+
+}  // namespace phat

@@ -1,0 +1,16 @@
+#pragma once
+// What the PHATexels around a tile say about its light, whatever the eye.
+
+#include <vector>
+
+#include "core/atlas/atlas.h"
+#include "core/phatexel/phatexture.h"
+#include "core/scene/scene.h"
+
+namespace phat {
+
+/// Per tile, over its neighbourhood inside the chart: rgb = a radiance that no mean over the light arriving
+/// there exceeds; a = the share of the hemisphere's solid angle in which area lights are seen.
+std::vector<glm::vec4> tileLight(const Scene& scene, const Atlas& atlas, const Phatexture& phatexture);
+
+}  // namespace phat

@@ -1,0 +1,68 @@
+#include "core/render/path_tracer.h"
+
+#include "core/transport/path.h"
+
+namespace phat {
+namespace {
+
+glm::vec3 partOf(const ReflectedRadiance& reflected, Component component) {
+    switch (component) {
+        case Component::all:
+            return reflected.sum();
+        case Component::direct:
+            return reflected.direct;
+        case Component::indirect:
+            return reflected.indirectDiffuse + reflected.indirectGlossy;
+        case Component::glossyIndirect:
+            return reflected.indirectGlossy;
+        case Component::diffuseIndirect:
+            return reflected.indirectDiffuse;
+    }
+    return glm::vec3(0);
+}
+
+// A photon takes about as long as a path: learning is a sixteenth of all, up to where more teach little (of
+// tabletop, 100,000 leave a relMSE of .065, 500,000 .055 and 2 million .051).
+constexpr double kPathsPerPhoton = 16, kMostPhotons = 500'000;
+// Fewer fill no region.
+constexpr double kLeastPhotons = 10'000;
+
+FirstReflection firstReflectionOf(Component component) {
+    FirstReflection first;
+    first.direct = component == Component::all || component == Component::direct;
+    if (component == Component::glossyIndirect) first.lobes = Lobes::glossy;
+    if (component == Component::diffuseIndirect) first.lobes = Lobes::diffuse;
+    return first;
+}
+
+}  // namespace
+
+Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Component component) {
+    return pathTracer(rays, lights, component, rays.scene());
+}
+
+Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Component component,
+                      const Scene& seen, const PathGuide* guide) {
+    splitSumTable();  // integrated now, rather than on the clock of the first sample
+    const bool showsLights = component == Component::all || component == Component::direct;
+    const int maxBounces = component == Component::direct ? 1 : kMaxPathBounces;
+    const FirstReflection first = firstReflectionOf(component);
+    return [&, component, showsLights, maxBounces, first, guide](const CameraRay& ray, PixelSample& sample) {
+        const Hit hit = visibleHit(rays, ray, sample.rays);
+        if (!hit) return showsLights ? lights.environmentRadiance(ray.direction) : glm::vec3(0);
+        const SurfacePoint point = surfaceAt(seen, hit, ray.direction);
+        const ReflectedRadiance reflected = tracePath(rays, lights, point, -ray.direction, maxBounces,
+                                                      sample.numbers, sample.rays, first, guide);
+        return (showsLights ? point.emission : glm::vec3(0)) + partOf(reflected, component);
+    };
+}
+
+PathGuide learnGuide(const RayScene& rays, const LightSampler& lights, double paths, uint64_t seed,
+                     Progress& progress) {
+    const double count = std::min(paths / kPathsPerPhoton, kMostPhotons);
+    if (count < kLeastPhotons || lights.empty()) return {};
+    const PhotonSettings settings{.count = uint64_t(count), .seed = hashOf(seed, 1)};
+    return PathGuide(tracePhotons(rays, lights, settings, progress).photons);
+}
+
+}  // namespace phat

@@ -1,0 +1,58 @@
+#include "core/scene/light_punctual.h"
+
+namespace phat {
+namespace {
+
+// 1 at cosine base + width, clipped where that lies beyond the axis (cones narrower than the least width).
+struct ConeMass {
+    float ring = 0;  // of the falloff over the cosine, the soft part
+    float cap = 0;   // the full part
+};
+
+ConeMass massOf(const SpotCone& cone) {
+    const float softEnd = std::min(cone.width, 1.0f - cone.base);
+    return {softEnd * square(softEnd / cone.width) / 3.0f, std::max(0.0f, 1.0f - (cone.base + cone.width))};
+}
+
+}  // namespace
+
+float rangeAttenuation(float distanceMeters, float rangeMeters) {
+    if (!(rangeMeters > 0)) return 1.0f;
+    const float ratio = distanceMeters / rangeMeters;
+    return std::clamp(1.0f - square(square(ratio)), 0.0f, 1.0f);
+}
+
+SpotCone spotCone(const PunctualLight& spot) {
+    // The least width is the extension's, so that a hard edge does not divide by zero.
+    return {spot.cosOuterCone, std::max(0.001f, spot.cosInnerCone - spot.cosOuterCone)};
+}
+
+float spotFalloff(const SpotCone& cone, float cosAngle) {
+    return square(std::clamp((cosAngle - cone.base) / cone.width, 0.0f, 1.0f));
+}
+
+float spotSolidAngle(const SpotCone& cone) {
+    const ConeMass mass = massOf(cone);
+    return 2 * kPi * (mass.ring + mass.cap);
+}
+
+float sampleSpotCosine(const SpotCone& cone, float unit) {
+    const ConeMass mass = massOf(cone);
+    const float target = unit * (mass.ring + mass.cap);
+    if (target >= mass.ring) return std::min(1.0f, cone.base + cone.width + (target - mass.ring));
+    return std::min(1.0f, cone.base + std::cbrt(3.0f * square(cone.width) * target));
+}
+
+glm::vec3 punctualPower(const PunctualLight& light, float sphereRadiusMeters) {
+    switch (light.type) {
+        case PunctualLight::Type::point:
+            return 4 * kPi * light.intensity;
+        case PunctualLight::Type::spot:
+            return spotSolidAngle(spotCone(light)) * light.intensity;
+        case PunctualLight::Type::directional:
+            return kPi * square(sphereRadiusMeters) * light.intensity;
+    }
+    return glm::vec3(0);
+}
+
+}  // namespace phat

@@ -1,0 +1,143 @@
+#include "core/scene/rays.h"
+
+#include <embree3/rtcore.h>
+
+#include <bit>
+#include <stdexcept>
+
+#include "core/base/random.h"
+#include "core/scene/shading.h"
+
+namespace phat {
+namespace {
+
+// Whether the ray goes on through a partly transparent triangle. Blended surfaces decide by a hash of the
+// ray's own bits: the same ray always gets the same answer, whatever thread or order asks.
+bool passesThrough(const Scene& scene, uint32_t triangle, const RTCRay& ray, glm::vec2 barycentric) {
+    const float opacity = opacityAt(scene, triangle, barycentric);
+    if (opacity >= 1.0f) return false;
+    if (opacity <= 0.0f) return true;
+    const uint64_t bits =
+        hashOf(hashOf(std::bit_cast<uint32_t>(ray.org_x), std::bit_cast<uint32_t>(ray.org_y),
+                      std::bit_cast<uint32_t>(ray.org_z)),
+               hashOf(std::bit_cast<uint32_t>(ray.dir_x), std::bit_cast<uint32_t>(ray.dir_y),
+                      std::bit_cast<uint32_t>(ray.dir_z)),
+               triangle);
+    return float(bits >> 40) * 0x1p-24f >= opacity;
+}
+
+void filterTransparent(const RTCFilterFunctionNArguments* arguments) {
+    const auto& scene = *static_cast<const Scene*>(arguments->geometryUserPtr);
+    for (unsigned i = 0; i < arguments->N; ++i) {
+        if (arguments->valid[i] != -1) continue;
+        const RTCHit hit = rtcGetHitFromHitN(arguments->hit, arguments->N, i);
+        const RTCRay ray = rtcGetRayFromRayN(arguments->ray, arguments->N, i);
+        if (passesThrough(scene, hit.primID, ray, {hit.u, hit.v})) arguments->valid[i] = 0;
+    }
+}
+
+}  // namespace
+
+struct RayScene::Embree {
+    RTCDevice device = rtcNewDevice(nullptr);
+    RTCScene scene = nullptr;
+
+    Embree() = default;
+    Embree(const Embree&) = delete;
+    Embree& operator=(const Embree&) = delete;
+    ~Embree() {
+        if (scene) rtcReleaseScene(scene);
+        if (device) rtcReleaseDevice(device);
+    }
+};
+
+RayScene::RayScene(const Scene& scene) : scene_(&scene), embree_(std::make_unique<Embree>()) {
+    if (!embree_->device) throw std::runtime_error("Embree cannot start on this machine");
+    embree_->scene = rtcNewScene(embree_->device);
+    // Without the robust mode rays slip between adjacent triangles.
+    rtcSetSceneFlags(embree_->scene, RTC_SCENE_FLAG_ROBUST);
+
+    RTCGeometry mesh = rtcNewGeometry(embree_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    // Embree reads 16 bytes at the last vertex, so it gets a copy of its own with its own padding.
+    if (!scene.triangles.empty()) {
+        auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+            mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), scene.positions.size()));
+        auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
+            mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), scene.triangles.size()));
+        if (!vertices || !indices) throw std::bad_alloc();
+        std::copy_n(&scene.positions[0].x, scene.positions.size() * 3, vertices);
+        std::copy_n(&scene.triangles[0].x, scene.triangles.size() * 3, indices);
+    }
+    const bool transparent = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                         [](const Material& m) { return m.alphaMode != AlphaMode::opaque; });
+    if (transparent) {
+        rtcSetGeometryUserData(mesh, const_cast<Scene*>(&scene));
+        rtcSetGeometryIntersectFilterFunction(mesh, filterTransparent);
+        rtcSetGeometryOccludedFilterFunction(mesh, filterTransparent);
+    }
+    rtcCommitGeometry(mesh);
+    rtcAttachGeometry(embree_->scene, mesh);
+    rtcReleaseGeometry(mesh);
+    rtcCommitScene(embree_->scene);
+}
+
+RayScene::~RayScene() = default;
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+
+namespace {
+
+RTCRay makeRay(glm::vec3 origin, glm::vec3 direction, float maxDistance) {
+    RTCRay ray{};
+    ray.org_x = origin.x;
+    ray.org_y = origin.y;
+    ray.org_z = origin.z;
+    ray.dir_x = direction.x;
+    ray.dir_y = direction.y;
+    ray.dir_z = direction.z;
+    ray.tnear = 0.0f;
+    ray.tfar = maxDistance;
+    ray.mask = ~0u;
+    return ray;
+}
+
+}  // namespace
+
+Hit RayScene::closestHit(glm::vec3 origin, glm::vec3 direction, float maxDistance) const {
+    RTCRayHit query;
+    query.ray = makeRay(origin, direction, maxDistance);
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(embree_->scene, &context, &query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+
+    // Embree's geometric normal follows the winding: against the ray means the front was hit.
+    const float facing =
+        query.hit.Ng_x * direction.x + query.hit.Ng_y * direction.y + query.hit.Ng_z * direction.z;
+    return {query.ray.tfar, query.hit.primID, {query.hit.u, query.hit.v}, facing > 0.0f};
+}
+
+bool RayScene::anyHit(glm::vec3 origin, glm::vec3 direction, float maxDistance) const {
+    RTCRay ray = makeRay(origin, direction, maxDistance);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(embree_->scene, &context, &ray);
+    return ray.tfar < 0.0f;
+}
+
+glm::vec3 offsetOrigin(glm::vec3 p, glm::vec3 normal) {
+    // Far from the origin step by units in the last place; near it by a fixed length.
+    constexpr float kOrigin = 1.0f / 32.0f, kFloatScale = 1.0f / 65536.0f, kIntScale = 256.0f;
+    glm::vec3 moved;
+    for (int axis = 0; axis < 3; ++axis) {
+        const int32_t ulps = int32_t(kIntScale * normal[axis]);
+        const int32_t bits = std::bit_cast<int32_t>(p[axis]) + (p[axis] < 0.0f ? -ulps : ulps);
+        moved[axis] =
+            std::abs(p[axis]) < kOrigin ? p[axis] + kFloatScale * normal[axis] : std::bit_cast<float>(bits);
+    }
+    return moved;
+}
+
+}  // namespace phat

@@ -1,0 +1,51 @@
+#pragma once
+// Ray queries against a scene: a small door to Embree. Nothing else includes it.
+
+#include <cstdint>
+#include <memory>
+
+#include "core/scene/scene.h"
+
+namespace phat {
+
+inline constexpr uint32_t kNoTriangle = ~0u;
+
+struct Hit {
+    float distance = 0;               // metres along the unit direction
+    uint32_t triangle = kNoTriangle;  // index into Scene::triangles
+    glm::vec2 barycentric{0};         // weights of the triangle's second and third vertex
+    bool backFace = false;            // the ray came from behind the (counter-clockwise) front
+
+    explicit operator bool() const { return triangle != kNoTriangle; }
+};
+
+/// Embree scene over all triangles, robust mode. Alpha-masked texels are passed through; blended ones are
+/// passed with probability 1 - alpha, decided by a hash of the ray, so a ray always gets the same answer.
+/// Safe to share between threads. `scene` must outlive it.
+class RayScene {
+  public:
+    explicit RayScene(const Scene& scene);
+    ~RayScene();
+    RayScene(RayScene&&) noexcept;
+    RayScene& operator=(RayScene&&) noexcept;
+
+    const Scene& scene() const { return *scene_; }
+
+    /// Nearest hit with 0 < distance < maxDistance. pre: |direction| = 1.
+    Hit closestHit(glm::vec3 origin, glm::vec3 direction, float maxDistance = 1e30f) const;
+
+    /// Whether anything lies on the open segment. pre: |direction| = 1.
+    bool anyHit(glm::vec3 origin, glm::vec3 direction, float maxDistance) const;
+
+  private:
+    struct Embree;
+    const Scene* scene_;
+    std::unique_ptr<Embree> embree_;
+};
+
+/// `position` moved off its surface, far enough that rays on the side of `normal` do not meet the triangle
+/// again and no farther than float rounding asks. pre: |normal| = 1, on the side that the ray leaves.
+/// source: Waechter and Binder 2019, "A Fast and Robust Method for Avoiding Self-Intersection".
+glm::vec3 offsetOrigin(glm::vec3 position, glm::vec3 normal);
+
+}  // namespace phat

@@ -1,0 +1,24 @@
+#pragma once
+// What may change after a bake.
+
+#include <vector>
+
+#include "core/scene/scene_motion.h"
+
+namespace phat {
+
+/// Everything that can be edited without a new bake. Lights are where they are at rest.
+struct SceneEdits {
+    std::vector<Material> materials;
+    std::vector<PunctualLight> lights;
+    int environmentColumns = 0;       // by which the sky is turned, see turned() in environment_sampling.h
+    std::vector<NodeMotion> motions;  // one a node at most
+};
+
+/// A scene as it was read.
+SceneEdits noEdits(const Scene& scene);
+
+/// Brings a scene that holds `from` to `to`, but for what moves: see moveSurfaces, movedLights.
+void applyEdits(const SceneEdits& from, const SceneEdits& to, Scene& scene);
+
+}  // namespace phat

@@ -1,0 +1,65 @@
+#pragma once
+// One vertex of a path: what all that trace paths share.
+
+#include "core/base/random.h"
+#include "core/scene/lights.h"
+#include "core/scene/rays.h"
+#include "core/scene/shading.h"
+#include "core/transport/path_guide.h"
+
+namespace phat {
+
+/// Where a ray along `direction` starts.
+glm::vec3 originOn(const SurfacePoint& point, glm::vec3 direction);
+
+/// Whether light that was sampled for `position` arrives at `origin`, which is `position` moved off its
+/// surface. What touches the lamp hides it only where it lies in front: the case of a lamp keeps the light of
+/// its rim from what is behind.
+bool seesLight(const RayScene& rays, glm::vec3 position, glm::vec3 origin, const LightSample& light);
+
+/// A direction that the shading normal allows may still point into the flat triangle: light does not pass.
+bool leavesSurface(const SurfacePoint& point, glm::vec3 direction);
+
+/// A surface point as it is seen from one side.
+struct PathVertex {
+    const SurfacePoint& point;
+    SeenBrdf brdf;  // in the point's shading frame
+
+    const PathGuide::Density* guide = nullptr;  // for a share of what Lambert reflects
+
+    PathVertex(const SurfacePoint& of, glm::vec3 towardEye)
+        : point(of), brdf(seeBrdf(of.brdf, of.shading.toLocal(towardEye))) {}
+};
+
+/// sampleBrdf, but for a share of the Lambert lobe's samples that follows the guide.
+BrdfSample sampleDirection(const PathVertex& vertex, float lobe, glm::vec2 square);
+/// Its density, 1/sr.
+float sampleDirectionPdf(const PathVertex& vertex, glm::vec3 local);
+
+/// Radiance that the vertex reflects of the punctual lights, by shadow rays: to each of a few, or to one of
+/// many that is chosen by what it would bring. `choice` in [0, 1).
+glm::vec3 punctualLight(const RayScene& rays, const LightSampler& lights, const PathVertex& vertex,
+                        float choice, uint64_t& rayCount);
+inline glm::vec3 punctualLight(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
+                               glm::vec3 towardEye, Rng& rng, uint64_t& rayCount) {
+    return punctualLight(rays, lights, PathVertex(point, towardEye), rng.uniform(), rayCount);
+}
+
+/// The same of one place on the area lights, weighed against sampleDirection by the balance heuristic (Veach
+/// 1997). `numbers`: the light, the place.
+glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const PathVertex& vertex,
+                    glm::vec3 numbers, uint64_t& rayCount);
+inline glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
+                           glm::vec3 towardEye, Rng& rng, uint64_t& rayCount) {
+    const float choice = rng.uniform();
+    const glm::vec2 square = rng.uniform2();
+    return areaLight(rays, lights, PathVertex(point, towardEye), {choice, square}, rayCount);
+}
+
+/// Density with which areaLight finds what a ray hit, 1/sr.
+float areaPdf(const LightSampler& lights, glm::vec3 from, const Hit& hit, glm::vec3 direction);
+
+/// Russian roulette: the chance of going on after reflection number `bounce`, counted from 0.
+float survivalChance(int bounce, glm::vec3 throughput);
+
+}  // namespace phat

@@ -1,0 +1,20 @@
+#pragma once
+// Reflection as photons need it: light is followed forward while the BRDF is written for the eye's way.
+
+#include "core/scene/brdf.h"
+
+namespace phat {
+
+/// BRDF that light arriving along `towardLight` meets on its way to `towardEye` (both local), per unit of
+/// flux density on the *geometric* surface: f cos_s / cos_g. The cosines differ where normals are
+/// interpolated or mapped. source: Veach 1997, section 5.3. The ratio of the cosines has no bound, and a
+/// photon so heavy is a bright blot: it is held at 4. A bias, on light that grazes the true surface and not
+/// the shaded one. ours.
+inline glm::vec3 perArrivingFlux(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight,
+                                 float cosGeometric) {
+    constexpr float kMostRatio = 4.0f;
+    const float cosine = std::max(cosGeometric, towardLight.z / kMostRatio);
+    return cosine > 0 ? evaluateBrdf(brdf, towardEye, towardLight) / cosine : glm::vec3(0);
+}
+
+}  // namespace phat

@@ -1,0 +1,25 @@
+#pragma once
+// glTF 2.0 files to Scene.
+
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.h"
+
+namespace phat {
+
+struct LoadedScene {
+    Scene scene;
+    /// One line each: what was dropped or is shown in rest pose, by name.
+    std::vector<std::string> notes;
+};
+
+/// Loads a .glb or .gltf file (buffers and images embedded, as data URIs, or beside it; never from outside
+/// its folder, never over a network). Every count, offset and stride is checked before memory is allocated.
+/// Throws FileError with the reason.
+LoadedScene loadGltf(const std::string& path);
+
+/// Reads a latitude-longitude .hdr or .exr picture. Throws FileError.
+Environment loadEnvironment(const std::string& path);
+
+}  // namespace phat

@@ -1,0 +1,287 @@
+#include "io/gltf/gltf_rewrite.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "io/gltf/gltf_keep.h"
+
+namespace phat {
+namespace {
+
+using nlohmann::json;
+
+constexpr uint32_t kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123,
+                   kUnsignedInt = 5125, kFloat = 5126;
+
+std::string texCoordName(uint64_t index) {
+    return fmt::format("TEXCOORD_{}", index);
+}
+
+bool isSkinAttribute(std::string_view name) {
+    return name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");
+}
+
+void removeExtensionName(json& gltf, const char* array, const char* name) {
+    if (!gltf.contains(array)) return;
+    json& names = gltf[array];
+    names.erase(std::remove(names.begin(), names.end(), json(name)), names.end());
+    if (names.empty()) gltf.erase(array);
+}
+
+void eraseExtension(json& object, const char* name) {
+    if (!object.contains("extensions")) return;
+    object["extensions"].erase(name);
+    if (object["extensions"].empty()) object.erase("extensions");
+}
+
+void dropEarlierBake(json& gltf) {
+    const auto pointer = json::json_pointer(std::string("/extensions/") + kPhatExtension);
+    if (!gltf.contains(pointer)) return;
+    const std::string atlasUv = texCoordName(wholeNumber(gltf[pointer], "texCoord"));
+    for (json& mesh : gltf["meshes"])
+        for (json& primitive : mesh["primitives"]) primitive["attributes"].erase(atlasUv);
+    eraseExtension(gltf, kPhatExtension);
+    removeExtensionName(gltf, "extensionsUsed", kPhatExtension);
+}
+
+// The first index that no surface uses; never 0, which materials take for the first of their own.
+uint32_t freeTexCoord(const json& gltf, const Scene& scene) {
+    uint32_t index = 1;
+    for (const Surface& surface : scene.surfaces) {
+        const json& attributes =
+            gltfItem(gltf, "meshes", surface.mesh).at("primitives").at(surface.primitive).at("attributes");
+        while (attributes.contains(texCoordName(index))) ++index;
+    }
+    return index;
+}
+
+// World-space texels belong to one place: a mesh that several nodes show is copied for each of them.
+// Returns the new mesh of each surface.
+std::vector<size_t> giveNodesTheirOwnMeshes(json& gltf, const Scene& scene) {
+    std::map<uint64_t, size_t> users;
+    for (const json& node : gltf.value("nodes", json::array()))
+        if (node.contains("mesh")) ++users[wholeNumber(node, "mesh")];
+    std::map<uint32_t, size_t> meshOfNode;
+    std::vector<size_t> meshOfSurface;
+    for (const Surface& surface : scene.surfaces) {
+        const auto [found, isNew] = meshOfNode.try_emplace(surface.node, surface.mesh);
+        if (isNew && users[surface.mesh]-- > 1) {
+            const json copy = gltfItem(gltf, "meshes", surface.mesh);
+            found->second = gltf["meshes"].size();
+            gltf["meshes"].push_back(copy);
+            gltf["nodes"].at(surface.node)["mesh"] = found->second;
+        }
+        meshOfSurface.push_back(found->second);
+    }
+    return meshOfSurface;
+}
+
+// The surface's vertices, split so that each has one place in the atlas.
+struct SplitVertices {
+    std::vector<uint32_t> sourceVertex;  // per new vertex
+    std::vector<glm::vec2> uv;           // of the atlas
+    std::vector<uint32_t> indices;
+};
+
+SplitVertices splitVertices(const Surface& surface, const SurfaceCorners& corners, const Atlas& atlas) {
+    constexpr uint32_t kNone = ~0u;
+    SplitVertices split;
+    std::vector<uint32_t> first(corners.vertexCount, kNone);  // copies of a vertex form a list
+    std::vector<uint32_t> next;
+    for (uint32_t t = 0; t < surface.triangleCount; ++t) {
+        for (int place = 0; place < 3; ++place) {
+            const int corner = swappedPlace(place, corners.swapped);
+            const uint32_t vertex = corners.vertices[t][corner];
+            const glm::vec2 uv =
+                uvFromTexel(atlas.triangleTexels[surface.firstTriangle + t][corner] + 0.0f, atlas.sizeTexels);
+            if (!(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1))
+                throw std::runtime_error("the atlas places a triangle outside itself");
+            uint32_t copy = first[vertex];
+            while (copy != kNone && split.uv[copy] != uv) copy = next[copy];
+            if (copy == kNone) {
+                copy = uint32_t(split.uv.size());
+                split.sourceVertex.push_back(vertex);
+                split.uv.push_back(uv);
+                next.push_back(std::exchange(first[vertex], copy));
+            }
+            split.indices.push_back(copy);
+        }
+    }
+    return split;
+}
+
+template <class T>
+void addBounds(json& accessor, std::span<const uint8_t> bytes, uint32_t components, size_t elementSize) {
+    std::vector<T> low(components), high(components);
+    for (size_t at = 0; at < bytes.size(); at += elementSize) {
+        for (uint32_t c = 0; c < components; ++c) {
+            T value;
+            std::memcpy(&value, &bytes[at + c * sizeof(T)], sizeof(T));
+            low[c] = at == 0 ? value : std::min(low[c], value);
+            high[c] = at == 0 ? value : std::max(high[c], value);
+        }
+    }
+    accessor["min"] = low;
+    accessor["max"] = high;
+}
+
+// Required of POSITION by the specification (section 3.7.2.1), in the accessor's own component type.
+void addBounds(json& accessor, std::span<const uint8_t> bytes, const AccessorElements& from) {
+    switch (from.componentType) {
+        case kByte:
+            return addBounds<int8_t>(accessor, bytes, from.components, from.elementSize);
+        case kUnsignedByte:
+            return addBounds<uint8_t>(accessor, bytes, from.components, from.elementSize);
+        case kShort:
+            return addBounds<int16_t>(accessor, bytes, from.components, from.elementSize);
+        case kUnsignedShort:
+            return addBounds<uint16_t>(accessor, bytes, from.components, from.elementSize);
+        default:
+            return addBounds<float>(accessor, bytes, from.components, from.elementSize);
+    }
+}
+
+size_t appendAttribute(const GltfSource& source, const std::string& name, uint64_t index,
+                       const SurfaceCorners& corners, const SplitVertices& split, GlbBuilder& glb) {
+    const AccessorElements elements = readAccessor(source, index, corners.vertexCount);
+    std::vector<uint8_t> bytes(split.sourceVertex.size() * elements.elementSize);
+    for (size_t i = 0; i < split.sourceVertex.size(); ++i)
+        std::memcpy(&bytes[i * elements.elementSize],
+                    &elements.bytes[size_t(split.sourceVertex[i]) * elements.elementSize],
+                    elements.elementSize);
+    json accessor = gltfItem(source.json, "accessors", index);
+    for (const char* key : {"bufferView", "byteOffset", "sparse", "min", "max"}) accessor.erase(key);
+    accessor["count"] = split.sourceVertex.size();
+    if (name == "POSITION") addBounds(accessor, bytes, elements);
+    return appendAccessor(glb, std::move(accessor), bytes, ViewTarget::vertices);
+}
+
+template <class T>
+size_t appendArray(GlbBuilder& glb, uint32_t componentType, const char* type, std::span<const T> values,
+                   ViewTarget target) {
+    return appendAccessor(glb, {{"componentType", componentType}, {"type", type}, {"count", values.size()}},
+                          {reinterpret_cast<const uint8_t*>(values.data()), values.size_bytes()}, target);
+}
+
+size_t appendIndices(GlbBuilder& glb, const SplitVertices& split) {
+    // 65535 itself would restart the primitive.
+    if (split.uv.size() > 65535)
+        return appendArray<uint32_t>(glb, kUnsignedInt, "SCALAR", split.indices, ViewTarget::indices);
+    const std::vector<uint16_t> narrow(split.indices.begin(), split.indices.end());
+    return appendArray<uint16_t>(glb, kUnsignedShort, "SCALAR", narrow, ViewTarget::indices);
+}
+
+void rewritePrimitive(const GltfSource& source, const SurfaceCorners& corners, const SplitVertices& split,
+                      uint32_t texCoord, json& primitive, GlbBuilder& glb,
+                      std::map<size_t, size_t>& zeroUvs) {
+    json attributes = json::object();
+    for (const auto& [name, index] : primitive.at("attributes").items())
+        if (!isSkinAttribute(name))
+            attributes[name] = appendAttribute(source, name, index.get<uint64_t>(), corners, split, glb);
+    // UV sets must be numbered without gaps; a set that a material misses is read as zeros in any case.
+    for (uint32_t set = 0; set < texCoord; ++set) {
+        if (attributes.contains(texCoordName(set))) continue;
+        const auto [found, isNew] = zeroUvs.try_emplace(split.uv.size(), 0);
+        if (isNew) {
+            const std::vector<glm::vec2> zeros(split.uv.size(), glm::vec2(0));
+            found->second = appendArray<glm::vec2>(glb, kFloat, "VEC2", zeros, ViewTarget::vertices);
+        }
+        attributes[texCoordName(set)] = found->second;
+    }
+    attributes[texCoordName(texCoord)] =
+        appendArray<glm::vec2>(glb, kFloat, "VEC2", split.uv, ViewTarget::vertices);
+    primitive["attributes"] = std::move(attributes);
+    primitive["indices"] = appendIndices(glb, split);
+    primitive.erase("mode");
+    primitive.erase("targets");
+    eraseExtension(primitive, "KHR_draco_mesh_compression");
+}
+
+// A bake is of one pose: what would deform its surfaces goes, in the node, the mesh and the animations.
+void dropDeformation(json& gltf, const Scene& scene, const std::vector<size_t>& meshOfSurface,
+                     std::vector<std::string>& notes) {
+    std::set<uint32_t> nodes;
+    size_t skins = 0, morphs = 0;
+    for (size_t i = 0; i < scene.surfaces.size(); ++i) {
+        if (!nodes.insert(scene.surfaces[i].node).second) continue;
+        json& node = gltf["nodes"].at(scene.surfaces[i].node);
+        json& mesh = gltf["meshes"].at(meshOfSurface[i]);
+        bool morphed = false;
+        for (json& primitive : mesh["primitives"]) {
+            morphed = primitive.erase("targets") > 0 || morphed;
+            json& attributes = primitive["attributes"];
+            for (auto it = attributes.begin(); it != attributes.end();)
+                it = isSkinAttribute(it.key()) ? attributes.erase(it) : std::next(it);
+        }
+        mesh.erase("weights");
+        node.erase("weights");
+        skins += node.erase("skin");
+        morphs += morphed;
+    }
+
+    size_t channels = 0;
+    json animations = json::array();
+    for (json& animation : gltf.value("animations", json::array())) {
+        json kept = json::array();
+        for (const json& channel : animation.at("channels")) {
+            const json& target = channel.at("target");
+            const bool drops = target.value("path", "") == "weights" && target.contains("node") &&
+                               nodes.contains(uint32_t(wholeNumber(target, "node")));
+            if (!drops) kept.push_back(channel);
+            channels += drops;
+        }
+        animation["channels"] = std::move(kept);
+        if (!animation["channels"].empty()) animations.push_back(std::move(animation));
+    }
+    gltf.erase("animations");
+    if (!animations.empty()) gltf["animations"] = std::move(animations);
+
+    const json& allNodes = gltf["nodes"];
+    if (std::none_of(allNodes.begin(), allNodes.end(), [](const json& n) { return n.contains("skin"); }))
+        gltf.erase("skins");
+
+    if (skins) notes.push_back(fmt::format("{} skinned meshes are kept in the pose that was baked", skins));
+    if (morphs) notes.push_back(fmt::format("morph targets of {} meshes are dropped", morphs));
+    if (channels)
+        notes.push_back(fmt::format("{} animation channels of morph targets are dropped", channels));
+}
+
+}  // namespace
+
+RewrittenGltf rewriteGltf(const GltfSource& source, const Scene& scene, const Atlas& atlas) {
+    RewrittenGltf out;
+    json& gltf = out.glb.json = source.json;
+    gltf.erase("buffers");
+    gltf["bufferViews"] = json::array();
+    gltf["accessors"] = json::array();
+    dropEarlierBake(gltf);
+    removeExtensionName(gltf, "extensionsUsed", "EXT_meshopt_compression");  // bufferViews are copied plain
+
+    Kept kept;
+    keepAllIfReferencesAreUnknown(source, out.glb, kept);
+    out.texCoord = freeTexCoord(gltf, scene);
+    const std::vector<size_t> meshOfSurface = giveNodesTheirOwnMeshes(gltf, scene);
+    dropDeformation(gltf, scene, meshOfSurface, out.notes);
+
+    std::map<size_t, size_t> zeroUvs;
+    std::set<std::pair<size_t, size_t>> rewritten;
+    for (size_t i = 0; i < scene.surfaces.size(); ++i) {
+        const Surface& surface = scene.surfaces[i];
+        json primitive = gltf["meshes"].at(meshOfSurface[i]).at("primitives").at(surface.primitive);
+        const SurfaceCorners corners = surfaceCorners(source, scene, surface);
+        const SplitVertices split = splitVertices(surface, corners, atlas);
+        rewritePrimitive(source, corners, split, out.texCoord, primitive, out.glb, zeroUvs);
+        gltf["meshes"][meshOfSurface[i]]["primitives"][surface.primitive] = std::move(primitive);
+        rewritten.insert({meshOfSurface[i], surface.primitive});
+    }
+    keepReferences(source, rewritten, out.glb, kept, out.notes);
+    return out;
+}
+
+}  // namespace phat

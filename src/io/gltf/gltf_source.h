@@ -1,0 +1,66 @@
+#pragma once
+// A glTF file as it stands on disk: JSON and buffers, uninterpreted. What the loader turns into a Scene, the
+// baked file is rewritten from. Everything here throws std::runtime_error with the reason; the callers know
+// the path.
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.h"
+
+namespace phat {
+
+struct GltfSource {
+    std::string path;
+    nlohmann::json json;
+    std::vector<std::vector<uint8_t>> buffers;
+};
+
+/// JSON of a .glb or .gltf file.
+nlohmann::json readGltfJson(const std::string& path);
+
+/// JSON and all buffers, also those beside the file.
+GltfSource readGltfSource(const std::string& path);
+
+/// What a `uri` of the file stands for: a data URI, or a file in the scene's folder.
+std::vector<uint8_t> readGltfUri(const GltfSource& source, const std::string& uri);
+
+/// object[key] as a whole number, `fallback` where it is absent.
+uint64_t wholeNumber(const nlohmann::json& object, const char* key, std::optional<uint64_t> fallback = {});
+
+/// Element `index` of the top-level array `array`.
+const nlohmann::json& gltfItem(const nlohmann::json& json, const char* array, uint64_t index);
+
+std::span<const uint8_t> bufferViewBytes(const GltfSource& source, uint64_t view);
+
+/// Elements of an accessor side by side: strides and sparse storage undone, values untouched.
+struct AccessorElements {
+    std::vector<uint8_t> bytes;
+    uint64_t count = 0;
+    uint32_t elementSize = 0;    // bytes, with the padding of matrix columns
+    uint32_t componentType = 0;  // GL enumeration, as in the file
+    uint32_t components = 0;
+};
+/// `expectedCount`, if given, must be the accessor's.
+AccessorElements readAccessor(const GltfSource& source, uint64_t accessor,
+                              std::optional<uint64_t> expectedCount = {});
+
+/// For each triangle of a surface, in the scene's order: which vertices of the file's primitive its corners
+/// are. Throws where the file does not hold what the scene was loaded from.
+struct SurfaceCorners {
+    std::vector<std::array<uint32_t, 3>> vertices;
+    uint32_t vertexCount = 0;  // of the primitive
+    bool swapped = false;      // mirrored node: the loader swaps the last two corners of the file's triangles
+};
+/// Which corner of a triangle the file's `place`-th is, and the other way round.
+inline int swappedPlace(int place, bool swapped) {
+    return swapped && place > 0 ? 3 - place : place;
+}
+SurfaceCorners surfaceCorners(const GltfSource& source, const Scene& scene, const Surface& surface);
+
+}  // namespace phat

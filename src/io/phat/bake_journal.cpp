@@ -1,0 +1,213 @@
+#include "io/phat/bake_journal.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <mutex>
+#include <unordered_map>
+
+#include "core/base/random.h"
+#include "io/base/file_error.h"
+#include "io/gltf/gltf_source.h"
+
+namespace phat {
+namespace {
+
+constexpr uint32_t kJournalVersion = 1;
+
+struct Header {
+    char magic[8] = {'P', 'H', 'A', 'T', 'J', 'R', 'N', 'L'};
+    uint32_t version = kJournalVersion;
+    uint32_t reserved = 0;
+    uint64_t fingerprint = 0;
+};
+
+struct RecordHeader {
+    uint64_t key = 0;
+    uint32_t length = 0;
+    uint32_t checksum = 0;
+};
+
+// A part of a stage is some kilobytes; a length beyond this is damage.
+constexpr uint32_t kMaxRecordBytes = 256u << 20;
+
+uint32_t checksumOf(const RecordHeader& record, std::span<const uint8_t> bytes) {
+    const uLong crc = crc32_z(0, reinterpret_cast<const Bytef*>(&record), offsetof(RecordHeader, checksum));
+    // zlib takes a null pointer for a request of the initial value.
+    return uint32_t(bytes.empty() ? crc : crc32_z(crc, bytes.data(), bytes.size()));
+}
+
+bool readFully(int file, void* to, size_t size, uint64_t offset) {
+    auto* bytes = static_cast<uint8_t*>(to);
+    while (size > 0) {
+        const ssize_t got = pread(file, bytes, size, off_t(offset));
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0) return false;
+        bytes += got;
+        offset += uint64_t(got);
+        size -= size_t(got);
+    }
+    return true;
+}
+
+bool writeFully(int file, const void* from, size_t size, uint64_t offset) {
+    const auto* bytes = static_cast<const uint8_t*>(from);
+    while (size > 0) {
+        const ssize_t put = pwrite(file, bytes, size, off_t(offset));
+        if (put < 0 && errno == EINTR) continue;
+        if (put <= 0) return false;
+        bytes += put;
+        offset += uint64_t(put);
+        size -= size_t(put);
+    }
+    return true;
+}
+
+}  // namespace
+
+void Fingerprint::add(std::span<const uint8_t> bytes) {
+    state_ = hashOf(state_, bytes.size());
+    for (size_t at = 0; at < bytes.size(); at += 8) {
+        uint64_t word = 0;
+        std::memcpy(&word, bytes.data() + at, std::min<size_t>(8, bytes.size() - at));
+        state_ = mixBits(state_ + word + 0x9e3779b97f4a7c15ull);
+    }
+}
+
+void Fingerprint::add(const std::string& text) {
+    add({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+void addGltfFile(Fingerprint& fingerprint, const std::string& path) {
+    try {
+        const GltfSource source = readGltfSource(path);
+        fingerprint.add(source.json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+        for (const auto& buffer : source.buffers) fingerprint.add(buffer);
+        for (const nlohmann::json& image : source.json.value("images", nlohmann::json::array())) {
+            if (!image.contains("uri")) continue;
+            try {
+                fingerprint.add(readGltfUri(source, image["uri"].get<std::string>()));
+            } catch (const std::runtime_error&) {
+                // The loader goes on without a picture that it cannot read, and says so.
+            }
+        }
+    } catch (const std::exception& error) {
+        throw FileError(path, error.what());
+    }
+}
+
+void addFile(Fingerprint& fingerprint, const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    if (!file) throw FileError(path, "cannot be read");
+    fingerprint.add(text);
+}
+
+struct FileJournal::State {
+    struct Place {
+        uint64_t offset;
+        uint32_t length;
+    };
+    std::string path;
+    int file = -1;
+    uint64_t end = 0;
+    std::unordered_map<uint64_t, Place> records;
+    size_t resumed = 0;
+    std::mutex mutex;
+
+    ~State() {
+        if (file >= 0) close(file);
+    }
+
+    [[noreturn]] void fail(const char* what) const {
+        throw FileError(path, fmt::format("{}: {}", what, std::strerror(errno)));
+    }
+
+    // Takes over what an earlier run has left; false where that is nothing, or of another bake.
+    bool readRecords(uint64_t fingerprint) {
+        Header header;
+        const Header expected{.fingerprint = fingerprint};
+        if (!readFully(file, &header, sizeof(header), 0)) return false;
+        if (std::memcmp(&header, &expected, sizeof(header)) != 0) return false;
+        struct stat status {};
+        if (fstat(file, &status) != 0) return false;
+        end = sizeof(Header);
+        std::vector<uint8_t> bytes;
+        for (RecordHeader record; readFully(file, &record, sizeof(record), end);) {
+            const uint64_t left = uint64_t(status.st_size) - end - sizeof(record);
+            if (record.length > left || record.length > kMaxRecordBytes) break;
+            bytes.resize(record.length);
+            if (!readFully(file, bytes.data(), bytes.size(), end + sizeof(record))) break;
+            if (checksumOf(record, bytes) != record.checksum) break;
+            records[record.key] = {end + sizeof(record), record.length};
+            end += sizeof(record) + record.length;
+        }
+        return true;
+    }
+};
+
+FileJournal::FileJournal(const std::string& path, uint64_t fingerprint, bool resume)
+    : state_(std::make_unique<State>()) {
+    State& s = *state_;
+    s.path = path;
+    s.file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (s.file < 0) s.fail("cannot be written");
+    if (flock(s.file, LOCK_EX | LOCK_NB) != 0) throw FileError(path, "is in use by another bake");
+    if (!resume || !s.readRecords(fingerprint)) {
+        s.records.clear();
+        const Header header{.fingerprint = fingerprint};
+        if (ftruncate(s.file, 0) != 0 || !writeFully(s.file, &header, sizeof(header), 0))
+            s.fail("cannot be written");
+        s.end = sizeof(Header);
+    }
+    if (ftruncate(s.file, off_t(s.end)) != 0) s.fail("cannot be written");
+    s.resumed = s.records.size();
+}
+
+FileJournal::~FileJournal() = default;
+
+std::vector<uint8_t> FileJournal::load(uint64_t key) {
+    State::Place place;
+    {
+        const std::lock_guard lock(state_->mutex);
+        const auto found = state_->records.find(key);
+        if (found == state_->records.end()) return {};
+        place = found->second;
+    }
+    std::vector<uint8_t> bytes(place.length);
+    if (!readFully(state_->file, bytes.data(), bytes.size(), place.offset)) return {};
+    return bytes;
+}
+
+void FileJournal::store(uint64_t key, const std::vector<uint8_t>& bytes) {
+    RecordHeader record{key, uint32_t(bytes.size()), 0};
+    record.checksum = checksumOf(record, bytes);
+    const std::lock_guard lock(state_->mutex);
+    State& s = *state_;
+    if (!writeFully(s.file, &record, sizeof(record), s.end) ||
+        !writeFully(s.file, bytes.data(), bytes.size(), s.end + sizeof(record)) || fdatasync(s.file) != 0)
+        s.fail("cannot be written");
+    s.records[key] = {s.end + sizeof(record), record.length};
+    s.end += sizeof(record) + record.length;
+}
+
+size_t FileJournal::resumedRecords() const {
+    return state_->resumed;
+}
+
+bool FileJournal::empty() const {
+    return state_->records.empty();
+}
+
+void FileJournal::remove() {
+    unlink(state_->path.c_str());
+}
+
+}  // namespace phat

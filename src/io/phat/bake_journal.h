@@ -1,0 +1,57 @@
+#pragma once
+// The journal of a bake: what is finished, on disk, until the baked file is.
+//
+// Header: "PHATJRNL", format version (u32), 0 (u32), fingerprint (u64). Then records, only ever appended:
+// key (u64), length (u32), CRC-32 of key, length and bytes (u32), bytes. All little endian. A record that is
+// cut off or damaged, and everything after it, counts as never written.
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "core/bake/bake.h"
+
+namespace phat {
+
+/// 64 bits that tell inputs apart (not against a forger): order and lengths of the pieces count.
+class Fingerprint {
+  public:
+    void add(std::span<const uint8_t> bytes);
+    void add(const std::string& text);
+    uint64_t value() const { return state_; }
+
+  private:
+    uint64_t state_ = 0;
+};
+
+/// Adds the bytes of a .glb or .gltf and of all files that it names. Throws FileError.
+void addGltfFile(Fingerprint& fingerprint, const std::string& path);
+/// Adds the bytes of any file. Throws FileError.
+void addFile(Fingerprint& fingerprint, const std::string& path);
+
+/// A journal in a file. With `resume`, the records of an earlier run with the same fingerprint are kept;
+/// otherwise, and when the file is of another bake or no journal, it starts anew.
+/// Throws FileError, also from store() when the disk is full, and when another process has the journal open.
+class FileJournal : public BakeJournal {
+  public:
+    FileJournal(const std::string& path, uint64_t fingerprint, bool resume);
+    ~FileJournal() override;
+    FileJournal(const FileJournal&) = delete;
+    FileJournal& operator=(const FileJournal&) = delete;
+
+    std::vector<uint8_t> load(uint64_t key) override;
+    void store(uint64_t key, const std::vector<uint8_t>& bytes) override;
+
+    /// Records that an earlier run has left.
+    size_t resumedRecords() const;
+    /// Whether nothing is stored.
+    bool empty() const;
+    /// Deletes the file: the bake is done.
+    void remove();
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace phat

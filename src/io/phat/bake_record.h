@@ -1,0 +1,22 @@
+#pragma once
+// What a baked file says of its making.
+
+#include <map>
+#include <string>
+
+#include "core/bake/bake.h"
+#include "io/phat/baked_file.h"
+
+namespace phat {
+
+/// The names that flags and files use.
+const std::map<std::string, Directions>& directionNames();
+const std::map<std::string, RadianceSource>& radianceNames();
+
+/// `environment`: the sky's file, empty if none was given.
+BakeRecord recordOf(const BakeSettings& settings, const std::string& source, const std::string& environment);
+
+/// The settings that a record tells of; what it does not tell, or tells wrongly, is as by default.
+BakeSettings settingsOf(const BakeRecord& record);
+
+}  // namespace phat

@@ -1,0 +1,198 @@
+#include "io/phat/baked_file.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cassert>
+#include <nlohmann/json.hpp>
+
+#include "core/phatexel/radiance_bound.h"
+#include "io/base/atomic_file.h"
+#include "io/base/file_error.h"
+#include "io/gltf/gltf_rewrite.h"
+#include "io/phat/baked_layout.h"
+#include "io/phat/phat_payload.h"
+
+namespace phat {
+namespace {
+
+using nlohmann::json;
+
+// Arrays that wait for compression, and where in the extension their description goes.
+struct PendingPayload {
+    std::string where;  // JSON pointer
+    std::vector<uint8_t> bytes;
+};
+using Payloads = std::vector<PendingPayload>;
+
+template <class T>
+void add(Payloads& payloads, std::string where, const std::vector<T>& values) {
+    const auto bytes = bytesOf(values);
+    payloads.push_back({std::move(where), {bytes.begin(), bytes.end()}});
+}
+
+void addAtlas(Payloads& payloads, const Atlas& atlas, const TexelPoints& points, json& extension) {
+    extension["atlas"] = {{"size", {atlas.sizeTexels.x, atlas.sizeTexels.y}},
+                          {"texelSize", atlas.texelSizeMeters},
+                          {"chartCount", atlas.charts.size()}};
+    std::vector<ChartRecord> records;
+    for (const Chart& chart : atlas.charts)
+        records.push_back({chart.originTile.x, chart.originTile.y, chart.sizeTiles.x, chart.sizeTiles.y,
+                           chart.surface, chart.back, chart.otherSide, chart.texelSizeMeters});
+    add(payloads, "/atlas/charts", records);
+    add(payloads, "/atlas/tiles", atlas.tileChart);
+    add(payloads, "/atlas/triangles", atlas.triangleChart);
+
+    std::vector<uint8_t> covered((points.state.size() + 7) / 8);
+    for (size_t i = 0; i < points.state.size(); ++i)
+        if (points.state[i] == TexelState::covered) covered[i / 8] |= uint8_t(1 << i % 8);
+    add(payloads, "/atlas/covered", covered);
+}
+
+// How far the coordinates that a reader computes from the UV set are from those that were baked.
+void addTexelCorrection(Payloads& payloads, const Atlas& atlas, json& extension) {
+    std::vector<int8_t> correction;
+    uLong checksum = crc32(0, nullptr, 0);
+    for (const auto& triangle : atlas.triangleTexels) {
+        for (const glm::vec2& corner : triangle) {
+            const glm::vec2 texel = corner + 0.0f;  // -0 becomes 0
+            const glm::vec2 computed = texelFromUv(uvFromTexel(texel, atlas.sizeTexels), atlas.sizeTexels);
+            for (int axis = 0; axis < 2; ++axis) {
+                const int32_t ulps = ulpsBetween(computed[axis], texel[axis]);
+                assert(std::abs(ulps) <= 2);  // two roundings, each of half a unit of either binade
+                correction.push_back(int8_t(ulps));
+            }
+            checksum = crc32(checksum, reinterpret_cast<const Bytef*>(&texel), sizeof(texel));
+        }
+    }
+    extension["atlas"]["texelChecksum"] = uint32_t(checksum);
+    if (std::any_of(correction.begin(), correction.end(), [](int8_t ulps) { return ulps != 0; }))
+        add(payloads, "/atlas/texelCorrection", correction);
+}
+
+void addLayers(Payloads& payloads, const std::string& where, const std::vector<PhatexelLayer>& layers,
+               const std::vector<Guide>& guides, json& extension) {
+    const auto pointer = json::json_pointer(where);
+    extension[pointer]["guideCount"] = guides.size();
+    extension[pointer]["layers"] = json::array();
+    if (!guides.empty()) add(payloads, where + "/guides", guides);
+    for (size_t i = 0; i < layers.size(); ++i) {
+        std::vector<uint32_t> radiance, direction;
+        for (const PackedPhatexel& texel : layers[i].texels) {
+            radiance.push_back(texel.radiance);
+            direction.push_back(texel.directionDistance);
+        }
+        const std::string layer = where + "/layers/" + std::to_string(i);
+        add(payloads, layer + "/radiance", radiance);
+        add(payloads, layer + "/direction", direction);
+        if (!layers[i].pdf.empty()) add(payloads, layer + "/pdf", layers[i].pdf);
+        if (!layers[i].scrambles.empty()) add(payloads, layer + "/scrambles", layers[i].scrambles);
+    }
+}
+
+// What a renderer reads by the tile. tileLight follows from the rest; the browser is spared the way there.
+void addTiles(Payloads& payloads, const Scene& scene, const Bake& bake) {
+    add(payloads, "/tiles/places", bake.phatexture.tilePlaces);
+    std::vector<LevelsRecord> levels;
+    for (const DistanceProbe& probe : bake.phatexture.probes) levels.push_back(packLevels(probe));
+    if (!levels.empty()) add(payloads, "/tiles/distances", levels);
+    std::vector<glm::vec3> brightest;
+    for (const glm::vec4& light : tileLight(scene, bake.atlas, bake.phatexture)) brightest.push_back(light);
+    add(payloads, "/tiles/brightest", brightest);
+}
+
+void addEnvironment(Payloads& payloads, const Environment& environment, json& extension) {
+    constexpr float kLargestRgb9e5 = 65408;
+    float largest = 0;
+    for (const glm::vec3& pixel : environment.radiance.pixels)
+        largest = std::max(largest, maxComponent(pixel));
+    // The sun of a photographed sky is brighter than the format reaches.
+    const float scale = std::max(1.0f, largest / kLargestRgb9e5);
+    std::vector<uint32_t> packed;
+    for (const glm::vec3& pixel : environment.radiance.pixels) packed.push_back(packRgb9e5(pixel / scale));
+    extension["environment"] = {{"size", {environment.radiance.width, environment.radiance.height}},
+                                {"scale", scale}};
+    add(payloads, "/environment/radiance", packed);
+}
+
+void appendPayloads(const Payloads& payloads, json& extension, GlbBuilder& glb, Progress* progress) {
+    std::vector<std::vector<uint8_t>> streams(payloads.size());
+    tbb::parallel_for(size_t(0), payloads.size(), [&](size_t i) {
+        streams[i] = encodePayload(payloads[i].bytes, progress);
+        if (progress) progress->advance(payloads[i].bytes.size());
+    });
+    for (size_t i = 0; i < payloads.size(); ++i)
+        extension[json::json_pointer(payloads[i].where)] = {{"bufferView", appendBufferView(glb, streams[i])},
+                                                            {"byteLength", payloads[i].bytes.size()}};
+}
+
+std::vector<uint8_t> bakedBytes(const std::string& sourcePath, const Scene& scene, const Bake& bake,
+                                const BakeRecord& record, Progress* progress,
+                                std::vector<std::string>& notes) {
+    RewrittenGltf gltf = rewriteGltf(readGltfSource(sourcePath), scene, bake.atlas);
+    notes = gltf.notes;
+
+    json extension = {{"version", kBakedFormatVersion}, {"texCoord", gltf.texCoord}};
+    extension["record"] = {{"generator", record.generator},
+                           {"input", record.source},
+                           {"settings", record.settings},
+                           {"seed", record.seed}};
+    for (const Surface& surface : scene.surfaces)
+        extension["surfaces"].push_back({{"node", surface.node}, {"primitive", surface.primitive}});
+    Payloads payloads;
+    addAtlas(payloads, bake.atlas, bake.points, extension);
+    addTexelCorrection(payloads, bake.atlas, extension);
+    const Phatexture& phatexture = bake.phatexture;
+    addLayers(payloads, "/indirect", phatexture.indirect, phatexture.indirectGuides, extension);
+    if (!phatexture.indirectIrradiance.empty())
+        add(payloads, "/indirect/irradiance", phatexture.indirectIrradiance);
+    addLayers(payloads, "/area", phatexture.area, phatexture.areaGuides, extension);
+    if (!phatexture.areaIrradiance.empty()) add(payloads, "/area/irradiance", phatexture.areaIrradiance);
+    addTiles(payloads, scene, bake);
+    if (scene.environment) addEnvironment(payloads, *scene.environment, extension);
+
+    uint64_t byteCount = 0;
+    for (const PendingPayload& payload : payloads) byteCount += payload.bytes.size();
+    if (progress) progress->begin("compress", byteCount);
+    appendPayloads(payloads, extension, gltf.glb, progress);
+    if (progress) progress->end();
+
+    gltf.glb.json["extensions"][kPhatExtension] = std::move(extension);
+    gltf.glb.json["extensionsUsed"].push_back(kPhatExtension);
+    return glbBytes(gltf.glb);
+}
+
+}  // namespace
+
+FileTooLarge::FileTooLarge(const std::string& file, uint64_t size)
+    : FileError(file, fmt::format("would have {:.1f} MB", double(size) * 1e-6)), bytes(size) {}
+
+uint64_t texelsThatFit(uint64_t bytes, uint64_t sceneBytes, int layers, bool areaLights) {
+    // Compressed bytes a texel, measured on tabletop: irradiance and tiles; a layer; the area lights' share.
+    constexpr double kBase = 2.4, kLayer = 7.3, kArea = 4.6;
+    const double left = double(bytes) - double(sceneBytes);
+    return uint64_t(std::max(0.0, left / (kBase + kLayer * layers + (areaLights ? kArea : 0.0))));
+}
+
+std::vector<std::string> writeBakedFile(const std::string& outPath, const std::string& sourcePath,
+                                        const Scene& scene, const Bake& bake, const BakeRecord& record,
+                                        Progress* progress, uint64_t mostBytes) {
+    std::vector<std::string> notes;
+    std::vector<uint8_t> bytes;
+    try {
+        bytes = bakedBytes(sourcePath, scene, bake, record, progress, notes);
+    } catch (const Interrupted&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& error) {
+        throw FileError(sourcePath, error.what());
+    }
+    if (bytes.size() > mostBytes) throw FileTooLarge(outPath, bytes.size());
+    replaceFile(outPath, bytes);
+    return notes;
+}
+
+}  // namespace phat

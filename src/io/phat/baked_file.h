@@ -1,0 +1,52 @@
+#pragma once
+// The .phat.glb file: the input scene, an atlas UV set and the PHATexels (docs/format.md).
+
+#include <string>
+#include <vector>
+
+#include "core/bake/bake.h"
+#include "io/base/file_error.h"
+#include "io/gltf/gltf_loader.h"
+
+namespace phat {
+
+/// What a baked file says of its making; printed by `phat info`.
+struct BakeRecord {
+    std::string generator;  // "phatextures 0.1.0"
+    std::string source;     // file name without folders
+    std::string settings;   // the bake's flags as one line of JSON
+    uint64_t seed = 1;
+};
+
+struct BakedScene {
+    LoadedScene loaded;
+    Atlas atlas;
+    TexelPoints points;  // rebuilt from the atlas, with the stored covered states
+    Phatexture phatexture;
+    BakeRecord record;
+};
+
+/// Whether the file carries the extension PHAT_photon_accumulation_texture. Throws FileError if unreadable.
+bool isBakedFile(const std::string& path);
+
+/// A baked file would be larger than it may be; nothing was written.
+struct FileTooLarge : FileError {
+    FileTooLarge(const std::string& file, uint64_t size);
+    uint64_t bytes;
+};
+
+/// Rewrites `sourcePath` with the atlas and the PHATexels into `outPath`. `scene` must be what
+/// loadGltf(sourcePath) gave (plus its environment, which is stored too). Returns what of the input could not
+/// be kept, one line each. Throws FileError, FileTooLarge when the file would have more than `mostBytes`,
+/// and Interrupted when `progress` was asked to stop; an old file at `outPath` then stays as it was.
+std::vector<std::string> writeBakedFile(const std::string& outPath, const std::string& sourcePath,
+                                        const Scene& scene, const Bake& bake, const BakeRecord& record,
+                                        Progress* progress = nullptr, uint64_t mostBytes = ~uint64_t(0));
+
+/// About how many texels a baked file of `bytes` has room for; `sceneBytes`: what the scene itself takes.
+uint64_t texelsThatFit(uint64_t bytes, uint64_t sceneBytes, int layers, bool areaLights);
+
+/// Throws FileError when anything is missing, truncated or inconsistent.
+BakedScene readBakedFile(const std::string& path);
+
+}  // namespace phat

@@ -1,0 +1,346 @@
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "core/phatexel/lookup_tables.h"
+#include "io/base/file_error.h"
+#include "io/gltf/gltf_rewrite.h"
+#include "io/phat/baked_file.h"
+#include "io/phat/baked_layout.h"
+#include "io/phat/phat_payload.h"
+
+namespace phat {
+namespace {
+
+using nlohmann::json;
+
+[[noreturn]] void fail(const std::string& reason) {
+    throw std::runtime_error(reason);
+}
+
+struct Reader {
+    const GltfSource& source;
+    // Payloads may share a bufferView; together they may not claim more than the file could hold.
+    uint64_t bytesLeft = 0;
+};
+
+// The payload object[key] as `count` values.
+template <class T>
+std::vector<T> readPayload(Reader& reader, const json& object, const char* key, uint64_t count) {
+    const json& payload = object.at(key);
+    const uint64_t byteLength = wholeNumber(payload, "byteLength");
+    if (count > ~0ull / sizeof(T) || byteLength != count * sizeof(T))
+        fail(fmt::format("the payload \"{}\" has {} bytes where {} belong", key, byteLength,
+                         count * sizeof(T)));
+    if (byteLength > reader.bytesLeft)
+        fail(fmt::format("the payload \"{}\" is larger than the file allows", key));
+    reader.bytesLeft -= byteLength;
+    const auto stream = bufferViewBytes(reader.source, wholeNumber(payload, "bufferView"));
+    const std::vector<uint8_t> bytes = decodePayload(stream, byteLength);
+    std::vector<T> values(count);
+    if (count > 0) std::memcpy(values.data(), bytes.data(), byteLength);
+    return values;
+}
+
+glm::uvec2 readSize(const json& object, uint64_t maxSide) {
+    const auto size = object.at("size").get<std::array<double, 2>>();
+    for (const double side : size)
+        if (!(side >= 1 && side <= double(maxSide)) || side != std::floor(side))
+            fail(fmt::format("a size of {} x {} is not possible", size[0], size[1]));
+    return {uint32_t(size[0]), uint32_t(size[1])};
+}
+
+void checkChart(const Atlas& atlas, const Chart& chart, size_t surfaceCount) {
+    const glm::uvec2 tiles = atlas.sizeTiles();
+    for (int axis = 0; axis < 2; ++axis)
+        if (chart.originTile[axis] >= tiles[axis] || chart.sizeTiles[axis] == 0 ||
+            chart.sizeTiles[axis] > tiles[axis] - chart.originTile[axis])
+            fail("a chart lies outside the atlas");
+    if (chart.surface >= surfaceCount) fail("a chart belongs to no surface");
+    if (!(chart.texelSizeMeters > 0 && chart.texelSizeMeters <= atlas.texelSizeMeters))
+        fail("a chart's texel size is not positive, or larger than the atlas's");
+    if (chart.otherSide == kNoChart) return;
+    if (chart.otherSide >= atlas.charts.size() ||
+        atlas.charts[chart.otherSide].sizeTiles != chart.sizeTiles ||
+        atlas.charts[chart.otherSide].texelSizeMeters != chart.texelSizeMeters)
+        fail("a chart's other side does not fit it");
+}
+
+void readCharts(Reader& reader, const json& object, size_t surfaceCount, Atlas& atlas) {
+    const glm::uvec2 tiles = atlas.sizeTiles();
+    const uint64_t tileCount = uint64_t(tiles.x) * tiles.y;
+    const uint64_t chartCount = wholeNumber(object, "chartCount");
+    if (chartCount > tileCount) fail("there are more charts than tiles");
+    for (const ChartRecord& r : readPayload<ChartRecord>(reader, object, "charts", chartCount)) {
+        Chart chart;
+        chart.originTile = {r.originTileX, r.originTileY};
+        chart.sizeTiles = {r.sizeTilesX, r.sizeTilesY};
+        chart.surface = r.surface;
+        chart.back = r.back != 0;
+        chart.otherSide = r.otherSide;
+        chart.texelSizeMeters = r.texelSizeMeters;
+        atlas.charts.push_back(chart);
+    }
+    uint64_t blocks = 0;
+    for (const Chart& chart : atlas.charts) {
+        checkChart(atlas, chart, surfaceCount);
+        blocks += uint64_t(chart.blocksWide()) * chart.blocksHigh();
+    }
+    if (blocks > std::numeric_limits<uint32_t>::max()) fail("there are too many blocks");
+    numberBlocks(atlas);
+
+    atlas.tileChart = readPayload<uint32_t>(reader, object, "tiles", tileCount);
+    for (uint64_t i = 0; i < tileCount; ++i) {
+        const uint32_t index = atlas.tileChart[i];
+        if (index == kNoChart) continue;
+        if (index >= chartCount) fail("a tile belongs to a chart that does not exist");
+        const Chart& chart = atlas.charts[index];
+        const glm::uvec2 within =
+            glm::uvec2(i % tiles.x, i / tiles.x) - chart.originTile;  // wraps if outside
+        if (within.x >= chart.sizeTiles.x || within.y >= chart.sizeTiles.y)
+            fail("a tile lies outside its chart");
+    }
+}
+
+// Texel coordinates as they were baked, from the UV set and what rounding took away.
+void readTriangleTexels(Reader& reader, const json& object, uint64_t texCoord, const Scene& scene,
+                        Atlas& atlas) {
+    const size_t triangleCount = scene.triangles.size();
+    atlas.triangleTexels.resize(triangleCount);
+    const std::string name = fmt::format("TEXCOORD_{}", texCoord);
+    for (const Surface& surface : scene.surfaces) {
+        const SurfaceCorners corners = surfaceCorners(reader.source, scene, surface);
+        const json& attributes = gltfItem(reader.source.json, "meshes", surface.mesh)
+                                     .at("primitives")
+                                     .at(surface.primitive)
+                                     .at("attributes");
+        const AccessorElements uvs =
+            readAccessor(reader.source, wholeNumber(attributes, name.c_str()), corners.vertexCount);
+        constexpr uint32_t kFloat = 5126;
+        if (uvs.componentType != kFloat || uvs.elementSize != sizeof(glm::vec2))
+            fail(fmt::format("{} of \"{}\" is not the atlas's", name, surface.name));
+        for (uint32_t t = 0; t < surface.triangleCount; ++t)
+            for (int corner = 0; corner < 3; ++corner) {
+                glm::vec2 uv;
+                std::memcpy(&uv, &uvs.bytes[size_t(corners.vertices[t][corner]) * sizeof(uv)], sizeof(uv));
+                if (!(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1))
+                    fail(fmt::format("\"{}\" leaves the atlas", surface.name));
+                atlas.triangleTexels[surface.firstTriangle + t][corner] = texelFromUv(uv, atlas.sizeTexels);
+            }
+    }
+    if (object.contains("texelCorrection")) {
+        const auto correction = readPayload<int8_t>(reader, object, "texelCorrection", triangleCount * 6);
+        for (size_t i = 0; i < correction.size(); ++i) {
+            float& value = atlas.triangleTexels[i / 6][i / 2 % 3][int(i % 2)];
+            // Zero has no neighbour below; the writer corrects by steps that stay positive.
+            if (correction[i] != 0) value = std::max(0.0f, movedByUlps(value, correction[i]));
+        }
+    }
+    const auto bytes = bytesOf(atlas.triangleTexels);
+    if (wholeNumber(object, "texelChecksum") != crc32_z(crc32_z(0, nullptr, 0), bytes.data(), bytes.size()))
+        fail("the atlas UVs are not those that were baked: another program has changed the geometry");
+}
+
+void readTriangleCharts(Reader& reader, const json& object, const Scene& scene, Atlas& atlas) {
+    atlas.triangleChart = readPayload<uint32_t>(reader, object, "triangles", scene.triangles.size());
+    for (size_t t = 0; t < atlas.triangleChart.size(); ++t) {
+        const uint32_t index = atlas.triangleChart[t];
+        if (index == kNoChart) continue;
+        if (index >= atlas.charts.size() || atlas.charts[index].surface != scene.triangleSurface[t])
+            fail("a triangle belongs to a chart that does not exist");
+        const glm::vec2 low(atlas.charts[index].originTexel());
+        const glm::vec2 high = low + glm::vec2(atlas.charts[index].sizeTexels());
+        for (const glm::vec2& texel : atlas.triangleTexels[t])
+            if (!(texel.x >= low.x && texel.y >= low.y && texel.x <= high.x && texel.y <= high.y))
+                fail("a triangle lies outside its chart");
+    }
+}
+
+Atlas readAtlas(Reader& reader, const json& extension, const Scene& scene) {
+    const json& object = extension.at("atlas");
+    Atlas atlas;
+    atlas.sizeTexels = readSize(object, kMaxAtlasSide);
+    if (atlas.sizeTexels % kTileSize != glm::uvec2(0)) fail("the atlas does not consist of whole tiles");
+    atlas.texelSizeMeters = object.at("texelSize").get<float>();
+    if (!(atlas.texelSizeMeters > 0 && std::isfinite(atlas.texelSizeMeters)))
+        fail("the texel size is not positive");
+    readCharts(reader, object, scene.surfaces.size(), atlas);
+    readTriangleTexels(reader, object, wholeNumber(extension, "texCoord"), scene, atlas);
+    readTriangleCharts(reader, object, scene, atlas);
+    return atlas;
+}
+
+TexelPoints readTexelPoints(Reader& reader, const json& object, const Scene& scene, const Atlas& atlas) {
+    const auto covered = readPayload<uint8_t>(reader, object, "covered", (atlas.texelCount() + 7) / 8);
+    TexelPoints points = buildTexelPoints(scene, atlas);
+    for (size_t i = 0; i < atlas.texelCount(); ++i) {
+        const glm::uvec2 texel(i % atlas.sizeTexels.x, i / atlas.sizeTexels.x);
+        if (points.state[i] != TexelState::unused && atlas.chartAt(texel) == kNoChart)
+            fail("a surface lies on a tile that has no chart");
+        if (!(covered[i / 8] >> i % 8 & 1)) continue;
+        if (points.state[i] == TexelState::unused) fail("a texel without a surface is marked as covered");
+        points.state[i] = TexelState::covered;
+    }
+    return points;
+}
+
+void readLayers(Reader& reader, const json& object, const Atlas& atlas, std::vector<PhatexelLayer>& layers,
+                std::vector<Guide>& guides) {
+    const uint64_t guideCount = wholeNumber(object, "guideCount");
+    if (guideCount > 1 && guideCount != atlas.blockCount) fail("the guides are not one for each block");
+    if (guideCount > 0) guides = readPayload<Guide>(reader, object, "guides", guideCount);
+    for (const Guide& guide : guides)
+        for (const uint16_t weight : guide.weight)
+            if (weight == 0) fail("a guide has a cell without weight");
+    const json& described = object.at("layers");
+    if (!described.is_array()) fail("\"layers\" is not an array");
+    for (const json& item : described) {
+        const auto radiance = readPayload<uint32_t>(reader, item, "radiance", atlas.texelCount());
+        const auto direction = readPayload<uint32_t>(reader, item, "direction", atlas.texelCount());
+        PhatexelLayer& layer = layers.emplace_back();
+        layer.texels.resize(atlas.texelCount());
+        for (size_t i = 0; i < layer.texels.size(); ++i) layer.texels[i] = {radiance[i], direction[i]};
+        if (item.contains("pdf"))
+            layer.pdf = readPayload<float>(reader, item, "pdf", atlas.texelCount());
+        else if (guides.empty())
+            fail("a layer has neither guides nor densities");
+        for (const float pdf : layer.pdf)
+            if (!(pdf >= 0 && std::isfinite(pdf))) fail("a density is not a number");
+        if (item.contains("scrambles"))
+            layer.scrambles = readPayload<uint16_t>(reader, item, "scrambles", atlas.blockCount);
+    }
+}
+
+void readTiles(Reader& reader, const json& object, const Atlas& atlas, Phatexture& phatexture) {
+    const uint64_t tiles = atlas.tileChart.size();
+    phatexture.tilePlaces = readPayload<PackedTile>(reader, object, "places", tiles);
+    if (object.contains("distances")) {
+        const auto levels = readPayload<LevelsRecord>(reader, object, "distances", tiles);
+        for (size_t i = 0; i < tiles; ++i)
+            phatexture.probes.push_back(unpackProbe(levels[i], phatexture.tilePlaces[i]));
+    } else if (canLookUp(phatexture.indirect, phatexture.indirectGuides)) {
+        fail("the distances around the tiles are missing");
+    }
+    readPayload<glm::vec3>(reader, object, "brightest",
+                           tiles);  // the renderer makes its own, with more in it
+}
+
+Phatexture readPhatexture(Reader& reader, const json& extension, const Atlas& atlas) {
+    Phatexture phatexture;
+    const json& indirect = extension.at("indirect");
+    readLayers(reader, indirect, atlas, phatexture.indirect, phatexture.indirectGuides);
+    phatexture.indirectIrradiance = readPayload<uint32_t>(reader, indirect, "irradiance", atlas.texelCount());
+    const json& area = extension.at("area");
+    readLayers(reader, area, atlas, phatexture.area, phatexture.areaGuides);
+    if (phatexture.area.size() > 1) fail("there is more than one layer of area light");
+    if (area.contains("irradiance"))
+        phatexture.areaIrradiance = readPayload<uint32_t>(reader, area, "irradiance", atlas.texelCount());
+    readTiles(reader, extension.at("tiles"), atlas, phatexture);
+    return phatexture;
+}
+
+Environment readEnvironment(Reader& reader, const json& object) {
+    const glm::uvec2 size = readSize(object, kMaxEnvironmentSide);
+    const float scale = object.at("scale").get<float>();
+    if (!(scale > 0 && std::isfinite(scale))) fail("the environment's scale is not positive");
+    const auto packed = readPayload<uint32_t>(reader, object, "radiance", uint64_t(size.x) * size.y);
+    Environment environment{Image(int(size.x), int(size.y))};
+    for (size_t i = 0; i < packed.size(); ++i)
+        environment.radiance.pixels[i] = scale * unpackRgb9e5(packed[i]);
+    return environment;
+}
+
+BakeRecord readRecord(const json& extension) {
+    const json record = extension.value("record", json::object());
+    return {record.value("generator", ""), record.value("input", ""), record.value("settings", ""),
+            wholeNumber(record, "seed", 1)};
+}
+
+// The charts and triangles of the bake count surfaces in the order of the original file. A mesh of its own
+// for every node changes the order in which the loader meets them.
+void restoreSurfaceOrder(const json& extension, Scene& scene) {
+    const json& order = extension.at("surfaces");
+    if (order.size() != scene.surfaces.size()) fail("the surfaces are not those that were baked");
+    std::map<std::pair<uint64_t, uint64_t>, size_t> loaded;
+    for (size_t i = 0; i < scene.surfaces.size(); ++i)
+        loaded[{scene.surfaces[i].node, scene.surfaces[i].primitive}] = i;
+
+    std::vector<Surface> surfaces;
+    std::vector<glm::uvec3> triangles;
+    std::vector<uint32_t> triangleSurface;
+    for (const json& item : order) {
+        const auto found = loaded.extract({wholeNumber(item, "node"), wholeNumber(item, "primitive")});
+        if (!found) fail("the surfaces are not those that were baked");
+        Surface surface = scene.surfaces[found.mapped()];
+        const auto first = scene.triangles.begin() + surface.firstTriangle;
+        surface.firstTriangle = uint32_t(triangles.size());
+        triangles.insert(triangles.end(), first, first + surface.triangleCount);
+        triangleSurface.insert(triangleSurface.end(), surface.triangleCount, uint32_t(surfaces.size()));
+        surfaces.push_back(std::move(surface));
+    }
+    scene.surfaces = std::move(surfaces);
+    scene.triangles = std::move(triangles);
+    scene.triangleSurface = std::move(triangleSurface);
+}
+
+const json* findExtension(const json& gltf) {
+    const auto extensions = gltf.find("extensions");
+    if (extensions == gltf.end() || !extensions->is_object()) return nullptr;
+    const auto found = extensions->find(kPhatExtension);
+    return found == extensions->end() ? nullptr : &*found;
+}
+
+void readExtension(const std::string& path, BakedScene& baked) {
+    const GltfSource source = readGltfSource(path);
+    const json* extension = findExtension(source.json);
+    if (!extension) fail("is not a baked file");
+    const uint64_t version = wholeNumber(*extension, "version");
+    if (version != kBakedFormatVersion)
+        fail(fmt::format("has format version {}; this program reads version {}", version,
+                         kBakedFormatVersion));
+    Reader reader{source, 0};
+    for (const auto& buffer : source.buffers) reader.bytesLeft += kMaxPayloadExpansion * buffer.size();
+
+    Scene& scene = baked.loaded.scene;
+    baked.record = readRecord(*extension);
+    restoreSurfaceOrder(*extension, scene);
+    baked.atlas = readAtlas(reader, *extension, scene);
+    baked.points = readTexelPoints(reader, extension->at("atlas"), scene, baked.atlas);
+    baked.phatexture = readPhatexture(reader, *extension, baked.atlas);
+    if (extension->contains("environment"))
+        scene.environment = readEnvironment(reader, (*extension)["environment"]);
+}
+
+}  // namespace
+
+bool isBakedFile(const std::string& path) {
+    try {
+        return findExtension(readGltfJson(path)) != nullptr;
+    } catch (const std::runtime_error& error) {
+        throw FileError(path, error.what());
+    }
+}
+
+BakedScene readBakedFile(const std::string& path) {
+    BakedScene baked;
+    baked.loaded = loadGltf(path);
+    try {
+        readExtension(path, baked);
+    } catch (const std::bad_alloc&) {
+        throw FileError(path, "needs more memory than there is");
+    } catch (const json::exception& error) {
+        throw FileError(path,
+                        fmt::format("its extension {} is malformed ({})", kPhatExtension, error.what()));
+    } catch (const std::runtime_error& error) {
+        throw FileError(path, error.what());
+    }
+    return baked;
+}
+
+}  // namespace phat

@@ -1,0 +1,82 @@
+#include "io/phat/web_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "io/base/file_error.h"
+#include "io/gltf/glb_builder.h"
+#include "io/gltf/gltf_rewrite.h"
+#include "io/gltf/gltf_source.h"
+
+namespace phat {
+namespace {
+
+using nlohmann::json;
+
+struct Later {
+    std::string name;
+    std::set<uint64_t> views;
+};
+
+// The bufferViews of payloads that diffuse light does without, by the part that they belong to.
+std::vector<Later> laterViews(const json& extension) {
+    std::vector<Later> parts;
+    const auto add = [](Later& part, const json& object, std::initializer_list<const char*> keys) {
+        for (const char* key : keys)
+            if (object.contains(key)) part.views.insert(wholeNumber(object[key], "bufferView"));
+    };
+    const auto addSource = [&](const json& source, const std::string& name) {
+        for (size_t i = 0; i < source.at("layers").size(); ++i) {
+            parts.push_back({i == 0 ? name : fmt::format("{}-{}", name, i + 1), {}});
+            add(parts.back(), source["layers"][i], {"radiance", "direction", "scrambles", "pdf"});
+            if (i == 0) add(parts.back(), source, {"guides"});
+        }
+    };
+    addSource(extension.at("area"), "lamps");
+    addSource(extension.at("indirect"), "reflections");
+    if (!parts.empty()) add(parts.front(), extension.at("tiles"), {"distances"});
+    return parts;
+}
+
+WebParts split(const GltfSource& source, const std::string& stem) {
+    const std::vector<Later> later = laterViews(source.json.at("extensions").at(kPhatExtension));
+    GlbBuilder room{source.json, {}};
+    std::vector<GlbBuilder> parts(later.size());
+    json& views = room.json.at("bufferViews");
+    for (uint64_t i = 0; i < views.size(); ++i) {
+        const auto owner = std::find_if(later.begin(), later.end(),
+                                        [&](const Later& part) { return part.views.contains(i); });
+        const size_t part = size_t(owner - later.begin());
+        GlbBuilder& to = owner == later.end() ? room : parts[part];
+        while (to.bin.size() % 4 != 0) to.bin.push_back(0);
+        const auto bytes = bufferViewBytes(source, i);
+        views[i]["buffer"] = owner == later.end() ? 0 : part + 1;
+        views[i]["byteOffset"] = to.bin.size();
+        to.bin.insert(to.bin.end(), bytes.begin(), bytes.end());
+    }
+    WebParts result;
+    room.json["buffers"] = json::array({json::object()});
+    for (size_t i = 0; i < parts.size(); ++i) {
+        result.later.push_back({fmt::format("{}.{}.bin", stem, later[i].name), std::move(parts[i].bin)});
+        const WebPart& part = result.later.back();
+        room.json["buffers"].push_back({{"uri", part.uri}, {"byteLength", part.bytes.size()}});
+    }
+    result.room = glbBytes(room);
+    return result;
+}
+
+}  // namespace
+
+WebParts splitForWeb(const std::string& path, const std::string& stem) {
+    try {
+        return split(readGltfSource(path), stem);
+    } catch (const json::exception& error) {
+        throw FileError(path, error.what());
+    } catch (const std::runtime_error& error) {
+        throw FileError(path, error.what());
+    }
+}
+
+}  // namespace phat

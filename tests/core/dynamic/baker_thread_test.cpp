@@ -1,0 +1,108 @@
+// The live engine on its own thread, as the window has it.
+
+#include "core/dynamic/baker_thread.h"
+
+#include <cstdlib>
+#include <thread>
+
+#include "support/moving_room.h"
+
+namespace phat {
+namespace {
+
+using namespace test;
+
+/// What the window keeps: copies that know the updates alone.
+struct Taker {
+    Phatexture phatexture;
+    std::vector<TexelState> states;
+    size_t portions = 0;
+
+    void take(LiveLight& light, const Atlas& atlas) {
+        while (const auto update = light.take()) {
+            applyUpdate(*update, atlas, phatexture, states);
+            ++portions;
+        }
+    }
+    void settle(LiveLight& light, const Atlas& atlas) {
+        for (int i = 0; i < 60'000 && !light.report().settled; ++i) {
+            take(light, atlas);
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        EXPECT_TRUE(light.report().settled);
+        take(light, atlas);
+    }
+};
+
+// PHAT_SOAK_MOVES makes it longer than the suite's moment; the thread and address sanitizers are meant to
+// watch.
+TEST(LiveLight, AfterAnyChangesAndBackItIsTheUntouchedBake) {
+    const char* wanted = std::getenv("PHAT_SOAK_MOVES");
+    const int moves = wanted ? std::atoi(wanted) : 150;
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    Taker taker{baked.phatexture, baked.points.state};
+    std::atomic<int> woken = 0;
+    LiveLight light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0, [&] { ++woken; });
+    Rng rng(3);
+    const Camera eye = defaultCamera(scene);
+    for (int i = 0; i < moves; ++i) {
+        light.follow(randomPose(scene, rng), eye, rng.uniform() < 0.9f);
+        std::this_thread::sleep_for(std::chrono::microseconds(int(10'000 * rng.uniform())));
+        if (rng.uniform() < 0.7f) taker.take(light, baked.atlas);
+        // However slow the machine, not all changes are overtaken by the next.
+        const size_t before = taker.portions;
+        for (int wait = 0; i % 20 == 19 && taker.portions == before && wait < 30'000; ++wait) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            taker.take(light, baked.atlas);
+        }
+        const LiveLight::Report report = light.report();
+        EXPECT_LE(overall(report.renewed), 1.0f);
+    }
+    light.follow(poseOf(scene), eye, true);
+    taker.settle(light, baked.atlas);
+    EXPECT_GE(taker.portions, size_t(moves) / 20);
+    EXPECT_GT(woken, 0);
+    expectEqual(taker.phatexture, baked.phatexture);
+    expectEqualBytes(taker.states, baked.points.state, "covered texels");
+    expectEqualBytes(taker.phatexture.tilePlaces, baked.phatexture.tilePlaces, "places");
+}
+
+// As while the light is switched off.
+TEST(LiveLight, WhereLightWaitsPlacesFollow) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    Taker taker{baked.phatexture, baked.points.state};
+    LiveLight light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 1, [] {});
+    light.follow(boxMoved(scene, {0.3f, 0, 0.2f}, 20), defaultCamera(scene), false);
+    taker.settle(light, baked.atlas);
+    size_t moved = 0;
+    for (size_t t = 0; t < baked.phatexture.tilePlaces.size(); ++t)
+        moved += taker.phatexture.tilePlaces[t] != baked.phatexture.tilePlaces[t];
+    EXPECT_GT(moved, 0u);
+    EXPECT_EQ(light.report().phatexels, 0u);
+    expectEqualBytes(taker.phatexture.indirectIrradiance, baked.phatexture.indirectIrradiance, "irradiance");
+}
+
+TEST(LiveLight, StopsInTheMiddleOfItsWork) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    for (int i = 0; i < 5; ++i) {
+        LiveLight light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0, [] {});
+        light.follow(boxMoved(scene, {0.3f, 0, 0.2f}, 20), defaultCamera(scene), true);
+        std::this_thread::sleep_for(std::chrono::milliseconds(20 * i));
+    }
+}
+
+TEST(LiveLight, TellsWhatCannotBeRenewed) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    BakeSettings settings = smallBake();
+    settings.directions = Directions::photons;
+    LiveLight light({scene, baked.atlas, baked.points, baked.phatexture, settings}, 0, [] {});
+    light.waitUntilStarted();
+    EXPECT_THROW(light.take(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace phat

@@ -1,0 +1,276 @@
+// The live update engine against the bake, on a room with a box and lamps.
+
+#include "core/dynamic/incremental_baker.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cstring>
+
+#include "core/bake/bake.h"
+#include "core/phatexel/radiance_bound.h"
+#include "core/scene/light_bound.h"
+#include "support/moving_room.h"
+
+namespace phat {
+namespace {
+
+using namespace test;
+
+void settle(LiveEngine& engine) {
+    SilentProgress progress;
+    int rounds = 0;
+    while (!engine.settled()) {
+        engine.advance(1'000'000, progress);
+        ASSERT_LT(++rounds, 1000);
+    }
+}
+
+/// What a bake gathers for the scene as it is, on the engine's atlas.
+Phatexture bakeOf(const LiveScene& live) {
+    SilentProgress progress;
+    const BakeSettings settings = smallBake();
+    const RayScene rays(live.scene());
+    const LightSampler lights(live.scene());
+    const PhotonMap photons = tracePhotons(rays, lights, settings.photons, progress);
+    const PhotonIndex index(photons.photons);
+    TexelPoints points = live.points();
+    for (size_t i = 0; i < points.state.size(); ++i) points.state[i] = live.restState(i);
+    markCoveredTexels(points, live.atlas(), rays, progress);
+    const std::vector<uint8_t> wanted = irradianceTexels(live.atlas(), points);
+    std::atomic<uint64_t> rayCount = 0;
+    return gatherLight({rays, lights, live.atlas(), points, live.frames(), photons, index, wanted}, settings,
+                       progress, nullptr, rayCount);
+}
+
+TEST(Live, FromNothingItMakesTheBake) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    LiveEngine engine(scene, baked.atlas, baked.points, {}, smallBake());
+    settle(engine);
+    expectEqual(engine.phatexture(), baked.phatexture);
+}
+
+TEST(Live, AfterAMoveItIsTheBakeOfTheMovedScene) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    ASSERT_TRUE(engine.setPose(boxMoved(scene, {0.3f, 0, 0.25f}, 30)));
+    settle(engine);
+    expectEqual(engine.phatexture(), bakeOf(engine.scene()));
+
+    // And it is another light than before, or this would say nothing.
+    size_t same = 0;
+    const auto &now = engine.phatexture().indirect[0].texels, &before = baked.phatexture.indirect[0].texels;
+    for (size_t i = 0; i < now.size(); ++i) same += std::memcmp(&now[i], &before[i], sizeof now[i]) == 0;
+    EXPECT_LT(same, now.size() / 2);
+}
+
+TEST(Live, BackAtTheStartNothingIsLeftOfAMove) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    SilentProgress progress;
+    for (int i = 1; i <= 5; ++i) {
+        engine.setPose(boxMoved(scene, {0.07f * float(i), 0, 0}, 10.0f * float(i)));
+        engine.advance(300'000, progress);
+    }
+    LivePose dark = poseOf(scene);
+    dark.lights.clear();
+    dark.materials.back().emission = glm::vec3(0);
+    dark.materials.front().baseColor = {0.1f, 0.1f, 0.9f, 1};
+    ASSERT_TRUE(engine.setPose(dark));
+    settle(engine);
+    for (const PackedPhatexel& packed : engine.phatexture().indirect[0].texels)
+        ASSERT_EQ(packed.radiance, 0u);
+    ASSERT_TRUE(engine.setPose(poseOf(scene)));
+    EXPECT_FALSE(engine.setPose(poseOf(scene)));
+    settle(engine);
+    expectEqual(engine.phatexture(), baked.phatexture);
+}
+
+TEST(Live, LampsThatMoveLightWhatTheyMoveTo) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    LivePose pose = poseOf(scene);
+    pose.worldFromRest = {glm::mat4(1), glm::mat4(1), glm::translate(glm::mat4(1), {-0.2f, -0.1f, 0.1f})};
+    pose.lights[0].intensity = {0.1f, 0.1f, 0.6f};
+    ASSERT_TRUE(engine.setPose(pose));
+    EXPECT_EQ(engine.scene().scene().lights[0].position,
+              scene.lights[0].position + glm::vec3(-0.2f, -0.1f, 0.1f));
+    settle(engine);
+    expectEqual(engine.phatexture(), bakeOf(engine.scene()));
+}
+
+// The first answer to a change is a small part of all the work, and after it no PHATexel sees a ghost.
+TEST(Live, AtOnceEveryPhatexelIsAsFarAsItsRay) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    settle(engine);
+    const auto answer = [&]() -> const LiveStats::Task& {
+        return engine.stats().tasks[size_t(LiveTask::respond)];
+    };
+    const LiveStats::Task before = answer();
+    engine.takeUpdate();
+    ASSERT_TRUE(engine.setPose(boxMoved(scene, {0.3f, 0, 0.25f}, 30)));
+    SilentProgress progress;
+    uint64_t work = 0, tiles = 0;
+    for (const uint32_t chart : baked.atlas.tileChart) tiles += chart != kNoChart;
+    while (answer().items < before.items + tiles) {
+        work += engine.advance(1, progress);
+        ASSERT_LT(answer().work - before.work, 1'000'000u);
+        ASSERT_LT(work, 3'000'000u);  // with what goes on beside it
+    }
+    const TexelPoints& points = engine.scene().points();
+    size_t wrong = 0, valid = 0;
+    for (size_t i = 0; i < points.state.size(); ++i) {
+        const Phatexel phatexel = unpackPhatexel(engine.phatexture().indirect[0].texels[i]);
+        if (!phatexel.valid) continue;
+        EXPECT_TRUE(points.valid(i));
+        ++valid;
+        const glm::uvec2 xy(i % baked.atlas.sizeTexels.x, i / baked.atlas.sizeTexels.x);
+        const glm::vec3 direction =
+            engine.scene().frames()[baked.atlas.blockAt(xy)].toWorld(phatexel.directionBlock);
+        const Hit hit = engine.rays().closestHit(offsetOrigin(points.position[i], points.normal[i]),
+                                                 glm::normalize(direction));
+        const float truth = hit ? hit.distance : kFarDistance;
+        wrong +=
+            std::abs(std::log(phatexel.distance / truth)) > 0.06f;  // half a code, and the origin's offset
+    }
+    EXPECT_GT(valid, 10'000u);
+    EXPECT_LT(double(wrong) / double(valid), 2e-3);  // rays along edges
+}
+
+// Bytes on the way, not only at the end.
+TEST(Live, SameBytesOnAnyNumberOfThreads) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    std::vector<Phatexture> results;
+    std::vector<size_t> sent;
+    for (const int threads : {1, 2, 8}) {
+        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, size_t(threads));
+        LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+        SilentProgress progress;
+        size_t tiles = 0;
+        for (int i = 0; i < 6; ++i) {
+            engine.setPose(boxMoved(scene, {0.05f * float(i), 0, 0}, 15.0f * float(i)));
+            engine.advance(500'000, progress);
+            tiles += engine.takeUpdate().phatexels.size();
+        }
+        results.push_back(engine.phatexture());
+        sent.push_back(tiles);
+    }
+    EXPECT_GT(sent[0], 100u);
+    for (size_t i = 1; i < results.size(); ++i) {
+        expectEqual(results[0], results[i]);
+        EXPECT_EQ(sent[0], sent[i]);
+    }
+}
+
+// A drawing side that knows nothing but the updates has the same PHATexels.
+TEST(Live, UpdatesAreComplete) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    Phatexture drawn = baked.phatexture;
+    const uint32_t width = baked.atlas.sizeTexels.x;
+    std::vector<TexelState> states = baked.points.state;
+    SilentProgress progress;
+    for (int step = 0; step < 8; ++step) {
+        engine.setPose(boxMoved(scene, {0.05f * float(step % 5), 0, 0}, 15.0f * float(step)));
+        engine.advance(400'000, progress);
+        applyUpdate(engine.takeUpdate(), baked.atlas, drawn, states);
+        // Invalid texels and those without a chart may keep what they had.
+        size_t different = 0;
+        for (size_t i = 0; i < drawn.indirect[0].texels.size(); ++i)
+            if (baked.atlas.chartAt({i % width, i / width}) != kNoChart)
+                different += drawn.indirectIrradiance[i] != engine.phatexture().indirectIrradiance[i];
+        EXPECT_EQ(different, 0u);
+        drawn.indirectIrradiance = engine.phatexture().indirectIrradiance;
+        drawn.areaIrradiance = engine.phatexture().areaIrradiance;
+        expectEqual(drawn, engine.phatexture());
+        expectEqualBytes(drawn.tilePlaces, engine.phatexture().tilePlaces, "places");
+        expectEqualBytes(states, engine.scene().points().state, "covered texels");
+    }
+    EXPECT_TRUE(engine.takeUpdate().empty());
+}
+
+// What PHATexels saw before a change must not hold down the irradiance after it.
+TEST(Live, OnlyPresentPhatexelsBoundLight) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    ASSERT_TRUE(engine.setPose(boxMoved(scene, {0.3f, 0, 0.25f}, 30)));
+    const std::vector<glm::vec4> atOnce = engine.takeUpdate().tileLight;
+    ASSERT_EQ(atOnce.size(), baked.atlas.tileChart.size());
+    for (size_t tile = 0; tile < atOnce.size(); ++tile) {
+        if (baked.atlas.tileChart[tile] == kNoChart) continue;
+        ASSERT_EQ(glm::vec3(atOnce[tile]), glm::vec3(kUnbounded));
+    }
+
+    settle(engine);
+    const std::vector<glm::vec4> settled = engine.takeUpdate().tileLight;
+    EXPECT_EQ(settled, tileLight(engine.scene().scene(), baked.atlas, engine.phatexture()));
+    size_t bounded = 0;
+    for (const glm::vec4& light : settled) bounded += light.r > 0 && light.r < kUnbounded;
+    EXPECT_GT(bounded, settled.size() / 4);
+}
+
+// With a new scene at every step nothing ever settles, but nothing is forgotten either.
+TEST(Live, NoPieceGetsOldWhileEverythingMoves) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    SilentProgress progress;
+    std::vector<int> seen(baked.atlas.blockCount, 0);
+    int oldest = 0;
+    constexpr int kSteps = 60;
+    for (int step = 1; step <= kSteps; ++step) {
+        engine.setPose(
+            boxMoved(scene, {0.2f + 0.2f * std::sin(0.3f * float(step)), 0, 0}, 5.0f * float(step)));
+        engine.advance(600'000, progress);
+        for (const LiveUpdate::Guides& guides : engine.takeUpdate().guides) {
+            oldest = std::max(oldest, step - seen[guides.block]);
+            seen[guides.block] = step;
+        }
+    }
+    for (const int last : seen) oldest = std::max(oldest, kSteps - last);
+    EXPECT_LT(oldest, 40);
+    // Maps of all, and those of the box alone.
+    EXPECT_GE(engine.stats().indirectMaps.items, 3u);
+    EXPECT_GT(engine.stats().areaMaps.items, 15u);
+    EXPECT_GT(engine.stats().tasks[size_t(LiveTask::moved)].items, uint64_t(kSteps) / 2);
+}
+
+// Moves, removals to the far end, lamps switched, paint: whatever was begun and not finished, nothing of it
+// is left.
+TEST(Live, RandomChangesLeaveNothingBehind) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    SilentProgress progress;
+    Rng rng(7);
+    constexpr int kChanges = 40;
+    for (int i = 0; i < kChanges; ++i) {
+        engine.setPose(randomPose(scene, rng));
+        engine.advance(uint64_t(300'000 * rng.uniform()), progress);
+        if (rng.uniform() < 0.5f) engine.takeUpdate();
+    }
+    engine.setPose(poseOf(scene));
+    settle(engine);
+    expectEqual(engine.phatexture(), baked.phatexture);
+}
+
+TEST(Live, SinglePhotonsCannotBeRenewed) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    BakeSettings settings = smallBake();
+    settings.directions = Directions::photons;
+    EXPECT_THROW(LiveEngine(scene, baked.atlas, baked.points, baked.phatexture, settings),
+                 std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace phat

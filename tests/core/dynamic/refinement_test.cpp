@@ -1,0 +1,138 @@
+// Light of a still scene that is made anew with other draws.
+
+#include "core/base/octahedral.h"
+#include "core/dynamic/baker_thread.h"
+#include "core/dynamic/incremental_baker.h"
+#include "support/moving_room.h"
+
+namespace phat {
+namespace {
+
+using namespace test;
+
+void settle(LiveEngine& engine) {
+    SilentProgress progress;
+    for (int rounds = 0; !engine.settled(); ++rounds) {
+        engine.advance(1'000'000, progress);
+        ASSERT_LT(rounds, 1000);
+    }
+}
+
+Phatexture refined(const Scene& scene, const Bake& baked, uint64_t seed, int passes) {
+    BakeSettings settings = smallBake();
+    settings.seed = settings.photons.seed = seed;
+    LiveEngine engine(scene, baked.atlas, baked.points, {}, settings);
+    settle(engine);
+    for (int i = 0; i < passes; ++i) {
+        engine.refine();
+        settle(engine);
+    }
+    EXPECT_EQ(engine.passes(), uint32_t(passes));
+    return engine.phatexture();
+}
+
+double meanDifference(const Bake& baked, const std::vector<uint32_t>& a, const std::vector<uint32_t>& b) {
+    double sum = 0, mean = 0;
+    for (size_t i = 0; i < a.size(); ++i) {
+        if (!baked.points.valid(i)) continue;
+        sum += std::abs(luminance(unpackRgb9e5(a[i])) - luminance(unpackRgb9e5(b[i])));
+        mean += luminance(unpackRgb9e5(a[i]));
+    }
+    return sum / mean;
+}
+
+// What two bakes of other seeds disagree about is noise, and it falls.
+TEST(LiveRefinement, IrradianceOfAllPassesHasLessNoiseThanABake) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    const Phatexture a1 = refined(scene, baked, 1, 0), b1 = refined(scene, baked, 2, 0);
+    const Phatexture a4 = refined(scene, baked, 1, 3), b4 = refined(scene, baked, 2, 3);
+    // Four independent ones would disagree by half as much; some of the rest is the rounding to RGB9E5.
+    EXPECT_LT(meanDifference(baked, a4.indirectIrradiance, b4.indirectIrradiance),
+              0.65 * meanDifference(baked, a1.indirectIrradiance, b1.indirectIrradiance));
+    EXPECT_LT(meanDifference(baked, a4.areaIrradiance, b4.areaIrradiance),
+              0.65 * meanDifference(baked, a1.areaIrradiance, b1.areaIrradiance));
+}
+
+TEST(LiveRefinement, EveryPassHasOtherDirectionsInALayoutOfTheirOwn) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    settle(engine);
+    Phatexture drawn = baked.phatexture;
+    std::vector<TexelState> states = baked.points.state;
+    const LiveUpdate first = engine.takeUpdate();
+    EXPECT_FALSE(first.refined);
+    applyUpdate(first, baked.atlas, drawn, states);
+    engine.refine();
+    settle(engine);
+    const LiveUpdate update = engine.takeUpdate();
+    EXPECT_TRUE(update.refined);
+    applyUpdate(update, baked.atlas, drawn, states);
+    expectEqual(drawn, engine.phatexture());
+    expectEqualBytes(drawn.tilePlaces, engine.phatexture().tilePlaces, "places");
+    const auto &was = baked.phatexture.indirect[0], &now = engine.phatexture().indirect[0];
+    expectEqualBytes(drawn.indirect[0].scrambles, now.scrambles, "scrambles");
+    expectEqualBytes(drawn.area[0].scrambles, engine.phatexture().area[0].scrambles, "area scrambles");
+    size_t sameBlocks = 0, sameTexels = 0, valid = 0;
+    for (size_t b = 0; b < now.scrambles.size(); ++b) sameBlocks += now.scrambles[b] == was.scrambles[b];
+    EXPECT_LT(sameBlocks, 1 + now.scrambles.size() / 20);
+    for (size_t i = 0; i < now.texels.size(); ++i) {
+        if (now.texels[i].directionDistance == 0) continue;
+        ++valid;
+        sameTexels += now.texels[i].directionDistance == was.texels[i].directionDistance;
+    }
+    EXPECT_GT(valid, 10'000u);
+    EXPECT_LT(sameTexels, valid / 50);
+}
+
+// A change in the middle of a pass, whose answer is in the layouts of both passes.
+TEST(LiveRefinement, AChangeEndsItAndNothingIsLeftOfIt) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    settle(engine);
+    SilentProgress progress;
+    for (const uint64_t work : {500'000u, 2'000'000u, 4'000'000u}) {
+        engine.refine();
+        engine.advance(work, progress);
+        ASSERT_TRUE(engine.setPose(boxMoved(scene, {0.2f, 0, 0.1f}, 20)));
+        EXPECT_EQ(engine.passes(), 0u);
+        engine.advance(work, progress);
+        ASSERT_TRUE(engine.setPose(poseOf(scene)));
+        EXPECT_FALSE(engine.takeUpdate().refined);
+        settle(engine);
+        engine.takeUpdate();
+        expectEqual(engine.phatexture(), baked.phatexture);
+        expectEqualBytes(engine.phatexture().indirect[0].scrambles, baked.phatexture.indirect[0].scrambles,
+                         "scrambles");
+    }
+}
+
+TEST(LiveRefinement, GoesOnWhileSomebodyWantsIt) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    LiveLight light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0, [] {});
+    const auto takeUntil = [&](const auto& reached) {
+        for (int i = 0; i < 60'000 && !reached(light.report()); ++i) {
+            light.take();
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        EXPECT_TRUE(reached(light.report()));
+    };
+    light.follow(poseOf(scene), defaultCamera(scene), true, true);
+    takeUntil([](const LiveLight::Report& report) { return report.refinements >= 2; });
+    EXPECT_FALSE(light.report().settled);
+    // Nobody looks: it rests at once, in the middle of a pass.
+    light.follow(poseOf(scene), defaultCamera(scene), true, false);
+    takeUntil([](const LiveLight::Report& report) { return report.settled; });
+    const double before = light.report().seconds;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    EXPECT_EQ(light.report().seconds, before);
+    light.follow(boxMoved(scene, {0.2f, 0, 0.1f}, 20), defaultCamera(scene), true, false);
+    takeUntil([](const LiveLight::Report& report) { return report.settled; });
+    EXPECT_EQ(light.report().refinements, 0u);
+}
+
+}  // namespace
+}  // namespace phat

@@ -1,0 +1,158 @@
+// Punctual lights and their shadows against the CPU's exact answer, pixel by pixel.
+
+#include <gtest/gtest.h>
+
+#include "core/scene/brdf.h"
+#include "core/scene/lights.h"
+#include "core/scene/rays.h"
+#include "core/scene/shading.h"
+#include "gl/renderer_world.h"
+
+namespace phat::test {
+namespace {
+
+class RendererLight : public ::testing::Test {
+  protected:
+    HeadlessContext context_;
+};
+
+FrameSettings frame(const Camera& camera) {
+    FrameSettings settings;
+    settings.width = 96;
+    settings.height = 72;
+    settings.camera = camera;
+    settings.component = Component::direct;
+    settings.samplesPerPixel = 1;
+    return settings;
+}
+
+// What a pixel's centre sees of the lamps; `lit` tells whether every lamp reaches it, `surface` what it is
+// on.
+glm::vec3 directLight(const RayScene& rays, const LightSampler& lights, glm::vec3 eye, glm::vec3 direction,
+                      bool& lit, uint32_t& surface) {
+    lit = true;
+    surface = 0;
+    const Hit hit = rays.closestHit(eye, direction);
+    if (!hit) return glm::vec3(0);
+    surface = 1 + rays.scene().triangleSurface[hit.triangle];
+    const SurfacePoint at = surfaceAt(rays.scene(), hit, direction);
+    glm::vec3 sum = at.emission;
+    for (size_t i = 0; i < rays.scene().lights.size(); ++i) {
+        const LightSample light = lights.samplePunctual(i, at.position);
+        const glm::vec3 value =
+            evaluateBrdf(at.brdf, at.shading.toLocal(-direction), at.shading.toLocal(light.towardLight));
+        if (rays.anyHit(offsetOrigin(at.position, at.normalGeometric), light.towardLight, light.distance))
+            lit = false;
+        else
+            sum += value * light.radiance;
+    }
+    return sum;
+}
+
+void comparePictures(const RendererWorld& world, const Camera& camera, int minShadowPixels) {
+    Renderer renderer(world.input(), kShaderFolder);
+    const FrameSettings settings = frame(camera);
+    const Image image = renderer.render(settings);
+    const RayScene rays(world.scene);
+    const LightSampler lights(world.scene);
+    const glm::vec3 eye(camera.worldFromCamera[3]);
+
+    Image want(image.width, image.height);
+    std::vector<uint8_t> lit(want.pixels.size());
+    std::vector<uint32_t> surface(want.pixels.size());
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            bool reached = true;
+            want.at(x, y) =
+                directLight(rays, lights, eye, pixelDirection(camera, x, y, image.width, image.height),
+                            reached, surface[size_t(y) * image.width + x]);
+            lit[size_t(y) * image.width + x] = reached;
+        }
+    }
+    int shadowPixels = 0, compared = 0;
+    for (int y = 1; y < image.height - 1; ++y) {
+        for (int x = 1; x < image.width - 1; ++x) {
+            // A pixel beside a shadow's or an object's edge may fall to either side of it.
+            bool edge = false;
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dx = -1; dx <= 1; ++dx) {
+                    const size_t near = size_t(y + dy) * image.width + x + dx;
+                    edge |= lit[near] != lit[size_t(y) * image.width + x];
+                    edge |= surface[near] != surface[size_t(y) * image.width + x];
+                }
+            if (edge) continue;
+            ++compared;
+            shadowPixels += !lit[size_t(y) * image.width + x];
+            for (int c = 0; c < 3; ++c)
+                ASSERT_NEAR(image.at(x, y)[c], want.at(x, y)[c], 2e-3f * want.at(x, y)[c] + 1e-5f)
+                    << "pixel " << x << ' ' << y;
+        }
+    }
+    EXPECT_GE(compared, image.width * image.height / 2);
+    EXPECT_GE(shadowPixels, minShadowPixels);
+}
+
+Material plastic(float roughness) {
+    Material material;
+    material.baseColor = {0.6f, 0.5f, 0.2f, 1};
+    material.metallic = 0;
+    material.roughness = roughness;
+    return material;
+}
+
+Scene floorAndShelf(float roughness) {
+    Scene scene;
+    addFloor(scene, plastic(roughness), 4);
+    addFloor(scene, plastic(roughness), 0.8f, 0.4f);
+    scene.materials.back().doubleSided = true;
+    return scene;
+}
+
+TEST_F(RendererLight, PointLightAndShadow) {
+    Scene scene = floorAndShelf(0.4f);
+    scene.lights.push_back(pointLight({3, 4, 5}, {0.3f, 1.5f, 0.2f}));
+    comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 100);
+}
+
+TEST_F(RendererLight, PointLightWithRange) {
+    Scene scene = floorAndShelf(0.7f);
+    scene.lights.push_back(pointLight({3, 4, 5}, {-0.6f, 1.2f, 0.2f}));
+    scene.lights.back().rangeMeters = 2.5f;
+    comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 100);
+}
+
+TEST_F(RendererLight, SpotLightNarrowAndWide) {
+    for (float outer : {35.0f, 80.0f}) {
+        Scene scene = floorAndShelf(0.5f);
+        scene.lights.push_back(spotLight({8, 4, 5}, {0.8f, 1.5f, 0.2f},
+                                         glm::normalize(glm::vec3(-0.5f, -1, 0)), 0.6f * outer, outer));
+        comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 60);
+    }
+}
+
+TEST_F(RendererLight, DirectionalLight) {
+    Scene scene = floorAndShelf(0.5f);
+    scene.lights.push_back(directionalLight({3, 3, 2}, glm::normalize(glm::vec3(0.4f, -1, 0.1f))));
+    comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 100);
+}
+
+// A lamp almost in the plane of the floor: neither acne nor a gap.
+TEST_F(RendererLight, GrazingLightHasNoAcne) {
+    Scene scene;
+    addFloor(scene, lambert(0.8f), 4);
+    scene.lights.push_back(pointLight(glm::vec3(10), {-1.9f, 0.15f, 0.1f}));
+    comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 0);
+}
+
+// A wall that stands on the floor: its shadow begins at its foot.
+TEST_F(RendererLight, ShadowTouchesItsCaster) {
+    Scene scene;
+    addFloor(scene, lambert(0.8f), 4);
+    addQuad(scene, lambert(0.5f), {0, 0, -1}, {0, 1, 0}, {0, 0, 2});
+    scene.materials.back().doubleSided = true;
+    scene.lights.push_back(pointLight(glm::vec3(10), {-1.5f, 1.2f, 0}));
+    comparePictures(worldOfQuads(scene, 2), lookAtCamera({0.5f, 0.5f, 0.6f}, {0.02f, 0, 0}, 30), 200);
+}
+
+}  // namespace
+}  // namespace phat::test

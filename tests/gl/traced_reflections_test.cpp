@@ -1,0 +1,294 @@
+// Rays in place of the lookup: closed forms on quads whose irradiance is known.
+
+#include "core/render/traced_reflections.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "core/phatexel/lookup_tables.h"
+#include "core/scene/lights.h"
+#include "gl/renderer_world.h"
+
+namespace phat::test {
+namespace {
+
+Material metal(float roughness) {
+    Material material;
+    material.roughness = roughness;
+    return material;
+}
+
+/// A floor (surface 0) under a ceiling (surface 1) two metres above.
+Scene floorAndCeiling(const Material& floor, const Material& ceiling, float size = 8) {
+    Scene scene;
+    addFloor(scene, floor, size);
+    addCeiling(scene, ceiling, size, 2);
+    return scene;
+}
+
+void setIrradiance(RendererWorld& world, uint32_t surface, float wattsPerSquareMeter) {
+    for (uint32_t y = 0; y < world.atlas.sizeTexels.y; ++y)
+        for (uint32_t x = 0; x < world.atlas.sizeTexels.x; ++x)
+            if (world.atlas.chartAt({x, y}) == surface)
+                world.phatexture.indirectIrradiance[size_t(y) * world.atlas.sizeTexels.x + x] =
+                    packRgb9e5(glm::vec3(wattsPerSquareMeter));
+}
+
+/// PHATexels in the baked order, which is what can be looked up; the same radiance from everywhere.
+PhatexelLayer layerOf(const RendererWorld& world, float radiance) {
+    PhatexelLayer layer;
+    layer.texels.resize(world.atlas.texelCount());
+    layer.scrambles.assign(world.atlas.blockCount, 0);
+    for (uint32_t y = 0; y < world.atlas.sizeTexels.y; ++y) {
+        for (uint32_t x = 0; x < world.atlas.sizeTexels.x; ++x) {
+            const glm::uvec2 inBlock =
+                (glm::uvec2(x, y) - world.atlas.charts[world.atlas.chartAt({x, y})].originTexel()) %
+                kBlockSize;
+            const glm::uvec2 cell = mortonDecode(reverseBits(morton(inBlock.x, inBlock.y), 10));
+            Phatexel phatexel;
+            phatexel.directionBlock =
+                squareToGuide(world.phatexture.indirectGuides[world.atlas.blockAt({x, y})],
+                              (glm::vec2(cell) + 0.5f) / float(kBlockSize));
+            phatexel.radiance = glm::vec3(radiance);
+            phatexel.distance = 2;
+            phatexel.valid = true;
+            layer.texels[size_t(y) * world.atlas.sizeTexels.x + x] = packPhatexel(phatexel);
+        }
+    }
+    return layer;
+}
+
+/// With wrong PHATexels: lookups show nothing of the scene.
+void fillWithLookups(RendererWorld& world, float indirect, float area) {
+    world.phatexture.indirect = {layerOf(world, indirect)};
+    world.phatexture.area = {layerOf(world, area)};
+    world.phatexture.areaGuides = world.phatexture.indirectGuides;
+    world.phatexture.areaIrradiance.assign(world.atlas.texelCount(), packRgb9e5(glm::vec3(kPi * area)));
+    SilentProgress silent;
+    prepareLookup(world.phatexture, world.atlas, world.points, blockFrames(world.atlas, world.points),
+                  RayScene(world.scene), silent);
+}
+
+/// What rays read of a world.
+struct WorldOfRays {
+    explicit WorldOfRays(const RendererWorld& world)
+        : rays(world.scene),
+          lights(world.scene),
+          scene(rays, lights, world.atlas, world.points, world.phatexture) {}
+
+    RayScene rays;
+    LightSampler lights;
+    ReflectionScene scene;
+};
+
+/// Traces from the floor's middle, seen from an eye that looks down at 45 degrees.
+struct FloorProbe : WorldOfRays {
+    using WorldOfRays::WorldOfRays;
+
+    std::vector<SeenBySurface> trace(float roughness, uint32_t count, float share = 1) const {
+        ReflectionView view;
+        view.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 1);
+        view.width = int(count);
+        view.height = 1;
+        TracedSurface surface;
+        surface.place = {0.5f * float(count), 0.5f};
+        surface.triangle = rays.closestHit({0, 1, 1}, glm::normalize(glm::vec3(0.1f, -1, -1))).triangle;
+        surface.base = {{0, 1, 0}, std::max(square(roughness), kMinAlpha), 1, 1, share, 2};
+        std::vector<TracedSurface> surfaces(count, surface);
+        for (uint32_t i = 0; i < count; ++i) surfaces[i].pixel = i;
+        SilentProgress silent;
+        uint64_t rayCount = 0;
+        auto seen = traceReflections(scene, view, surfaces, silent, rayCount);
+        EXPECT_GE(rayCount, count);
+        return seen;
+    }
+    SeenByLobe mean(float roughness, uint32_t count) const {
+        SeenByLobe sum;
+        for (const SeenBySurface& seen : trace(roughness, count)) {
+            sum.indirect += seen.base.indirect / float(count);
+            sum.area += seen.base.area / float(count);
+        }
+        return sum;
+    }
+};
+
+TEST(TracedReflections, MirrorShowsAlbedoTimesIrradiance) {
+    RendererWorld world = worldOfQuads(floorAndCeiling(metal(0), lambert(0.5f)), 4);
+    setIrradiance(world, 1, 3);
+    const SeenByLobe seen = FloorProbe(world).mean(0, 4);
+    EXPECT_NEAR(seen.indirect.x, 0.5f * 3 / kPi, 2e-3f);  // RGB9E5 rounds by up to 2^-9
+    EXPECT_EQ(seen.area, glm::vec3(0));
+}
+
+TEST(TracedReflections, LampIsSeenOnceAndAsAreaLight) {
+    const RendererWorld world = worldOfQuads(floorAndCeiling(metal(0), emitter(glm::vec3(7)), 400), 4);
+    const FloorProbe probe(world);
+    for (float roughness : {0.0f, 0.1f, 0.18f}) {
+        const SeenByLobe seen = probe.mean(roughness, 4096);
+        EXPECT_NEAR(seen.area.x, 7, 0.03f) << roughness;
+        EXPECT_EQ(seen.indirect, glm::vec3(0)) << roughness;
+    }
+}
+
+// A lamp far smaller than the lobe: light samples and the lobe's own rays share it without loss. The exact
+// value is the integral of the lobe over the lamp, over the lobe's albedo.
+TEST(TracedReflections, SmallLampBringsItsShareOfTheLobe) {
+    constexpr float kSide = 0.04f, kRoughness = 0.18f;
+    Scene scene;
+    addFloor(scene, metal(0), 8);
+    addCeiling(scene, emitter(glm::vec3(1000)), kSide, 2);
+    const glm::vec3 shift(0.2f, 0, -2);  // where the mirror image lies
+    for (uint32_t i = scene.surfaces[1].firstVertex; i < scene.positions.size(); ++i)
+        scene.positions[i] += shift;
+    const RendererWorld world = worldOfQuads(std::move(scene), 4);
+
+    const glm::vec3 floorPlace(0.1f, 0, 0), lamp = glm::vec3(0, 2, 0) + shift;
+    const glm::vec3 towardEye = glm::normalize(glm::vec3(0, 1, 1) - floorPlace);
+    const Frame frame = frameFromNormal({0, 1, 0});
+    Brdf brdf;
+    brdf.f0 = glm::vec3(1);
+    brdf.alpha = square(kRoughness);
+    double expected = 0;
+    constexpr int kSteps = 16;
+    for (int i = 0; i < kSteps * kSteps; ++i) {
+        const glm::vec2 at = (glm::vec2(i % kSteps, i / kSteps) + 0.5f) / float(kSteps) - 0.5f;
+        const glm::vec3 way = lamp + kSide * glm::vec3(at.x, 0, at.y) - floorPlace;
+        const glm::vec3 toward = glm::normalize(way);
+        const float solidAngle = square(kSide / kSteps) * toward.y / glm::dot(way, way);
+        expected +=
+            1000.0 * solidAngle * evaluateBrdf(brdf, frame.toLocal(towardEye), frame.toLocal(toward)).x;
+    }
+    expected /= specularAlbedo(brdf.f0, 1, brdf.alpha, towardEye.y).x;
+    EXPECT_NEAR(FloorProbe(world).mean(kRoughness, 16384).area.x, expected, 0.02 * expected);
+}
+
+TEST(TracedReflections, MirrorInAMirrorIsNotBlack) {
+    Scene scene = floorAndCeiling(metal(0), metal(0));
+    addQuad(scene, lambert(0.5f), {-4, 0, -4}, {8, 0, 0}, {0, 8, 0});  // behind, up beside both
+    RendererWorld world = worldOfQuads(std::move(scene), 4);
+    setIrradiance(world, 2, 3);
+    // 45 degrees: up at z = -2 to the ceiling, down at z = -4 to the wall.
+    const SeenByLobe seen = FloorProbe(world).mean(0, 256);
+    EXPECT_NEAR(seen.indirect.x, 0.5f * 3 / kPi, 0.02f);
+}
+
+TEST(TracedReflections, ThreadsDoNotChangeThem) {
+    RendererWorld world = worldOfQuads(floorAndCeiling(metal(0), metal(0.3f)), 4);
+    setIrradiance(world, 0, 1);
+    const FloorProbe probe(world);
+    const auto with = [&](size_t threads) {
+        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+        return probe.trace(0.15f, 1000);
+    };
+    const auto one = with(1), four = with(4);
+    for (size_t i = 0; i < one.size(); ++i) {
+        EXPECT_EQ(one[i].base.indirect, four[i].base.indirect);
+        EXPECT_EQ(one[i].base.area, four[i].base.area);
+    }
+}
+
+// The picture of a ceiling on a floor with so many texels a metre.
+uint64_t raysFor(float roughness, float height, float texelsPerMeter) {
+    Scene scene;
+    addFloor(scene, metal(roughness), 4);
+    addCeiling(scene, lambert(0.5f), 4, height);
+    RendererWorld world = worldOfQuads(std::move(scene), texelsPerMeter);
+    fillWithLookups(world, 2, 0);
+    const WorldOfRays traceable(world);
+    SilentProgress silent;
+    const TracedReflections traced{traceable.scene, Reflections::automatic, silent};
+    Renderer renderer(world.input(), kShaderFolder);
+    FrameSettings settings;
+    settings.width = 16;
+    settings.height = 12;
+    settings.camera = lookAtCamera({0, 0.5f * height, 0.5f * height}, {0.1f, 0, 0}, 20);
+    settings.samplesPerPixel = 1;
+    settings.traced = &traced;
+    renderer.render(settings);
+    return renderer.lastFrameTimes().reflectionRays;
+}
+
+TEST(TracedReflections, LobesSharperThanThePhatexelsAroundAreTraced) {
+    const HeadlessContext context;
+    EXPECT_GT(raysFor(0.05f, 2, 48), 0u);
+    EXPECT_EQ(raysFor(0.5f, 2, 48), 0u);
+    EXPECT_GT(raysFor(0.5f, 2, 8), 0u);       // texels too far apart
+    EXPECT_GT(raysFor(0.5f, 0.05f, 48), 0u);  // or what is seen too close
+    EXPECT_EQ(raysFor(1, 2, 48), 0u);
+}
+
+// In the picture: what the lookup would say is replaced, not added to.
+TEST(TracedReflections, TakeThePlaceOfTheLookup) {
+    const HeadlessContext context;
+    RendererWorld world = worldOfQuads(floorAndCeiling(metal(0.05f), emitter(glm::vec3(5))), 4);
+    fillWithLookups(world, 2, 0);
+    const WorldOfRays traceable(world);
+    SilentProgress silent;
+    Renderer renderer(world.input(), kShaderFolder);
+    FrameSettings settings;
+    settings.width = 32;
+    settings.height = 24;
+    settings.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 30);
+    settings.samplesPerPixel = 2;
+    const auto middle = [&](const TracedReflections* traced, Component component) {
+        settings.traced = traced;
+        settings.component = component;
+        return renderer.render(settings).at(16, 12).x;
+    };
+    EXPECT_NEAR(middle(nullptr, Component::glossyIndirect), 2, 0.02f);
+    EXPECT_NEAR(middle(nullptr, Component::direct), 0, 1e-4f);
+    const TracedReflections traced{traceable.scene, Reflections::automatic, silent};
+    EXPECT_NEAR(middle(&traced, Component::all), 5, 0.02f);
+    EXPECT_NEAR(middle(&traced, Component::direct), 5, 0.02f);
+    EXPECT_NEAR(middle(&traced, Component::glossyIndirect), 0, 1e-4f);
+    EXPECT_GT(renderer.lastFrameTimes().reflectionRays, 0u);
+    const TracedReflections none{traceable.scene, Reflections::lookup, silent};
+    EXPECT_NEAR(middle(&none, Component::all), 2, 0.02f);
+    EXPECT_EQ(renderer.lastFrameTimes().reflectionRays, 0u);
+}
+
+// Every pixel's ray starts where the rasteriser drew it: the floor mirrors a ceiling whose left half is
+// brighter, and the border lies where geometry says, to the pixel.
+TEST(TracedReflections, AgreeWithTheRasterisersGeometry) {
+    const HeadlessContext context;
+    Scene scene;
+    addFloor(scene, metal(0), 8);
+    addQuad(scene, emitter(glm::vec3(1)), {-4, 2, -4}, {4, 0, 0}, {0, 0, 8});
+    addQuad(scene, emitter(glm::vec3(9)), {0, 2, -4}, {4, 0, 0}, {0, 0, 8});
+    RendererWorld world = worldOfQuads(std::move(scene), 4);
+    fillWithLookups(world, 3, 2);
+    const WorldOfRays traceable(world);
+    SilentProgress silent;
+    const TracedReflections traced{traceable.scene, Reflections::rays, silent};
+    Renderer renderer(world.input(), kShaderFolder);
+    FrameSettings settings;
+    settings.width = 64;
+    settings.height = 48;
+    settings.camera = lookAtCamera({0.3f, 1, 1}, {-0.2f, 0, 0}, 40);
+    settings.samplesPerPixel = 1;
+    settings.traced = &traced;
+    const Image image = renderer.render(settings);
+    const glm::vec3 eye(settings.camera.worldFromCamera[3]);
+    int dark = 0, bright = 0, wrong = 0;
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            const glm::vec3 d = pixelDirection(settings.camera, x, y, image.width, image.height);
+            if (d.y > -0.1f) continue;
+            const glm::vec3 floor = eye - eye.y / d.y * d;
+            const glm::vec3 seen = floor + 2 / -d.y * glm::vec3(d.x, -d.y, d.z);
+            if (glm::any(glm::greaterThan(glm::abs(glm::vec2(floor.x, floor.z)), glm::vec2(3.9f))) ||
+                glm::any(glm::greaterThan(glm::abs(glm::vec2(seen.x, seen.z)), glm::vec2(3.9f))) ||
+                std::abs(seen.x) < 0.05f)
+                continue;
+            wrong += std::abs(image.at(x, y).x - (seen.x < 0 ? 1 : 9)) > 0.1f;
+            ++(seen.x < 0 ? dark : bright);
+        }
+    }
+    EXPECT_GT(dark, 200);
+    EXPECT_GT(bright, 200);
+    // GGX has long tails: of a mirror's rays (alpha .001) one in a thousand leaves by more than 3 degrees.
+    EXPECT_LT(wrong, 0.01 * (dark + bright));
+}
+
+}  // namespace
+}  // namespace phat::test

@@ -1,0 +1,321 @@
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <cmath>
+
+#include "io/base/file_error.h"
+#include "io/gltf/gltf_builder.h"
+#include "io/gltf/gltf_loader.h"
+#include "io/gltf/gltf_sound.h"
+#include "support/temporary_folder.h"
+
+namespace phat {
+namespace {
+
+using test::GltfBuilder;
+using Json = nlohmann::json;
+
+// 2x1 texels, RGBA 16 bit: (0xffff, 0x8000, 0, 0xffff), (0x1234, 0, 0xffff, 0x4000).
+const std::vector<uint8_t> kPng16 = {
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52,
+    0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x10, 0x06, 0x00, 0x00, 0x00, 0xa4, 0xb2, 0xa3,
+    0xc9, 0x00, 0x00, 0x00, 0x17, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0xf8, 0xff, 0xbf, 0x81,
+    0x81, 0x81, 0xe1, 0xff, 0x7f, 0x21, 0x13, 0x10, 0xe9, 0xc0, 0x00, 0x00, 0x42, 0x54, 0x07, 0x01,
+    0xae, 0x89, 0xa8, 0x3d, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82,
+};
+// 2x2 texels, RGB 8 bit: red, green / blue, white.
+const std::vector<uint8_t> kPng8 = {
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44,
+    0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x02, 0x08, 0x02, 0x00, 0x00, 0x00, 0xfd,
+    0xd4, 0x9a, 0x73, 0x00, 0x00, 0x00, 0x12, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0xf8,
+    0xcf, 0xc0, 0xc0, 0x00, 0xc2, 0x0c, 0xff, 0x81, 0x00, 0x00, 0x1f, 0xee, 0x05, 0xfb, 0x0b,
+    0xd9, 0x68, 0x8b, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82,
+};
+
+LoadedScene load(const GltfBuilder& builder) {
+    const TemporaryFolder folder;
+    writeBytes(folder.file("a.glb"), builder.glb());
+    LoadedScene loaded = loadGltf(folder.file("a.glb"));
+    EXPECT_EQ(test::countUnsound(loaded.scene), 0);
+    return loaded;
+}
+
+Material materialOf(const Json& material) {
+    GltfBuilder builder;
+    builder.push("materials", material);
+    return load(builder).scene.materials.at(0);
+}
+
+// A material with one texture, under construction.
+struct Textured {
+    GltfBuilder builder;
+
+    explicit Textured(const std::vector<uint8_t>& picture = kPng8) {
+        builder.push("images", {{"bufferView", builder.view(picture)}, {"mimeType", "image/png"}});
+        builder.push("textures", {{"source", 0}});
+    }
+};
+
+TEST(GltfMaterials, DefaultsAreTheSpecifications) {
+    const Material material = materialOf(Json::object());
+    EXPECT_EQ(material.baseColor, glm::vec4(1));
+    EXPECT_EQ(material.metallic, 1);
+    EXPECT_EQ(material.roughness, 1);
+    EXPECT_EQ(material.emission, glm::vec3(0));
+    EXPECT_EQ(material.specular, 1);
+    EXPECT_EQ(material.specularColor, glm::vec3(1));
+    EXPECT_EQ(material.ior, 1.5f);
+    EXPECT_EQ(material.clearcoat, 0);
+    EXPECT_EQ(material.alphaMode, AlphaMode::opaque);
+    EXPECT_EQ(material.alphaCutoff, 0.5f);
+    EXPECT_FALSE(material.doubleSided);
+    EXPECT_FALSE(material.unlit);
+    EXPECT_EQ(material.baseColorTexture.image, -1);
+}
+
+TEST(GltfMaterials, FactorsAndExtensions) {
+    const Material material = materialOf(
+        {{"name", "car paint"},
+         {"pbrMetallicRoughness",
+          {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}}, {"metallicFactor", 0.5}, {"roughnessFactor", 0.25}}},
+         {"emissiveFactor", {0.5, 0.25, 1}},
+         {"doubleSided", true},
+         {"alphaMode", "MASK"},
+         {"alphaCutoff", 0.75},
+         {"extensions",
+          {{"KHR_materials_emissive_strength", {{"emissiveStrength", 8}}},
+           {"KHR_materials_ior", {{"ior", 1.33}}},
+           {"KHR_materials_specular", {{"specularFactor", 0.6}, {"specularColorFactor", {0.2, 1, 2}}}},
+           {"KHR_materials_clearcoat", {{"clearcoatFactor", 0.9}, {"clearcoatRoughnessFactor", 0.1}}}}}});
+    EXPECT_EQ(material.name, "car paint");
+    EXPECT_EQ(material.baseColor, glm::vec4(0.1f, 0.2f, 0.3f, 0.4f));
+    EXPECT_EQ(material.metallic, 0.5f);
+    EXPECT_EQ(material.roughness, 0.25f);
+    EXPECT_EQ(material.emission, glm::vec3(4, 2, 8));
+    EXPECT_TRUE(material.doubleSided);
+    EXPECT_EQ(material.alphaMode, AlphaMode::mask);
+    EXPECT_EQ(material.alphaCutoff, 0.75f);
+    EXPECT_EQ(material.ior, 1.33f);
+    EXPECT_EQ(material.specular, 0.6f);
+    EXPECT_EQ(material.specularColor, glm::vec3(0.2f, 1, 2));
+    EXPECT_EQ(material.clearcoat, 0.9f);
+    EXPECT_EQ(material.clearcoatRoughness, 0.1f);
+    EXPECT_EQ(materialOf({{"alphaMode", "BLEND"}}).alphaMode, AlphaMode::blend);
+    EXPECT_EQ(materialOf({{"extensions", {{"KHR_materials_ior", {{"ior", 0}}}}}}).ior, 0);
+}
+
+TEST(GltfMaterials, FactorsOutsideTheirRangeAreClampedAndCounted) {
+    GltfBuilder builder;
+    builder.push("materials", {{"pbrMetallicRoughness", {{"roughnessFactor", 7}, {"metallicFactor", -1}}},
+                               {"extensions", {{"KHR_materials_ior", {{"ior", 0.5}}}}}});
+    const LoadedScene loaded = load(builder);
+    EXPECT_EQ(loaded.scene.materials[0].roughness, 1);
+    EXPECT_EQ(loaded.scene.materials[0].metallic, 0);
+    EXPECT_EQ(loaded.scene.materials[0].ior, 1);
+    ASSERT_EQ(loaded.notes.size(), 1u);
+    EXPECT_EQ(loaded.notes[0].substr(0, 18), "3 material factors");
+}
+
+TEST(GltfMaterials, UnlitShowsItsBaseColour) {
+    Textured textured;
+    textured.builder.push("materials",
+                          {{"pbrMetallicRoughness",
+                            {{"baseColorFactor", {0.2, 0.4, 0.6, 1}}, {"baseColorTexture", {{"index", 0}}}}},
+                           {"emissiveFactor", {1, 1, 1}},
+                           {"extensions", {{"KHR_materials_unlit", Json::object()}}}});
+    const Scene scene = load(textured.builder).scene;
+    const Material& material = scene.materials[0];
+    EXPECT_TRUE(material.unlit);
+    EXPECT_EQ(material.emission, glm::vec3(0.2f, 0.4f, 0.6f));
+    EXPECT_EQ(material.emissionTexture.image, 0);
+    EXPECT_EQ(material.baseColorTexture.image, 0);
+    EXPECT_EQ(scene.images.size(), 1u);
+}
+
+TEST(GltfMaterials, EveryTextureSlotIsReadWithItsOwnSettings) {
+    Textured textured;
+    const auto use = [](int texCoord) { return Json{{"index", 0}, {"texCoord", texCoord}}; };
+    Json normal = use(1), coatNormal = use(0);
+    normal["scale"] = 0.5;
+    coatNormal["scale"] = 2;
+    textured.builder.push(
+        "materials",
+        {{"pbrMetallicRoughness", {{"baseColorTexture", use(1)}, {"metallicRoughnessTexture", use(0)}}},
+         {"normalTexture", normal},
+         {"emissiveTexture", use(1)},
+         {"emissiveFactor", {1, 1, 1}},
+         {"extensions",
+          {{"KHR_materials_specular", {{"specularTexture", use(1)}, {"specularColorTexture", use(0)}}},
+           {"KHR_materials_clearcoat",
+            {{"clearcoatFactor", 1},
+             {"clearcoatTexture", use(1)},
+             {"clearcoatRoughnessTexture", use(0)},
+             {"clearcoatNormalTexture", coatNormal}}}}}});
+    const Scene scene = load(textured.builder).scene;
+    const Material& m = scene.materials[0];
+    EXPECT_EQ(m.normalScale, 0.5f);
+    EXPECT_EQ(m.clearcoatNormalScale, 2);
+    const TextureSlot* slots[] = {
+        &m.baseColorTexture, &m.metallicRoughnessTexture,  &m.normalTexture,
+        &m.emissionTexture,  &m.specularTexture,           &m.specularColorTexture,
+        &m.clearcoatTexture, &m.clearcoatRoughnessTexture, &m.clearcoatNormalTexture};
+    const int uvSets[] = {1, 0, 1, 1, 1, 0, 1, 0, 0};
+    for (int i = 0; i < 9; ++i) {
+        EXPECT_EQ(slots[i]->image, 0) << i;
+        EXPECT_EQ(slots[i]->uvSet, uvSets[i]) << i;
+    }
+    EXPECT_EQ(scene.images.size(), 1u);  // decoded once
+}
+
+TEST(GltfMaterials, TextureTransformOffsetsRotatesScales) {
+    Textured textured;
+    textured.builder.push("materials", {{"pbrMetallicRoughness",
+                                         {{"baseColorTexture",
+                                           {{"index", 0},
+                                            {"texCoord", 0},
+                                            {"extensions",
+                                             {{"KHR_texture_transform",
+                                               {{"offset", {0.25, 0.5}},
+                                                {"rotation", std::acos(-1.0) / 2},
+                                                {"scale", {2, 3}},
+                                                {"texCoord", 1}}}}}}}}}});
+    const TextureSlot slot = load(textured.builder).scene.materials[0].baseColorTexture;
+    EXPECT_EQ(slot.uvSet, 1);
+    // A quarter turn counter-clockwise, seen with v pointing down, takes +u to -v and +v to +u.
+    const auto at = [&](float u, float v) { return slot.uvTransform * glm::vec3(u, v, 1); };
+    EXPECT_NEAR(glm::distance(at(0, 0), glm::vec2(0.25f, 0.5f)), 0, 1e-6f);
+    EXPECT_NEAR(glm::distance(at(1, 0), glm::vec2(0.25f, -1.5f)), 0, 1e-6f);
+    EXPECT_NEAR(glm::distance(at(0, 1), glm::vec2(3.25f, 0.5f)), 0, 1e-6f);
+}
+
+TEST(GltfMaterials, SamplersWrapAndFilter) {
+    Textured textured;
+    textured.builder.push("samplers", {{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}});
+    textured.builder.push("textures", {{"source", 0}, {"sampler", 0}});
+    textured.builder.push(
+        "materials",
+        {{"pbrMetallicRoughness",
+          {{"baseColorTexture", {{"index", 1}}}, {"metallicRoughnessTexture", {{"index", 0}}}}}});
+    const Material material = load(textured.builder).scene.materials[0];
+    EXPECT_EQ(material.baseColorTexture.wrapU, Wrap::clampToEdge);
+    EXPECT_EQ(material.baseColorTexture.wrapV, Wrap::mirroredRepeat);
+    EXPECT_TRUE(material.baseColorTexture.nearest);
+    EXPECT_EQ(material.metallicRoughnessTexture.wrapU, Wrap::repeat);
+    EXPECT_FALSE(material.metallicRoughnessTexture.nearest);
+}
+
+// A mirrored node mirrors the relief too: the frame's second and third axes follow the geometry.
+TEST(GltfMaterials, TangentFramesFollowMirroredNodes) {
+    for (const bool given : {true, false}) {
+        Textured textured;
+        GltfBuilder& builder = textured.builder;
+        builder.push("materials", {{"normalTexture", {{"index", 0}}}});
+        Json attributes = {{"POSITION", builder.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0})},
+                           {"NORMAL", builder.floats("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1})},
+                           {"TEXCOORD_0", builder.floats("VEC2", {0, 1, 1, 1, 0, 0})}};
+        if (given) attributes["TANGENT"] = builder.floats("VEC4", {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1});
+        const int mesh = builder.mesh({{"attributes", attributes}, {"material", 0}});
+        builder.root({{"mesh", mesh}});
+        builder.root({{"mesh", mesh}, {"scale", {-2, 1, 1}}});
+        builder.root({{"mesh", mesh}, {"scale", {1, -3, 1}}});
+        const Scene scene = load(builder).scene;
+        ASSERT_EQ(scene.tangents.size(), 9u);
+        const auto bitangent = [&](size_t v) {
+            return scene.tangents[v].w * glm::cross(scene.normals[v], glm::vec3(scene.tangents[v]));
+        };
+        EXPECT_EQ(glm::vec3(scene.tangents[0]), glm::vec3(1, 0, 0)) << given;
+        EXPECT_EQ(bitangent(0), glm::vec3(0, 1, 0)) << given;
+        EXPECT_EQ(glm::vec3(scene.tangents[3]), glm::vec3(-1, 0, 0)) << given;
+        EXPECT_EQ(bitangent(3), glm::vec3(0, 1, 0)) << given;
+        EXPECT_EQ(glm::vec3(scene.tangents[6]), glm::vec3(1, 0, 0)) << given;
+        EXPECT_EQ(bitangent(6), glm::vec3(0, -1, 0)) << given;
+    }
+}
+
+TEST(GltfMaterials, PicturesAreDecodedToEightBitRgba) {
+    const auto imageOf = [](const std::vector<uint8_t>& picture) {
+        Textured textured(picture);
+        textured.builder.push("materials",
+                              {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+        return load(textured.builder).scene.images.at(0);
+    };
+    const TextureImage small = imageOf(kPng8);
+    ASSERT_EQ(small.width, 2);
+    ASSERT_EQ(small.height, 2);
+    EXPECT_EQ(small.texels[0], glm::u8vec4(255, 0, 0, 255));
+    EXPECT_EQ(small.texels[1], glm::u8vec4(0, 255, 0, 255));
+    EXPECT_EQ(small.texels[2], glm::u8vec4(0, 0, 255, 255));
+    EXPECT_EQ(small.texels[3], glm::u8vec4(255));
+    const TextureImage deep = imageOf(kPng16);
+    ASSERT_EQ(deep.width, 2);
+    ASSERT_EQ(deep.height, 1);
+    EXPECT_EQ(deep.texels[0], glm::u8vec4(255, 128, 0, 255));
+    EXPECT_EQ(deep.texels[1], glm::u8vec4(0x12, 0, 255, 64));
+}
+
+TEST(GltfMaterials, PicturesThatCannotBeHadAreNotedAndLeftWhite) {
+    std::vector<uint8_t> large = kPng8;
+    large[16] = large[20] = 0x7f;  // IHDR width and height
+    for (const std::vector<uint8_t>& picture :
+         {std::vector<uint8_t>(kPng8.begin(), kPng8.begin() + 50), std::vector<uint8_t>{1, 2, 3, 4}, large}) {
+        Textured textured(picture);
+        textured.builder.push("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
+                                            {"normalTexture", {{"index", 0}}}});
+        const LoadedScene loaded = load(textured.builder);
+        EXPECT_EQ(loaded.scene.materials[0].baseColorTexture.image, -1);
+        EXPECT_TRUE(loaded.scene.images.empty());
+        ASSERT_EQ(loaded.notes.size(), 1u);
+        EXPECT_EQ(loaded.notes[0].substr(0, 7), "image 0");
+    }
+}
+
+// The head of a PNG, then `inflatedBytes` zeros as its data.
+std::vector<uint8_t> pngBomb(const std::vector<uint8_t>& png, size_t inflatedBytes) {
+    const std::vector<uint8_t> zeros(inflatedBytes);
+    uLongf packedSize = compressBound(inflatedBytes);
+    std::vector<uint8_t> packed(packedSize);
+    compress2(packed.data(), &packedSize, zeros.data(), inflatedBytes, 1);
+    constexpr size_t kHead = 8 + 25;  // signature and IHDR
+    std::vector<uint8_t> bomb(png.begin(), png.begin() + kHead);
+    const auto chunk = [&](const std::string& type, size_t size) {
+        for (int shift = 24; shift >= 0; shift -= 8) bomb.push_back(uint8_t(size >> shift));
+        bomb.insert(bomb.end(), type.begin(), type.end());
+        bomb.insert(bomb.end(), packed.begin(), packed.begin() + std::ptrdiff_t(size));
+        bomb.insert(bomb.end(), 4, 0);  // checksums that the decoder does not look at
+    };
+    chunk("IDAT", packedSize);
+    chunk("IEND", 0);
+    return bomb;
+}
+
+TEST(GltfMaterials, APictureThatInflatesBeyondItsSizeIsRefused) {
+    // 2x2 texels whose compressed data hold 200 MB.
+    Textured textured(pngBomb(kPng8, 200u << 20));
+    textured.builder.push("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+    const LoadedScene loaded = load(textured.builder);
+    ASSERT_EQ(loaded.notes.size(), 1u);
+    EXPECT_NE(loaded.notes[0].find("cannot be decoded"), std::string::npos);
+}
+
+TEST(GltfMaterials, ExtensionsWeDoNotKnowAreNamedOnce) {
+    GltfBuilder builder;
+    builder.json["extensionsUsed"] = {"KHR_materials_sheen", "KHR_materials_ior"};
+    for (int i = 0; i < 3; ++i)
+        builder.push("materials", {{"extensions", {{"KHR_materials_sheen", {{"sheenRoughnessFactor", 1}}}}}});
+    const LoadedScene loaded = load(builder);
+    ASSERT_EQ(loaded.notes.size(), 1u);
+    EXPECT_NE(loaded.notes[0].find("KHR_materials_sheen"), std::string::npos);
+
+    for (const char* name : {"KHR_texture_basisu", "EXT_texture_webp", "EXT_mesh_gpu_instancing"}) {
+        builder.json["extensionsRequired"] = {name};
+        try {
+            load(builder);
+            FAIL() << name;
+        } catch (const FileError& error) {
+            EXPECT_NE(error.reason.find(name), std::string::npos);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace phat

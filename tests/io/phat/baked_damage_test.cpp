@@ -1,0 +1,171 @@
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "io/base/file_error.h"
+#include "io/phat/baked_scene.h"
+#include "io/phat/phat_payload.h"
+
+namespace phat {
+namespace {
+
+// Loads, or says why not; anything else fails the test by its exception or its crash.
+bool loads(const std::string& path) {
+    try {
+        const BakedScene baked = readBakedFile(path);
+        for (const TexelState state : baked.points.state) EXPECT_LE(state, TexelState::covered);
+        return true;
+    } catch (const FileError& error) {
+        EXPECT_EQ(error.path, path);
+        EXPECT_FALSE(error.reason.empty());
+        EXPECT_EQ(error.reason.find('\n'), std::string::npos) << error.reason;
+        return false;
+    }
+}
+
+std::string reasonOf(const std::string& path) {
+    try {
+        readBakedFile(path);
+    } catch (const FileError& error) {
+        return error.reason;
+    }
+    return "loads";
+}
+
+long peakKilobytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+}
+
+/// One quad, baked at a few hundred texels.
+struct BakedDamage : testing::Test {
+    TemporaryFolder folder;
+    std::string source = folder.file("quad.glb");
+    std::string target = folder.file("quad.phat.glb");
+    std::vector<char> bytes;
+    size_t jsonEnd = 0;
+
+    BakedDamage() {
+        test::GltfBuilder gltf;
+        const int positions = gltf.floats("VEC3", {0, 0, 0, 2, 0, 0, 0, 0, 2});
+        gltf.json["accessors"][0]["min"] = {0, 0, 0};
+        gltf.json["accessors"][0]["max"] = {2, 0, 2};
+        gltf.root({{"mesh", gltf.mesh({{"attributes", {{"POSITION", positions}}}})}});
+        writeBytes(source, gltf.glb());
+        const LoadedScene loaded = loadGltf(source);
+        Bake bake = test::randomBake(loaded.scene, 1, false, 3);
+        writeBakedFile(target, source, loaded.scene, bake, test::someRecord());
+        bytes = readBytes(target);
+        jsonEnd = 20 + nlohmann::json(uint8_t(bytes[12]) | uint8_t(bytes[13]) << 8 | uint8_t(bytes[14]) << 16)
+                           .get<size_t>();
+    }
+
+    // The file with its JSON changed.
+    void rewrite(const std::function<void(nlohmann::json&)>& change) {
+        auto json = nlohmann::json::parse(bytes.begin() + 20, bytes.begin() + std::ptrdiff_t(jsonEnd));
+        change(json);
+        writeBytes(target, test::GltfBuilder::glbOf(
+                               json.dump(), {bytes.begin() + std::ptrdiff_t(jsonEnd) + 8, bytes.end()}));
+    }
+};
+
+TEST_F(BakedDamage, EveryTruncationIsRefused) {
+    ASSERT_TRUE(loads(target));
+    for (size_t length = bytes.size(); length-- > 0;) {
+        ASSERT_EQ(truncate(target.c_str(), off_t(length)), 0);
+        ASSERT_FALSE(loads(target)) << length;
+    }
+}
+
+TEST_F(BakedDamage, FlippedBytesNeverDoHarm) {
+    std::mt19937 random(5);
+    std::fstream file(target, std::ios::in | std::ios::out | std::ios::binary);
+    const auto put = [&](size_t at, char value) {
+        file.seekp(std::streamoff(at));
+        file.put(value);
+        file.flush();
+    };
+    size_t refused = 0;
+    const auto flip = [&](size_t at) {
+        put(at, char(bytes[at] ^ (1 << random() % 8)));
+        refused += !loads(target);
+        put(at, bytes[at]);
+    };
+    for (size_t at = 0; at < jsonEnd + 8; ++at) flip(at);
+    for (int i = 0; i < 3000; ++i) flip(jsonEnd + 8 + random() % (bytes.size() - jsonEnd - 8));
+    // zlib's checksum and that of the UVs see nearly all damage past the JSON.
+    EXPECT_GT(refused, 2500u);
+    EXPECT_TRUE(loads(target));
+    EXPECT_LT(peakKilobytes(), 1 << 20);
+}
+
+TEST_F(BakedDamage, OtherVersionsAreRefusedByName) {
+    for (const int version : {0, 1, 2, 77}) {
+        rewrite(
+            [&](auto& json) { json["extensions"]["PHAT_photon_accumulation_texture"]["version"] = version; });
+        EXPECT_NE(reasonOf(target).find("version " + std::to_string(version)), std::string::npos);
+    }
+}
+
+TEST_F(BakedDamage, SizesThatDoNotAgreeAreRefused) {
+    const auto refuses = [&](const std::function<void(nlohmann::json&)>& change) {
+        rewrite([&](auto& json) { change(json["extensions"]["PHAT_photon_accumulation_texture"]); });
+        return !loads(target);
+    };
+    EXPECT_FALSE(refuses([](auto&) {}));
+    EXPECT_TRUE(refuses([](auto& e) { e["atlas"]["size"] = {65528, 65528}; }));
+    EXPECT_TRUE(refuses([](auto& e) { e["atlas"]["size"] = {-8, 8}; }));
+    EXPECT_TRUE(refuses([](auto& e) { e["atlas"]["texelSize"] = 0; }));
+    EXPECT_TRUE(refuses([](auto& e) { e["atlas"]["chartCount"] = 1e9; }));
+    EXPECT_TRUE(refuses([](auto& e) { e["atlas"]["texelChecksum"] = 1; }));
+    EXPECT_TRUE(refuses([](auto& e) { e["indirect"]["guideCount"] = 1u << 31; }));
+    EXPECT_TRUE(refuses([](auto& e) { e["indirect"]["layers"][0]["radiance"]["byteLength"] = 8; }));
+    EXPECT_TRUE(refuses([](auto& e) { e["area"]["layers"].push_back(e["area"]["layers"][0]); }));
+    EXPECT_TRUE(refuses([](auto& e) { e["surfaces"].push_back(e["surfaces"][0]); }));
+    EXPECT_TRUE(refuses([](auto& e) { e["texCoord"] = 0; }));
+    EXPECT_TRUE(refuses([](auto& e) { e.erase("area"); }));
+    EXPECT_TRUE(refuses([](auto& e) { e.erase("tiles"); }));
+    EXPECT_TRUE(refuses([](auto& e) { e["tiles"].erase("distances"); }));
+    EXPECT_TRUE(refuses([](auto& e) { e["tiles"]["places"] = e["tiles"]["distances"]; }));
+    EXPECT_TRUE(refuses([](auto& e) { e["indirect"]["layers"][0]["scrambles"] = e["tiles"]["places"]; }));
+}
+
+TEST_F(BakedDamage, TexelSizesThatCannotBeAreRefused) {
+    const LoadedScene loaded = loadGltf(source);
+    const Bake sound = test::randomBake(loaded.scene, 1, false, 3);
+    ASSERT_NE(sound.atlas.charts[0].otherSide, kNoChart);
+    const float size = sound.atlas.charts[0].texelSizeMeters;
+    for (const float wrong : {0.0f, -size, 1.5f * size, INFINITY, NAN}) {
+        Bake bake = sound;
+        for (Chart& chart : bake.atlas.charts) chart.texelSizeMeters = wrong;
+        writeBakedFile(target, source, loaded.scene, bake, test::someRecord());
+        EXPECT_NE(reasonOf(target).find("texel size"), std::string::npos) << wrong << reasonOf(target);
+    }
+    Bake bake = sound;
+    bake.atlas.charts[0].texelSizeMeters = 0.5f * size;
+    writeBakedFile(target, source, loaded.scene, bake, test::someRecord());
+    EXPECT_NE(reasonOf(target).find("other side"), std::string::npos) << reasonOf(target);
+}
+
+// 100 MB of zeros are 100 kB of zlib stream: what they claim must not be allocated for them.
+TEST(Payload, HoldsExactlyWhatItsSizeSays) {
+    const std::vector<uint8_t> zeros(100 << 20);
+    const std::vector<uint8_t> stream = encodePayload(zeros);
+    EXPECT_LT(stream.size(), zeros.size() / 900);
+    EXPECT_EQ(decodePayload(stream, zeros.size()), zeros);
+    EXPECT_THROW(decodePayload(stream, zeros.size() - 1), std::runtime_error);
+    EXPECT_THROW(decodePayload(stream, zeros.size() + 1), std::runtime_error);
+    EXPECT_THROW(decodePayload(stream, ~size_t(0)), std::runtime_error);
+    EXPECT_THROW(decodePayload({}, 4), std::runtime_error);
+    auto longer = stream;
+    longer.push_back(0);
+    EXPECT_THROW(decodePayload(longer, zeros.size()), std::runtime_error);
+    EXPECT_TRUE(decodePayload(encodePayload({}), 0).empty());
+}
+
+}  // namespace
+}  // namespace phat

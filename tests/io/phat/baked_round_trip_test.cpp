@@ -1,0 +1,203 @@
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "io/base/file_error.h"
+#include "io/gltf/gltf_source.h"
+#include "io/phat/baked_scene.h"
+
+namespace phat {
+namespace {
+
+template <class T>
+bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+void expectSame(const Atlas& a, const Atlas& b) {
+    EXPECT_LT(a.finestTexelSizeMeters(), a.texelSizeMeters);
+    EXPECT_EQ(a.sizeTexels, b.sizeTexels);
+    EXPECT_EQ(a.texelSizeMeters, b.texelSizeMeters);
+    ASSERT_EQ(a.charts.size(), b.charts.size());
+    for (size_t i = 0; i < a.charts.size(); ++i) {
+        EXPECT_EQ(a.charts[i].originTile, b.charts[i].originTile);
+        EXPECT_EQ(a.charts[i].sizeTiles, b.charts[i].sizeTiles);
+        EXPECT_EQ(a.charts[i].texelSizeMeters, b.charts[i].texelSizeMeters);
+        EXPECT_EQ(a.charts[i].surface, b.charts[i].surface);
+        EXPECT_EQ(a.charts[i].firstBlock, b.charts[i].firstBlock);
+        EXPECT_EQ(a.charts[i].back, b.charts[i].back);
+        EXPECT_EQ(a.charts[i].otherSide, b.charts[i].otherSide);
+    }
+    EXPECT_EQ(a.triangleChart, b.triangleChart);
+    EXPECT_TRUE(sameBytes(a.triangleTexels, b.triangleTexels));
+    EXPECT_EQ(a.tileChart, b.tileChart);
+    EXPECT_EQ(a.blockCount, b.blockCount);
+}
+
+void expectSame(const TexelPoints& a, const TexelPoints& b) {
+    EXPECT_EQ(a.state, b.state);
+    EXPECT_TRUE(sameBytes(a.position, b.position));
+    EXPECT_TRUE(sameBytes(a.normal, b.normal));
+    EXPECT_TRUE(sameBytes(a.tangent, b.tangent));
+    EXPECT_EQ(a.triangle, b.triangle);
+    EXPECT_TRUE(sameBytes(a.barycentric, b.barycentric));
+}
+
+void expectSame(const std::vector<PhatexelLayer>& a, const std::vector<PhatexelLayer>& b) {
+    ASSERT_EQ(a.size(), b.size());
+    for (size_t i = 0; i < a.size(); ++i) {
+        EXPECT_TRUE(sameBytes(a[i].texels, b[i].texels));
+        EXPECT_TRUE(sameBytes(a[i].pdf, b[i].pdf));
+        EXPECT_EQ(a[i].scrambles, b[i].scrambles);
+    }
+}
+
+void expectSame(const Phatexture& a, const Phatexture& b) {
+    expectSame(a.indirect, b.indirect);
+    expectSame(a.area, b.area);
+    EXPECT_TRUE(sameBytes(a.indirectGuides, b.indirectGuides));
+    EXPECT_TRUE(sameBytes(a.areaGuides, b.areaGuides));
+    EXPECT_EQ(a.areaIrradiance, b.areaIrradiance);
+    EXPECT_EQ(a.indirectIrradiance, b.indirectIrradiance);
+    EXPECT_TRUE(sameBytes(a.tilePlaces, b.tilePlaces));
+    EXPECT_TRUE(sameBytes(a.probes, b.probes));
+}
+
+// Corner by corner, because vertices may be split and numbered anew.
+void expectSameCorners(const Scene& a, const Scene& b) {
+    ASSERT_EQ(a.triangles.size(), b.triangles.size());
+    EXPECT_EQ(a.triangleSurface, b.triangleSurface);
+    for (size_t t = 0; t < a.triangles.size(); ++t)
+        for (int corner = 0; corner < 3; ++corner) {
+            const uint32_t i = a.triangles[t][corner], j = b.triangles[t][corner];
+            ASSERT_EQ(a.positions[i], b.positions[j]) << t;
+            ASSERT_EQ(a.normals[i], b.normals[j]) << t;
+            ASSERT_EQ(a.uv0[i], b.uv0[j]) << t;
+        }
+}
+
+struct BakedRoundTrip : testing::Test {
+    TemporaryFolder folder;
+    std::string source = folder.file("hard.glb");
+    std::string target = folder.file("hard.phat.glb");
+
+    BakedRoundTrip() { writeBytes(source, test::hardScene().glb()); }
+};
+
+TEST_F(BakedRoundTrip, ReturnsTheBakeBitByBit) {
+    const LoadedScene loaded = loadGltf(source);
+    ASSERT_EQ(loaded.scene.surfaces.size(), 7u);
+    for (const bool withPdf : {false, true}) {
+        const Bake bake = test::randomBake(loaded.scene, withPdf ? 1 : 3, withPdf, 7);
+        writeBakedFile(target, source, loaded.scene, bake, test::someRecord());
+        ASSERT_TRUE(isBakedFile(target));
+        const BakedScene read = readBakedFile(target);
+        expectSameCorners(loaded.scene, read.loaded.scene);
+        expectSame(bake.atlas, read.atlas);
+        expectSame(bake.points, read.points);
+        expectSame(bake.phatexture, read.phatexture);
+        EXPECT_EQ(read.record.generator, test::someRecord().generator);
+        EXPECT_EQ(read.record.source, test::someRecord().source);
+        EXPECT_EQ(read.record.settings, test::someRecord().settings);
+        EXPECT_EQ(read.record.seed, test::someRecord().seed);
+    }
+    EXPECT_FALSE(isBakedFile(source));
+}
+
+TEST_F(BakedRoundTrip, WritesTheSameBytesTwice) {
+    const LoadedScene loaded = loadGltf(source);
+    const Bake bake = test::randomBake(loaded.scene, 2, false, 1);
+    writeBakedFile(target, source, loaded.scene, bake, test::someRecord());
+    const auto first = readBytes(target);
+    writeBakedFile(target, source, loaded.scene, bake, test::someRecord());
+    EXPECT_EQ(first, readBytes(target));
+    EXPECT_EQ(folder.fileCount(), 2u);
+}
+
+// A file that is baked again carries one extension and one atlas UV set, not two.
+TEST_F(BakedRoundTrip, ReplacesAnEarlierBake) {
+    const LoadedScene loaded = loadGltf(source);
+    writeBakedFile(target, source, loaded.scene, test::randomBake(loaded.scene, 1, false, 1),
+                   test::someRecord());
+    const LoadedScene again = readBakedFile(target).loaded;
+    const Bake bake = test::randomBake(again.scene, 2, false, 2);
+    const std::string second = folder.file("second.glb");
+    writeBakedFile(second, target, again.scene, bake, test::someRecord());
+    expectSame(bake.phatexture, readBakedFile(second).phatexture);
+    const auto json = readGltfJson(second);
+    EXPECT_EQ(json["extensions"]["PHAT_photon_accumulation_texture"]["texCoord"], 2);
+    for (const auto& mesh : json["meshes"])
+        for (const auto& primitive : mesh["primitives"])
+            EXPECT_FALSE(primitive["attributes"].contains("TEXCOORD_3"));
+}
+
+TEST_F(BakedRoundTrip, KeepsTheRestOfTheFile) {
+    const LoadedScene loaded = loadGltf(source);
+    writeBakedFile(target, source, loaded.scene, test::randomBake(loaded.scene, 1, false, 1),
+                   test::someRecord());
+    const auto before = readGltfJson(source), after = readGltfJson(target);
+    for (const char* key :
+         {"asset", "cameras", "extensionsRequired", "extras", "materials", "scene", "scenes"})
+        EXPECT_EQ(before[key], after[key]) << key;
+    EXPECT_EQ(before["extensions"]["KHR_lights_punctual"], after["extensions"]["KHR_lights_punctual"]);
+    ASSERT_EQ(before["nodes"].size(), after["nodes"].size());
+    std::set<int> meshes;
+    for (size_t i = 0; i < before["nodes"].size(); ++i) {
+        auto a = before["nodes"][i], b = after["nodes"][i];
+        if (b.contains("mesh")) {
+            EXPECT_TRUE(meshes.insert(b["mesh"].get<int>()).second);
+        }
+        a.erase("mesh");
+        b.erase("mesh");
+        EXPECT_EQ(a, b);
+    }
+    // The cube stays quantised: 16-bit positions, 8-bit normals.
+    const GltfSource file = readGltfSource(target);
+    const auto& attributes =
+        after["meshes"][after["nodes"][0]["mesh"].get<size_t>()]["primitives"][0]["attributes"];
+    EXPECT_EQ(readAccessor(file, attributes["POSITION"].get<uint64_t>()).componentType, 5122u);
+    EXPECT_EQ(readAccessor(file, attributes["NORMAL"].get<uint64_t>()).componentType, 5120u);
+    EXPECT_EQ(after["accessors"][attributes["POSITION"].get<size_t>()]["max"],
+              nlohmann::json({1000, 1000, 1000}));
+}
+
+TEST_F(BakedRoundTrip, CarriesTheEnvironment) {
+    LoadedScene loaded = loadGltf(source);
+    Image sky(4, 2, glm::vec3(0.25f, 0.5f, 1));
+    sky.at(1, 0) = glm::vec3(4e6f);  // a sun beyond what RGB9E5 reaches
+    loaded.scene.environment = Environment{sky};
+    writeBakedFile(target, source, loaded.scene, test::randomBake(loaded.scene, 1, false, 1),
+                   test::someRecord());
+    const auto read = readBakedFile(target).loaded.scene.environment;
+    ASSERT_TRUE(read);
+    EXPECT_NEAR(read->radiance.at(1, 0).y, 4e6f, 4e6f / 512);
+    // Half a step of the 9-bit mantissa of the largest channel.
+    EXPECT_NEAR(read->radiance.at(0, 0).z, 1.0f, 1.0f / 512);
+}
+
+TEST_F(BakedRoundTrip, DropsDeformationAndSaysSo) {
+    test::GltfBuilder gltf = test::hardScene();
+    auto& primitive = gltf.json["meshes"][0]["primitives"][0];
+    primitive["targets"] = {{{"POSITION", gltf.floats("VEC3", std::vector<float>(72, 1.0f))}}};
+    gltf.json["meshes"][0]["weights"] = {0.0};
+    const int times = gltf.floats("SCALAR", {0, 1}), weights = gltf.floats("SCALAR", {0, 1});
+    gltf.json["accessors"][times]["min"] = {0};
+    gltf.json["accessors"][times]["max"] = {1};
+    gltf.push("animations",
+              {{"samplers", {{{"input", times}, {"output", weights}}}},
+               {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}});
+    writeBytes(source, gltf.glb());
+    const LoadedScene loaded = loadGltf(source);
+    const auto notes = writeBakedFile(target, source, loaded.scene,
+                                      test::randomBake(loaded.scene, 1, false, 1), test::someRecord());
+    EXPECT_EQ(notes.size(), 2u);
+    const auto json = readGltfJson(target);
+    EXPECT_FALSE(json.contains("animations"));
+    for (const auto& mesh : json["meshes"]) EXPECT_FALSE(mesh.contains("weights"));
+    expectSameCorners(loaded.scene, readBakedFile(target).loaded.scene);
+}
+
+}  // namespace
+}  // namespace phat
