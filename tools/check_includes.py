@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that dependencies between the folders of src/ point one way.
+"""Checks that dependencies between the folders of src/, and between the layers inside core and io, point one way.
 
 usage: check_includes.py [SRC]     default: src/ beside this script's folder
 
@@ -19,6 +19,26 @@ MAY_INCLUDE = {
     "viewer": {"core", "io", "gl", "viewer"},
 }
 
+# What the files of a layer may include of its own folder, beside the layer itself.
+LAYERS = {
+    "core": {
+        "base": set(),
+        "scene": {"base"},
+        "atlas": {"base", "scene"},
+        "transport": {"base", "scene"},
+        "phatexel": {"base", "scene", "atlas", "transport"},
+        "bake": {"base", "scene", "atlas", "transport", "phatexel"},
+        "render": {"base", "scene", "atlas", "transport", "phatexel", "bake"},
+        "dynamic": {"base", "scene", "atlas", "transport", "phatexel", "bake"},
+    },
+    "io": {
+        "base": set(),
+        "image": {"base"},
+        "gltf": {"base", "image"},
+        "phat": {"base", "image", "gltf"},
+    },
+}
+
 # Libraries that would let a folder know what it must not: files, pictures and glTF; OpenGL; the command line.
 FILES = r"fstream|filesystem|cstdio|Imf\w+\.h|OpenEXR/.*|tiny_gltf\.h|stb_image(_write)?\.h|zlib\.h|nlohmann/.*"
 OPENGL = r"epoxy/.*|EGL/.*|GL/.*|GLFW/.*"
@@ -32,15 +52,25 @@ MUST_NOT_INCLUDE = {
 INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
 
 
-def complaint(folder, quote, name):
-    """Why a file of `folder` may not have this include; None if it may."""
+def complaint(inside, quote, name):
+    """Why a file in the folder `inside` (its parts below src/) may not have this include; None if it may."""
+    folder = inside[0]
     if quote == "<":
         forbidden = MUST_NOT_INCLUDE.get(folder)
         return f"{folder} must not know <{name}>" if forbidden and forbidden.match(name) else None
-    target = name.split("/")[0]
-    if target not in MAY_INCLUDE or "/" not in name:
+    target = name.split("/")
+    if target[0] not in MAY_INCLUDE or len(target) == 1:
         return f'write "{name}" as a path from src/'
-    return None if target in MAY_INCLUDE[folder] else f"{folder} must not depend on {target} ({name})"
+    if target[0] not in MAY_INCLUDE[folder]:
+        return f"{folder} must not depend on {target[0]} ({name})"
+    layers = LAYERS.get(target[0])
+    if not layers:
+        return None
+    if len(target) == 2 or target[1] not in layers:
+        return f"{target[0]} has no such layer ({name})"
+    if folder == target[0] and target[1] != inside[1] and target[1] not in layers[inside[1]]:
+        return f"{folder}/{inside[1]} must not depend on {folder}/{target[1]} ({name})"
+    return None
 
 
 def main():
@@ -52,14 +82,15 @@ def main():
         return 1
     failed = False
     for path in files:
-        folder = path.relative_to(src).parts[0]
-        if folder not in MAY_INCLUDE:
-            print(f"{path}:1: no rule for the folder {folder}", file=sys.stderr)
+        inside = path.relative_to(src).parent.parts
+        if not inside or inside[0] not in MAY_INCLUDE or (
+                inside[0] in LAYERS and (len(inside) == 1 or inside[1] not in LAYERS[inside[0]])):
+            print(f"{path}:1: no rule for the folder {'/'.join(inside)}", file=sys.stderr)
             failed = True
             continue
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
             match = INCLUDE.match(line)
-            reason = match and complaint(folder, match.group(1), match.group(2))
+            reason = match and complaint(inside, match.group(1), match.group(2))
             if reason:
                 print(f"{path}:{number}: {reason}", file=sys.stderr)
                 failed = True

@@ -1,2 +1,2 @@
 // Offends on purpose: core must not know io.
-#include "io/image_file.h"
+#include "io/image/image_file.h"

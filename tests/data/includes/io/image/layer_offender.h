@@ -1,0 +1,2 @@
+// Offends on purpose: images must not know glTF.
+#include "io/gltf/gltf_loader.h"
