@@ -5,7 +5,9 @@ usage: check_docs.py [ROOT]     default: the folder above this script's
 
 - Links between files, and paths in backticks, lead to files of the repository.
 - Every flag after `phat COMMAND`, and every flag in backticks, is an option of the program.
-- Constants: a table row that begins with `kName` and a number gives the value that the source gives.
+- Constants: a table row that begins with `kName` and a number gives the value that the source gives; for names that
+  have several values in the source, the value in the file that HOMES names.
+- A `twin:` comment names files that exist, and identifiers that these files hold.
 
 Prints each offending line as FILE:LINE: REASON; exit code 1 when there is one.
 """
@@ -29,6 +31,30 @@ CONSTANT_ROW = re.compile(r"^\| `(k\w+)`[^|]*\| ([^|]+) \|")
 DEFINITION = re.compile(r"\b(k[A-Z]\w*)(?:\[[^\]]*\])?\s*(?:=|\{)\s*([^;,{}]+?)\s*[;,}]")
 
 
+# For constants of one name in several files with different values: the files that the rows speak of, in the rows' order.
+HOMES = {
+    "kLeastCosine": ["brdf.cpp"],
+    "kMinGain": ["unwrap.cpp"],
+    "kUniformShare": ["directions.cpp", "path_guide.cpp"],
+    "kLeastNormalCosine": ["directions.cpp", "area_irradiance.cpp", "irradiance_levels.cpp"],
+    "kLeastRelativeError": ["area_irradiance.cpp", "irradiance_levels.cpp"],
+    "kNearTexels": ["gather.cpp", "lookup.glsl"],
+    "kFewestTexels": ["lookup.glsl"],
+    "kWantedSamples": ["lookup.glsl", "radius.frag"],
+    "kLeastSamples": ["radius.frag", "phat_gather.cpp"],
+    "kMostPhotons": ["path_guide.cpp"],
+    "kLeastPhotons": ["path_guide.cpp"],
+    "kMostRefinements": ["baker_thread.h"],
+}
+
+SOURCES = {".h", ".cpp", ".glsl", ".frag", ".vert", ".js"}
+NAME = r"[A-Za-z_]\w*(?:::\w+)*"
+SOURCE_PATH = r"(?:src|shaders|web|tools)/[\w./-]*\.\w+"
+NAMES_IN_PATH = re.compile(rf"({NAME}(?: and {NAME})*) in ({SOURCE_PATH})")
+PATH_WITH_NAME = re.compile(rf"({SOURCE_PATH}), (?:with )?(k[A-Z]\w*)")
+OWN_CONSTANT = re.compile(r"\b(k[A-Z]\w*)\s*=[^/]*//\s*twin:")
+
+
 def number(text):
     """The value of a literal or of a product, quotient or shift of literals; None if it is anything else."""
     plain = re.sub(r"(?<=[\d.])[fu]\b", "", text.strip().replace("'", "")).replace(" ", "")
@@ -41,19 +67,61 @@ def number(text):
 
 
 def source_constants(root):
+    """{name: {file's name: {values}}}"""
     values = {}
     for folder in ("src", "shaders"):
         for path in sorted((root / folder).rglob("*")):
             if path.suffix not in {".h", ".cpp", ".glsl", ".frag", ".vert"}:
                 continue
             for name, text in DEFINITION.findall(path.read_text(encoding="utf-8")):
-                values.setdefault(name, set()).add(number(text))
+                values.setdefault(name, {}).setdefault(path.name, set()).add(number(text))
     return values
 
 
 def source_flags(root):
     text = "".join(path.read_text(encoding="utf-8") for path in (root / "src").rglob("*.cpp"))
     return {flag for literal in re.findall(r'"([^"\n]*)"', text) for flag in FLAG.findall(literal)}
+
+
+def twin_complaints(root):
+    """(file, line, reason) of each twin: comment that leads nowhere."""
+    for folder in ("src", "shaders", "web"):
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix not in SOURCES or {"node_modules", "dist"} & set(path.parts):
+                continue
+            lines = path.read_text(encoding="utf-8").splitlines()
+            for index, line in enumerate(lines):
+                if "twin:" not in line:
+                    continue
+                text = line.split("twin:")[1]
+                # A reference may end in the comment's next line.
+                following = lines[index + 1].strip() if index + 1 < len(lines) else ""
+                if following.startswith("//") and not text.rstrip().endswith("."):
+                    text += " " + following.lstrip("/").strip()
+                files = re.findall(SOURCE_PATH, text)
+                wanted = [(name, file) for names, file in NAMES_IN_PATH.findall(text) for name in names.split(" and ")]
+                wanted += [(name, file) for file, name in PATH_WITH_NAME.findall(text)]
+                wanted += [(own.group(1), files[0]) for own in [OWN_CONSTANT.search(line)] if own and files and (root / files[0]).suffix != ".glsl"]
+                for file in files:
+                    if not (root / file).is_file():
+                        yield path.relative_to(root), index + 1, f"there is no {file}"
+                for name, file in wanted:
+                    if (root / file).is_file() and not re.search(
+                            rf"\b{name.split('::')[-1]}\b", (root / file).read_text(encoding="utf-8")):
+                        yield path.relative_to(root), index + 1, f"{file} has no {name}"
+
+
+def value_complaint(name, value, row, files):
+    """Why the row-th row of `name` may not say `value`; None if it may. files: {file's name: {values}}."""
+    known = {one for values in files.values() for one in values if one is not None}
+    if len(known) > 1:
+        homes = HOMES.get(name, [])
+        if row >= len(homes) or homes[row] not in files:
+            return f"{name} is {sorted(known)}, and HOMES in tools/check_docs.py names no file of it for this row"
+        known = {one for one in files[homes[row]] if one is not None}
+    if value is None or None in set().union(*files.values()) or any(abs(one - value) <= 1e-9 * abs(value) for one in known):
+        return None
+    return f"{name} is {sorted(known)}, not {value:g}"
 
 
 def exists(root, document, name):
@@ -65,6 +133,7 @@ def exists(root, document, name):
 
 def complaints(root, document, constants, flags):
     in_block = False
+    rows = {}  # how many rows each constant had so far
     for number_of_line, line in enumerate(document.read_text(encoding="utf-8").splitlines(), 1):
         if line.startswith("```"):
             in_block = not in_block
@@ -85,11 +154,15 @@ def complaints(root, document, constants, flags):
                     yield number_of_line, f"phat has no option {flag}"
         row = CONSTANT_ROW.match(line)
         if row:
-            name, value = row.group(1), number(row.group(2).strip())
+            # A row of several constants gives their values in the same order: the first's is checked.
+            name, value = row.group(1), number(row.group(2).split(", ")[0].strip())
             if name not in constants:
                 yield number_of_line, f"there is no constant {name}"
-            elif value is not None and not any(v is not None and abs(v - value) <= 1e-9 * abs(value) for v in constants[name]):
-                yield number_of_line, f"{name} is {sorted(v for v in constants[name] if v is not None)}, not {value:g}"
+            else:
+                reason = value_complaint(name, value, rows.get(name, 0), constants[name])
+                if reason:
+                    yield number_of_line, reason
+            rows[name] = rows.get(name, 0) + 1
 
 
 def main():
@@ -104,6 +177,9 @@ def main():
         for line, reason in complaints(root, document, constants, flags):
             print(f"{document.relative_to(root)}:{line}: {reason}", file=sys.stderr)
             failed = True
+    for path, line, reason in twin_complaints(root):
+        print(f"{path}:{line}: {reason}", file=sys.stderr)
+        failed = True
     return 1 if failed else 0
 
 

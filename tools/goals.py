@@ -11,6 +11,7 @@ program, too (after changes of the renderer alone). How it is measured: tools/fi
 import argparse
 import fnmatch
 import statistics
+import subprocess
 import sys
 
 from figures_run import ROOT, Workshop, table
@@ -32,6 +33,18 @@ for _roughness, _one, _eight, _coarse in zip(ROUGHNESS, (0.050, 0.032, 0.024, 0.
     GOALS[f"tabletop-1.95-file-metal-{_roughness}"] = {
         "phat, 1 frame": _one, "phat, 8 frames": _eight, "phat-gather": _eight}
     GOALS[f"tabletop-3.9-file-metal-{_roughness}"] = {"phat, 1 frame": _coarse}
+
+
+def build():
+    """Builds the programs that draw and compare; ends the script where that fails."""
+    release = ROOT / "build/release"
+    commands = [] if (release / "build.ninja").exists() else [["cmake", "--preset", "release"]]
+    commands.append(["cmake", "--build", str(release), "--target", "phat", "phat_peers"])
+    for command in commands:
+        try:
+            subprocess.run(command, cwd=ROOT, stdout=sys.stderr, check=True)
+        except (OSError, subprocess.CalledProcessError) as error:
+            sys.exit(f"goals: {error}; `make setup` installs what the build needs")
 
 
 def measure(surfaces, rows, methods=tuple(METHODS), seeds=SEEDS):
@@ -79,6 +92,7 @@ def main():
         return
     if not rows or not methods:
         sys.exit("no such row or method; --list prints them")
+    build()
     surfaces = Surfaces(Workshop(ROOT / "out/figures/full"), keep_bakes=options.keep_bakes)
     text = goals_table(measure(surfaces, rows, methods, [int(seed) for seed in options.seeds.split(",")]))
     print(text)

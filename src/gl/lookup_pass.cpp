@@ -11,7 +11,7 @@
 namespace phat {
 namespace {
 
-// twin: kTablesWide in shaders/lib/lookup.glsl.
+// twin: kTablesWide in shaders/lib/lookup_tables.glsl.
 constexpr uint32_t kTablesWide = 512;
 constexpr uint32_t kTableSide = 16;
 // Pixels of a group (4x4) that make different draws. twin: shaders/lib/lookup.glsl, with kMostDraws.

@@ -4,7 +4,7 @@ import { createTexture2D, createTextureArray } from './gl.js';
 import { kNoChart } from './file.js';
 
 const kTableWidth = 2048; // twin: shaders/lib/table.glsl
-const kTablesWide = 512; // twin: shaders/lib/lookup.glsl
+const kTablesWide = 512; // twin: shaders/lib/lookup_tables.glsl
 const kTableSide = 16;
 
 // The guide as it is inverted: each cell's part of the unit square, in 255ths.

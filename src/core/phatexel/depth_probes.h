@@ -20,7 +20,7 @@ struct DistanceProbe {
     std::array<uint8_t, kProbeSize * kProbeSize> level;  // [y][x]
 };
 
-/// Metres, or kFarDistance. twin: levelDistance in shaders/lib/lookup.glsl.
+/// Metres, or kFarDistance. twin: levelDistance in shaders/lib/lookup_tables.glsl.
 float probeDistance(const DistanceProbe& probe, uint32_t level);
 
 /// Of one tile; of an empty one all levels are far.
