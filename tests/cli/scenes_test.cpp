@@ -62,15 +62,15 @@ void expectReference(const std::string& scene, const std::string& reference, con
 }
 
 TEST(Scenes, TabletopMatchesItsReference) {
-    expectReference("tabletop.glb", "tabletop-spec.exr", "500k", 0.10);
+    expectReference("tabletop.glb", "tabletop-spec.exr", "500k", 0.06);
 }
 
 TEST(Scenes, CornellMatchesItsReference) {
-    expectReference("cornell-glossy.glb", "cornell-glossy.exr", "100k", 0.10);
+    expectReference("cornell-glossy.glb", "cornell-glossy.exr", "100k", 0.045);
 }
 
 TEST(Scenes, GalleryMatchesItsReference) {
-    expectReference("gallery.glb", "gallery-spec.exr", "300k", 0.15);
+    expectReference("gallery.glb", "gallery-spec.exr", "300k", 0.105);
 }
 
 // A chrome sphere of roughness .1, too smooth for PHATexels: rays bring its error down to the reference's

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <optional>
 
@@ -263,8 +265,14 @@ TEST_F(Inspect, KnowsWhatItKeepsInMemory) {
     EXPECT_EQ(bytes.irradiance, 2 * 6 * texels);  // indirect and area, three halves each
     EXPECT_GE(bytes.pyramid, 24 * texels);
     EXPECT_GE(bytes.frame, uint64_t(20 * kWidth * kHeight));
-    EXPECT_EQ(bytes.sum(), bytes.scene + bytes.phatexels + bytes.lookup + bytes.irradiance + bytes.pyramid +
-                               bytes.shadows + bytes.frame);
+}
+
+// Each part is a bit: the sum has them all, once.
+TEST(ResidentBytes, SumCountsEveryPartOnce) {
+    constexpr size_t kParts = sizeof(ResidentBytes) / sizeof(uint64_t);
+    std::array<uint64_t, kParts> bits;
+    for (size_t i = 0; i < kParts; ++i) bits[i] = uint64_t(1) << i;
+    EXPECT_EQ(std::bit_cast<ResidentBytes>(bits).sum(), (uint64_t(1) << kParts) - 1);
 }
 
 }  // namespace

@@ -103,17 +103,19 @@ TEST_P(Twins, PhatexelUnpacking) {
 // What is stored between the lookup's passes; the halves of a rounding may fall either way.
 TEST_P(Twins, PackedRadianceAndMirrorDirections) {
     const auto rows = randomRows(14);
+    const std::string pack =
+        "vec3 rgb = a.xyz * exp2(a.w * 20.0 - 10.0);"
+        "vec3 mirror = normalize(b.xyz - 0.5);"
+        "Draws drawn = noDraws();"
+        "drawn.indirect = vec4(rgb, 1.0);"
+        "drawn.mirror = mirror;"
+        "drawn.surface = 5u;"
+        "drawn.alpha = b.w;"
+        "Draws back = unpackDraws(packDraws(drawn));";
+    const auto alpha = run("lib/packed_draws.glsl", pack + "result = vec4(back.alpha);", rows);
     const auto there =
         run("lib/packed_draws.glsl",
-            "vec3 rgb = a.xyz * exp2(a.w * 20.0 - 10.0);"
-            "vec3 mirror = normalize(b.xyz - 0.5);"
-            "Draws drawn = noDraws();"
-            "drawn.indirect = vec4(rgb, 1.0);"
-            "drawn.mirror = mirror;"
-            "drawn.surface = 5u;"
-            "drawn.alpha = b.w;"
-            "Draws back = unpackDraws(packDraws(drawn));"
-            "result = vec4(back.indirect.rgb, dot(back.mirror, mirror) * float(back.surface) / 5.0);",
+            pack + "result = vec4(back.indirect.rgb, dot(back.mirror, mirror) * float(back.surface) / 5.0);",
             rows);
     for (int row = 0; row < kRows; ++row) {
         const glm::vec4 a = rows[row][0];
@@ -122,6 +124,8 @@ TEST_P(Twins, PackedRadianceAndMirrorDirections) {
         expectNear(there[row], here, 0, 1.01f * maxComponent(rgb) / 256, row);
         expectNear(there[row], rgb, 0, 1.01f * maxComponent(rgb) / 512, row);
         ASSERT_GT(there[row].w, 0.999999f) << "row " << row;
+        // Its root in steps of 1/255.
+        ASSERT_NEAR(std::sqrt(alpha[row].x), std::sqrt(rows[row][1].w), 0.51f / 255) << "row " << row;
     }
 }
 

@@ -133,7 +133,7 @@ WindowDriver::WindowDriver(glm::ivec2 size, std::vector<std::string> arguments,
     // Windows may go between two questions about them.
     XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });
     // Nothing else is on the screen: the window is the root's child of the right size.
-    for (const auto end = Clock::now() + std::chrono::seconds(60); window_ == 0;) {
+    for (const auto end = Clock::now() + std::chrono::seconds(600); window_ == 0;) {
         Window root = 0, parent = 0, *children = nullptr;
         unsigned count = 0;
         XQueryTree(display_, DefaultRootWindow(display_), &root, &parent, &children, &count);
@@ -227,7 +227,7 @@ std::string WindowDriver::clipboard() {
     const Atom text = XInternAtom(display_, "UTF8_STRING", False);
     XConvertSelection(display_, XInternAtom(display_, "CLIPBOARD", False), text, text, mine, CurrentTime);
     XEvent event = {};
-    const auto end = Clock::now() + std::chrono::seconds(10);
+    const auto end = Clock::now() + std::chrono::seconds(100);
     while (!XCheckTypedWindowEvent(display_, mine, SelectionNotify, &event)) {
         if (Clock::now() > end) throw std::runtime_error("nobody answers for the clipboard");
         wait(0.02);
@@ -299,7 +299,7 @@ int WindowDriver::close() {
     event.xclient.data.l[1] = CurrentTime;
     XSendEvent(display_, window_, False, NoEventMask, &event);
     XSync(display_, False);
-    for (const auto end = Clock::now() + std::chrono::seconds(60); running();) {
+    for (const auto end = Clock::now() + std::chrono::seconds(600); running();) {
         if (Clock::now() > end) throw std::runtime_error("the window does not close");
         sleepFor(0.05);
     }

@@ -55,7 +55,7 @@ class WindowDriver {
     std::string clipboard();
 
     /// Waits until the window and its screen have slept for a while, and throws after `seconds` without that.
-    void settle(double seconds = 120);
+    void settle(double seconds = 1200);
     /// Display values (sRGB, 0 to 1), row 0 on top.
     Image screenshot() const;
     /// Of the window's program, all its threads.
