@@ -2,7 +2,7 @@
 // as the lobe's directional albedo times what the lobe sees: with LOOKUP what pool.frag left of this pixel, else the
 // ratio of the cone-weighted sums of the relit PHATexels. With PAPER indirect light, diffuse and glossy, is the mean of
 // what relight_paper.frag made of the PHATexels.
-// source: Hensley et al. 2003, sections 6.1 and 6.2; the ratio and the lookup are ours (docs/pipeline.md).
+// source: Hensley et al. 2003, sections 6.1 and 6.2; the ratio and the lookup are ours (docs/lookup.md).
 #include "lib/fetch.glsl"
 #include "lib/packed_draws.glsl"
 #include "lib/paper_cone.glsl"

@@ -21,7 +21,7 @@ layout(location = 0) out vec4 radiusBrightest;
 const float kWantedSamples = 16.0;
 // Below this many samples noise is worse than a leak, so the bound by distance gives way.
 const float kLeastSamples = 4.0;
-// Without reconnection a radius beyond a quarter of the distance leaks (docs/pipeline.md).
+// Without reconnection a radius beyond a quarter of the distance leaks (docs/reference.md).
 const float kRadiusPerDistance = 0.25;
 
 // Whether relight.frag counted the tile's samples by expectation.

@@ -8,7 +8,7 @@
 //    bright dots. Where light comes from all around, a's noise is the numerator's own and w = a removes it. Both are
 //    consistent, so the transition between them changes noise alone.
 // The statistics tell radius.frag how many samples a lobe has here and how far away is what it reflects.
-// source: Hensley et al. 2003, section 6; the pdf and the normalisers are ours (docs/pipeline.md).
+// source: Hensley et al. 2003, section 6; the pdf and the normalisers are ours (docs/reference.md).
 #include "lib/atlas.glsl"
 #include "lib/lit_share.glsl"
 #include "lib/phatexel.glsl"

@@ -157,7 +157,7 @@ What a run made is kept in `out/figures/` and used again by the next.
 
 All times are of a machine with **2 cores and no GPU**: OpenGL is Mesa's software driver. The bake (and the tracing of
 photons) is not counted. Pictures are shown one stop brighter than they are. The metrics are those of `phat compare`
-([pipeline.md](pipeline.md), section 12). Paper: Hensley et al. 2003.
+([reference.md](reference.md#metrics)). Paper: Hensley et al. 2003.
 
 **How errors are measured.** But for whole pictures, of glossy indirect light alone, against `path` with {spp:,} samples in each of {pixels:,}
 pixels that are scattered over the surface at random. All show the middles of pixels (`--pixel-filter center`): one

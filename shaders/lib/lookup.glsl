@@ -1,6 +1,6 @@
 // What arrives along a lobe: directions drawn from the BRDF, each answered by the PHATexel of a nearby block that
 // looks there. ours, because averaging the neighbourhood instead reads thousands of texels a pixel for the same
-// error (docs/pipeline.md, "Lookup").
+// error (docs/lookup.md).
 #include "lib/brdf.glsl"
 #include "lib/frame.glsl"
 #include "lib/sharpness.glsl"
@@ -40,7 +40,7 @@ const float kMostMiss = 0.4;
 const float kSlackMeters = 0.05;
 // Samples that the neighbourhood must hold under a lobe. With fewer a sharp lobe shows single samples; more widen lobes
 // at contacts, where places are drawn from a small one, until they see bright things far off; what does not aim has more
-// around it there (docs/pipeline.md).
+// around it there (docs/lookup.md).
 const float kWantedSamples = 2.0;
 const float kLeastReachTexels = 16.0;
 const float kMostWidening = 20.0;
@@ -229,7 +229,7 @@ float drawsShare(float drawnPdf, Found found) {
 
 // Lamps are small: draws from a rough lobe seldom meet one. So area lights are also asked the other way round: each of a
 // group's 4x4 pixels takes its share of the cells of one unit square, whose samples crowd where lamps are, and both
-// ways share by the balance heuristic (docs/pipeline.md).
+// ways share by the balance heuristic (docs/lookup.md).
 void addLamps(inout vec4 sum, Receiver r, ChartPlace chart, mat3 worldFromLocal, vec3 wo, Lobe lobe, float drawnAlpha,
               int rank, vec2 u, Place place) {
     int side = 1 << lampBits, across = side / 4;
@@ -285,7 +285,7 @@ SeenLight lookUp(Receiver r, Lobe lobe, int rank, out float drawnAlpha) {
         if (found.valid) {
             vec3 w = found.direction * worldFromLocal;
             // g = f cos / pdf. The sample's own pdf and the Jacobian cancel: cells hold equal shares of the density
-            // (docs/pipeline.md).
+            // (docs/lookup.md).
             float g = lobeValue(wide, wo, w) / smoothedLobePdf(wo, w, drawnAlpha, found.spread2);
             seen.indirect += g * vec4(found.radiance, 1.0);
         }

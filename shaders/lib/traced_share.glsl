@@ -5,7 +5,7 @@ uniform bool tracesAll;
 uniform int frame;  // of several whose mean is shown
 
 // Lobes whose width the PHATexels' spread exceeds by so much are left to the lookup and to rays alone; measured
-// (docs/pipeline.md).
+// (docs/lookup.md).
 const float kNoneTraced = 0.7;
 const float kAllTraced = 1.5;
 

@@ -50,7 +50,7 @@ glm::vec2 jitterOf(int index, int count) {
     return glm::fract(point) - 0.5f;
 }
 
-// Measured: see docs/pipeline.md, "Lookup".
+// Measured: see notes/experiments.md, "Lookup".
 LookupDraws drawsOf(Quality quality) {
     constexpr LookupDraws kDraws[] = {{2, 2}, {8, 4}, {32, 4}};
     return kDraws[size_t(quality)];

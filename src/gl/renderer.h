@@ -28,7 +28,7 @@ enum class Method : uint8_t {
     phatPyramid,  // the paper's passes: the BRDF on every PHATexel, a pyramid, a cone
     phatPaper,    // the same to the letter: no densities, plain means, the paper's filter; diffuse light too
 };
-/// What the lookup may cost: see docs/pipeline.md for reads a pixel.
+/// What the lookup may cost: see docs/lookup.md for reads a pixel.
 enum class Quality : uint8_t { fast, standard, high };
 enum class ToneMap : uint8_t { linear, agx, aces };
 

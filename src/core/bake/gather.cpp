@@ -7,7 +7,7 @@ namespace phat {
 namespace {
 
 // Of what is nearer the lookup asks fewer PHATexels, so that the noise of each counts: measured,
-// docs/pipeline.md.
+// notes/experiments.md.
 constexpr float kNearTexels = 160.0f;
 
 // Rounds of light samples for every texel, and further ones for those in penumbrae or noise.

@@ -11,7 +11,7 @@
 namespace phat {
 namespace {
 
-// Walks that a lossless mirror gets for each path that is asked for: measured, see docs/pipeline.md.
+// Walks that a lossless mirror gets for each path that is asked for: measured, see notes/experiments.md.
 constexpr float kWalksPerPath = 3.0f;
 // How many times as many what is near gets.
 constexpr float kMostNear = 8.0f;

@@ -1,6 +1,6 @@
 #pragma once
 // Dynamic light: a bake that follows a scene. source: Hensley et al. 2003, section 8 (PHATexels renewed one
-// by one while the picture keeps moving); how is ours (docs/pipeline.md).
+// by one while the picture keeps moving); how is ours (docs/dynamic.md).
 //
 // The engine keeps the intermediate results of a bake and renews them piece by piece, by the bake's own
 // functions and random numbers. Every piece knows which scene it was made from; once all are of the present

@@ -12,7 +12,7 @@ namespace phat {
 
 /// Distances that rays from TilePatch::probeTexel meet, by direction: an equal-area map of the hemisphere
 /// (hemisphere_map.h) in the block's frame, one ray through the middle of each cell. Sixteen levels a cell;
-/// the codes of packDistance would make no difference (docs/pipeline.md).
+/// the codes of packDistance would make no difference (notes/experiments.md).
 inline constexpr int kProbeSize = 16;
 inline constexpr uint32_t kFarLevel = 15;
 struct DistanceProbe {

@@ -3,7 +3,7 @@
 // are, and how far away things are.
 //
 // A block of 32x32 texels is a directional picture stored scattered: the invertible layout of directions.h
-// says which texel holds the sample of a cell of the block's unit square. ours (docs/pipeline.md).
+// says which texel holds the sample of a cell of the block's unit square. ours (docs/lookup.md).
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #pragma once
 // PHATextures evaluated in full, sample by sample, on the CPU: what the data can give when time does not
 // matter. source: Hensley et al. 2003, section 4.2; everything beyond its cone filter is ours
-// (docs/pipeline.md).
+// (docs/reference.md).
 
 #include "core/phatexel/phatexture.h"
 #include "core/render/picture.h"

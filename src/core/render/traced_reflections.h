@@ -1,7 +1,7 @@
 #pragma once
 // What lobes see by rays that end in what is baked, where PHATexels lie too far apart to show it as sharp.
 // source: Hensley et al. 2003, section 8, names rays for smooth surfaces; which lobes, and how, is ours
-// (docs/pipeline.md, section 10).
+// (docs/lookup.md).
 
 #include <span>
 #include <vector>

@@ -32,7 +32,7 @@ inline constexpr float kClearcoatF0 = 0.04f;
 
 /// Mean of Schlick's (1 - v.h)^5 over cosine-weighted view and light directions, by Monte Carlo with 4e5
 /// samples: f0 + (f90 - f0) * this is the mean Fresnel reflectance that the Lambert lobe loses.
-/// It makes the lobe separable: F0 = .04 gives .9565 (docs/pipeline.md).
+/// It makes the lobe separable: F0 = .04 gives .9565 (docs/reference.md).
 inline constexpr float kMeanSchlick = 0.00368f;
 inline float meanFresnel(float f0, float f90) {
     return f0 + (f90 - f0) * kMeanSchlick;
@@ -57,7 +57,7 @@ const std::vector<glm::vec2>& splitSumTable();
 
 /// Scale of the Lambert lobe, 1 nearly everywhere: it holds the sum of both lobes' albedos at 1 where
 /// appendix B would exceed it, min(1, (1 - max E_specular) / max diffuseColor).
-/// ours, because appendix B reflects up to 1.9 times the light at grazing angles (docs/pipeline.md).
+/// ours, because appendix B reflects up to 1.9 times the light at grazing angles (docs/reference.md).
 float diffuseWeight(const Brdf& brdf, float nDotV);
 /// What the clear coat lets through to the layers below: 1 - clearcoat * E_coat(towardEye . clearcoatNormal).
 float clearcoatTransmission(const Brdf& brdf, glm::vec3 towardEye);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSamples = 32;
 // Of the reference, and how much less noise its samples have than ours: 2.6 / 6.1, relMSE times samples
-// (docs/pipeline.md, section 14).
+// (docs/reference.md, "Path tracer").
 constexpr double kReferenceSamples = 1024, kReferenceNoise = 0.43;
 
 double grey(glm::vec3 color) {

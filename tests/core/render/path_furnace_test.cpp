@@ -42,7 +42,7 @@ Mean meanOf(const TracedPicture& picture, glm::ivec2 first, glm::ivec2 size) {
 
 // Albedo .5 and emission 1 nit all round: 2 nit. With its smooth normals the file loses .06 %: on coarse
 // curved meshes some directions above the shading normal's horizon lie under the flat triangle, and such
-// paths end (docs/pipeline.md, section 14). With flat normals there are none.
+// paths end (docs/reference.md, "Path tracer"). With flat normals there are none.
 TEST(PathFurnace, IsTwoButForDirectionsUnderFlatTriangles) {
     Scene scene = load("furnace.glb");
     const TracedPicture smooth = trace(scene, 64, 36, 512);
