@@ -20,7 +20,7 @@
 #include "core/scene/lights.h"
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
-#include "io/gltf/gltf_loader.h"
+#include "io/gltf/gltf_source.h"
 #include "io/phat/bake_journal.h"
 #include "io/phat/bake_record.h"
 #include "io/phat/baked_file.h"
@@ -66,12 +66,12 @@ double physicalMemoryBytes() {
     return double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
 }
 
-LoadedScene loadInput(const BakeOptions& options) {
+LoadedScene loadInput(const BakeOptions& options, GltfSource& source) {
     LoadedScene loaded;
-    if (isBakedFile(options.input))
-        loaded = readBakedFile(options.input).loaded;  // with the environment that it was baked in
+    if (isBakedFile(source))
+        loaded = readBakedFile(source).loaded;  // with the environment that it was baked in
     else
-        loaded = loadGltf(options.input);
+        loaded = loadGltf(source);
     if (!options.environment.empty()) loaded.scene.environment = loadEnvironment(options.environment);
     if (loaded.scene.triangles.empty()) throw FileError(options.input, "has no triangles to bake");
     return loaded;
@@ -87,11 +87,11 @@ void refuseTooLarge(const BakeOptions& options, const Scene& scene) {
                         needed * 1e-9, options.memoryLimitBytes * 1e-9));
 }
 
-uint64_t fingerprintOf(const BakeOptions& options, const BakeRecord& record) {
+uint64_t fingerprintOf(const BakeOptions& options, const GltfSource& source, const BakeRecord& record) {
     Fingerprint fingerprint;
     fingerprint.add(record.generator);
     fingerprint.add(record.settings);
-    addGltfFile(fingerprint, options.input);
+    addGltf(fingerprint, source);
     if (!options.environment.empty()) addFile(fingerprint, options.environment);
     return fingerprint.value();
 }
@@ -116,17 +116,17 @@ void checkOutput(const BakeOptions& options) {
     throw FileError(input, (memory ? "out of memory" : error.what()) + kept);
 }
 
-void bakeOnce(const BakeOptions& options, const LoadedScene& loaded) {
+void bakeOnce(const BakeOptions& options, const GltfSource& source, const LoadedScene& loaded) {
     const BakeRecord record = recordOf(options.settings, options.input, options.environment);
     const std::string journalPath = options.output + ".journal";
-    FileJournal journal(journalPath, fingerprintOf(options, record), options.resume);
+    FileJournal journal(journalPath, fingerprintOf(options, source, record), options.resume);
     json report;
     try {
         ProgressBar progress(progressStyle(options.quiet), bakeStages(options.settings));
         const Bake result = bake(loaded.scene, options.settings, progress, &journal);
         std::vector<std::string> notes = loaded.notes;
-        for (std::string& note : writeBakedFile(options.output, options.input, loaded.scene, result, record,
-                                                &progress, options.mostBytes.value_or(~uint64_t(0))))
+        for (std::string& note : writeBakedFile(options.output, source, loaded.scene, result, record,
+                                                {&progress, options.mostBytes.value_or(~uint64_t(0))}))
             notes.push_back(std::move(note));
         report = reportOf(options.output, result, journal.resumedRecords(), progress.stageTimes(), notes);
     } catch (const std::exception& error) {
@@ -149,7 +149,8 @@ void runBake(BakeOptions options) {
         threads.emplace(tbb::global_control::max_allowed_parallelism, size_t(*options.threads));
     catchInterrupts();
 
-    const LoadedScene loaded = loadInput(options);
+    GltfSource source = openGltf(options.input);  // kept: the baked file is rewritten from it
+    const LoadedScene loaded = loadInput(options, source);
     checkOutput(options);
     uint64_t& texels = options.settings.atlas.texelBudget;
     if (options.mostBytes)
@@ -162,7 +163,7 @@ void runBake(BakeOptions options) {
     constexpr int kAttempts = 3;
     for (int attempt = 1;; ++attempt) {
         try {
-            return bakeOnce(options, loaded);
+            return bakeOnce(options, source, loaded);
         } catch (const FileTooLarge& error) {
             texels = uint64_t(0.97 * double(texels) * double(*options.mostBytes) / double(error.bytes));
             if (attempt == kAttempts || texels < kFewestTexels)

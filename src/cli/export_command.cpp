@@ -9,6 +9,7 @@
 #include "core/atlas/atlas.h"
 #include "core/phatexel/phatexture.h"
 #include "io/base/file_error.h"
+#include "io/gltf/gltf_source.h"
 #include "io/image/image_file.h"
 #include "io/phat/baked_file.h"
 
@@ -72,8 +73,9 @@ struct Exporter {
 };
 
 void exportPictures(const std::string& path, const std::string& folder) {
-    if (!isBakedFile(path)) throw FileError(path, "is not a baked file: it has no PHATexels to export");
-    const BakedScene baked = readBakedFile(path);
+    GltfSource source = openGltf(path);
+    if (!isBakedFile(source)) throw FileError(path, "is not a baked file: it has no PHATexels to export");
+    const BakedScene baked = readBakedFile(source);
     createFolder(folder);
     const Exporter exporter{baked, folder, blockFrames(baked.atlas, baked.points)};
     exporter.writeLayers("", baked.phatexture.indirect);

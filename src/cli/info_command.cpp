@@ -10,7 +10,7 @@
 
 #include "cli/commands.h"
 #include "core/scene/scene.h"
-#include "io/gltf/gltf_loader.h"
+#include "io/gltf/gltf_source.h"
 #include "io/phat/baked_file.h"
 
 namespace phat {
@@ -98,14 +98,14 @@ Json describeBake(const BakedScene& baked) {
 }
 
 Json describe(const std::string& path) {
-    const bool isBaked = isBakedFile(path);  // throws where the size below would say nothing
+    GltfSource source = openGltf(path);  // throws where the size below would say nothing
     Json report{{"file", path}, {"fileBytes", std::filesystem::file_size(path)}};
-    if (isBaked) {
-        const BakedScene baked = readBakedFile(path);
+    if (isBakedFile(source)) {
+        const BakedScene baked = readBakedFile(source);
         report["scene"] = describeScene(baked.loaded);
         report["bake"] = describeBake(baked);
     } else {
-        report["scene"] = describeScene(loadGltf(path));
+        report["scene"] = describeScene(loadGltf(source));
     }
     return report;
 }

@@ -7,6 +7,7 @@
 
 #include "core/bake/bake.h"
 #include "io/base/atomic_file.h"
+#include "io/gltf/gltf_source.h"
 #include "io/gltf/material_edit.h"
 #include "io/image/image_file.h"
 #include "io/phat/scene_file.h"
@@ -43,17 +44,19 @@ void checkPlaces(const RenderOptions& options) {
 
 Scene loadScene(const RenderOptions& options) {
     // A baked file holds the environment that it was baked in.
-    Scene scene = isBakedFile(options.input) ? std::move(readBakedFile(options.input).loaded.scene)
-                                             : std::move(loadGltf(options.input).scene);
+    GltfSource source = openGltf(options.input);
+    Scene scene = isBakedFile(source) ? std::move(readBakedFile(source).loaded.scene)
+                                      : std::move(loadGltf(source).scene);
     if (!options.environment.empty()) scene.environment = loadEnvironment(options.environment);
     if (!options.keepLight) editScene(options, scene);
     return scene;
 }
 
 BakedScene loadBaked(const RenderOptions& options, Progress& progress) {
-    if (!options.environment.empty() && isBakedFile(options.input))
+    GltfSource source = openGltf(options.input);
+    if (!options.environment.empty() && isBakedFile(source))
         throw CLI::ValidationError("--environment", "the bake has its own; bake again to change it");
-    BakedScene baked = readSceneFile(options.input, options.environment);
+    BakedScene baked = readSceneFile(source, options.environment);
     if (baked.phatexture.indirect.empty()) {
         Bake result = bake(baked.loaded.scene, BakeSettings(), progress);
         baked.atlas = std::move(result.atlas);

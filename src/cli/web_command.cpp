@@ -15,6 +15,7 @@
 #include "cli/render_options.h"
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
+#include "io/gltf/gltf_source.h"
 #include "io/phat/baked_file.h"
 #include "io/phat/web_parts.h"
 
@@ -84,7 +85,8 @@ void writePoster(const WebOptions& options, const fs::path& site, Progress& prog
 }
 
 void writeSite(const WebOptions& options) {
-    if (!isBakedFile(options.input))
+    GltfSource source = openGltf(options.input);
+    if (!isBakedFile(source))
         throw FileError(options.input, "is not a baked file: `phat bake` makes one");
     const fs::path site = options.site, built = siteFolder();
     std::string page = readText(built / "index.html");
@@ -92,7 +94,7 @@ void writeSite(const WebOptions& options) {
     const std::string name = fs::path(options.input).filename().string();
     fill(page, "@TITLE@", escaped(options.title.empty() ? name.substr(0, name.find('.')) : options.title));
     fill(page, "@EXPOSURE@", fmt::format("{}", options.exposureStops));
-    const WebParts parts = splitForWeb(options.input, kPartsStem);
+    const WebParts parts = splitForWeb(source, kPartsStem);
 
     std::error_code error;
     fs::create_directories(site, error);

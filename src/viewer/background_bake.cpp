@@ -14,7 +14,7 @@ BackgroundBake::BackgroundBake(const Scene& scene, const BakeSettings& settings,
                 Bake result = bake(scene, stepSettings, progress_);
                 {
                     const std::lock_guard lock(mutex_);
-                    ready_ = std::move(result);
+                    ready_ = Result{std::move(result), stepSettings};
                     ++step_;
                 }
                 wake_();
@@ -34,7 +34,7 @@ BackgroundBake::~BackgroundBake() {
     thread_.join();
 }
 
-std::optional<Bake> BackgroundBake::take() {
+std::optional<BackgroundBake::Result> BackgroundBake::take() {
     const std::lock_guard lock(mutex_);
     if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
     return std::exchange(ready_, std::nullopt);

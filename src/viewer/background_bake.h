@@ -22,8 +22,13 @@ class BackgroundBake {
     BackgroundBake(const BackgroundBake&) = delete;
     BackgroundBake& operator=(const BackgroundBake&) = delete;
 
+    /// A step's result and the settings that it was made with.
+    struct Result {
+        Bake bake;
+        BakeSettings settings;
+    };
     /// The newest step's result, once. Throws what the bake threw.
-    std::optional<Bake> take();
+    std::optional<Result> take();
     SharedProgress::Report report() const { return progress_.report(); }
     /// Counted from 1; kSteps + 1 when all are done.
     int step() const { return step_; }
@@ -36,7 +41,7 @@ class BackgroundBake {
     Wake wake_;
     std::atomic<int> step_ = 1;
     std::mutex mutex_;
-    std::optional<Bake> ready_;
+    std::optional<Result> ready_;
     std::exception_ptr failure_;
     std::thread thread_;
 };

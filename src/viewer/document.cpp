@@ -17,8 +17,7 @@ std::filesystem::file_time_type lastWrite(const std::string& path) {
     return std::filesystem::last_write_time(path, gone);
 }
 
-void writeBake(const std::string& out, const std::string& source, const std::string& environment,
-               BakedScene& baked) {
+void writeBake(const std::string& out, const std::string& source, BakedScene& baked) {
     Bake whole{std::move(baked.atlas), std::move(baked.points), std::move(baked.phatexture), {}};
     const auto giveBack = [&] {
         baked.atlas = std::move(whole.atlas);
@@ -26,9 +25,7 @@ void writeBake(const std::string& out, const std::string& source, const std::str
         baked.phatexture = std::move(whole.phatexture);
     };
     try {
-        BakeSettings settings;
-        settings.atlas.texelBudget = whole.atlas.texelCount();
-        writeBakedFile(out, source, baked.loaded.scene, whole, recordOf(settings, source, environment));
+        writeBakedFile(out, source, baked.loaded.scene, whole, baked.record);
     } catch (...) {
         giveBack();
         throw;
@@ -85,6 +82,14 @@ const RayScene& Document::rays() const {
     return *rays_;
 }
 
+void Document::takeBake(Bake bake, const BakeSettings& settings) {
+    baked.atlas = std::move(bake.atlas);
+    baked.points = std::move(bake.points);
+    baked.phatexture = std::move(bake.phatexture);
+    baked.record = recordOf(settings, path, environmentPath);
+    hasBake = true;
+}
+
 void Document::takeLight(const LiveUpdate& update) {
     if (!bakedLight_) bakedLight_ = BakedLight{baked.phatexture, baked.points.state};
     rayVersion_ += !update.covers.empty();
@@ -106,7 +111,7 @@ std::string Document::save() {
     };
     swapLight();
     try {
-        writeBake(out, path, environmentPath, baked);
+        writeBake(out, path, baked);
     } catch (...) {
         swapLight();
         throw;

@@ -46,6 +46,8 @@ struct Document {
     const RayScene& rays() const;
     /// Grows when what rays meet, or may read there, is another.
     uint64_t rayVersion() const { return rayVersion_; }
+    /// Takes over a bake of scene() that was made with `settings`, which save() records.
+    void takeBake(Bake bake, const BakeSettings& settings);
     /// Takes over a part of the bake that was renewed; the file's is kept aside.
     void takeLight(const LiveUpdate& update);
     /// Forgets what was kept aside: the bake is another one.

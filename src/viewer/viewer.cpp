@@ -151,11 +151,7 @@ void Viewer::takeBake() {
     try {
         auto result = bake_->take();
         if (result) {
-            BakedScene& baked = state_.document->baked;
-            baked.atlas = std::move(result->atlas);
-            baked.points = std::move(result->points);
-            baked.phatexture = std::move(result->phatexture);
-            state_.document->hasBake = true;
+            state_.document->takeBake(std::move(result->bake), result->settings);
             useBake();
         }
         if (bake_->done()) bake_.reset();

@@ -53,7 +53,7 @@ uint32_t loadIndex(const uint8_t* bytes, int type) {
 // Start of a view's data at an offset. pre: checked.
 const uint8_t* dataAt(const Document& document, int view, size_t offset) {
     const auto& bufferView = document.model().bufferViews[size_t(view)];
-    return document.buffers[size_t(bufferView.buffer)].data() + bufferView.byteOffset + offset;
+    return document.source.buffers[size_t(bufferView.buffer)].data() + bufferView.byteOffset + offset;
 }
 
 // Calls use(element, bytes) for all elements of the base data, then for those that sparse data replace.

@@ -37,8 +37,8 @@ void checkBufferViews(const Document& document) {
     const auto& views = document.model().bufferViews;
     for (size_t i = 0; i < views.size(); ++i) {
         const auto& view = views[i];
-        require(validIndex(view.buffer, document.buffers.size()), "buffer view", i, "no such buffer");
-        const uint64_t size = document.buffers[size_t(view.buffer)].size();
+        require(validIndex(view.buffer, document.source.buffers.size()), "buffer view", i, "no such buffer");
+        const uint64_t size = document.source.buffers[size_t(view.buffer)].size();
         require(view.byteOffset <= size && view.byteLength <= size - view.byteOffset, "buffer view", i,
                 "lies outside its buffer");
         const bool stride = view.byteStride == 0 || (view.byteStride >= 4 && view.byteStride <= 252);

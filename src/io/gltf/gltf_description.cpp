@@ -12,8 +12,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Valid files stay near 12; deeper ones only aim at the stack of recursive parsers.
-constexpr int kMaxDepth = 64;
 // tinygltf counts with int.
 constexpr uint64_t kMaxIndex = 0x7fffffff;
 constexpr uint64_t kMaxBytes = 1ull << 53;
@@ -29,40 +27,6 @@ constexpr std::array kSupported = {
 
 bool isSupported(const std::string& extension) {
     return std::find(kSupported.begin(), kSupported.end(), extension) != kSupported.end();
-}
-
-void checkDepth(std::string_view json) {
-    int depth = 0;
-    bool inString = false;
-    for (size_t i = 0; i < json.size(); ++i) {
-        const char c = json[i];
-        if (inString) {
-            if (c == '\\') ++i;
-            inString = c != '"';
-        } else if (c == '"') {
-            inString = true;
-        } else if (c == '{' || c == '[') {
-            if (++depth > kMaxDepth) throw Problem("its JSON is nested too deeply");
-        } else if (c == '}' || c == ']') {
-            --depth;
-        }
-    }
-}
-
-Json parseJson(std::string_view text) {
-    // Chunks padded with zeros instead of spaces are common enough.
-    while (!text.empty() && text.back() == '\0') text.remove_suffix(1);
-    checkDepth(text);
-    try {
-        Json json = Json::parse(text);
-        if (!json.is_object()) throw Problem("its JSON is not an object");
-        return json;
-    } catch (const Json::exception& error) {
-        // Past nlohmann's "[json.exception.parse_error.101] ".
-        const std::string what = error.what();
-        const size_t prefix = what.find("] ");
-        throw Problem("invalid JSON: " + (prefix == std::string::npos ? what : what.substr(prefix + 2)));
-    }
 }
 
 bool isOneOf(const std::string& key, std::initializer_list<const char*> keys) {
@@ -247,8 +211,8 @@ void chargeModel(const Json& root, MemoryBudget& budget) {
 
 }  // namespace
 
-Description parseDescription(std::string_view text, MemoryBudget& budget, Notes& notes) {
-    Json root = parseJson(text);
+Description describe(const Json& json, MemoryBudget& budget, Notes& notes) {
+    Json root = json;
     checkVersion(root);
     for (const std::string& name : extensionList(root, "extensionsRequired")) {
         if (!isSupported(name))

@@ -10,8 +10,8 @@
 #include <tiny_gltf.h>
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "io/gltf/gltf_problem.h"
@@ -47,8 +47,8 @@ struct Description {
     std::vector<ImageEntry> images;
 };
 
-/// Parses and prunes; names in `notes` each extension that is dropped. Throws Problem, also for an extension
-/// that the file requires and that is not supported.
-Description parseDescription(std::string_view json, MemoryBudget& budget, Notes& notes);
+/// Checks and prunes the file's JSON; names in `notes` each extension that is dropped. Throws Problem, also for
+/// an extension that the file requires and that is not supported. pre: an object of bounded depth.
+Description describe(const nlohmann::json& json, MemoryBudget& budget, Notes& notes);
 
 }  // namespace phat::gltf

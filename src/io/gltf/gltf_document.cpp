@@ -2,21 +2,26 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "io/gltf/gltf_container.h"
+
 namespace phat::gltf {
 namespace {
 
-std::vector<std::vector<uint8_t>> readBuffers(Container& container, const Description& description,
-                                              const std::filesystem::path& folder, MemoryBudget& budget) {
-    std::vector<std::vector<uint8_t>> buffers;
+void readBuffers(const Description& description, GltfSource& source, MemoryBudget& budget) {
+    assert(source.buffers.empty());
     for (size_t i = 0; i < description.buffers.size(); ++i) {
         const BufferEntry& entry = description.buffers[i];
         std::vector<uint8_t> bytes;
         if (!entry.uri.empty()) {
             // The same file may be named many times, so what it takes counts.
-            bytes = readUri(entry.uri, folder, std::min(entry.byteLength, budget.left()));
+            bytes = readUri(entry.uri, gltfFolder(source), std::min(entry.byteLength, budget.left()));
             budget.charge(bytes.size(), "the buffers");
-        } else if (i == 0 && container.hasBinary) {
-            bytes = std::move(container.binary);
+        } else if (i == 0 && source.binary) {
+            bytes = *std::exchange(source.binary, std::nullopt);
         } else {
             throw Problem(fmt::format("buffer {} has neither a URI nor a binary chunk", i));
         }
@@ -24,23 +29,16 @@ std::vector<std::vector<uint8_t>> readBuffers(Container& container, const Descri
             throw Problem(
                 fmt::format("buffer {} has {} bytes instead of {}", i, bytes.size(), entry.byteLength));
         }
-        buffers.push_back(std::move(bytes));
+        source.buffers.push_back(std::move(bytes));
     }
-    return buffers;
 }
 
 }  // namespace
 
-Document readDocument(const std::string& path, MemoryBudget& budget, Notes& notes) {
-    Container container = readContainer(path);
-    budget.allowFor(container.json.size() + container.binary.size());
-
-    Document document;
-    document.folder = std::filesystem::path(path).parent_path();
-    if (document.folder.empty()) document.folder = ".";
-    document.description = parseDescription(container.json, budget, notes);
-    container.json = {};
-    document.buffers = readBuffers(container, document.description, document.folder, budget);
+Document checkedDocument(GltfSource& source, MemoryBudget& budget, Notes& notes) {
+    budget.allowFor(source.fileBytes);
+    Document document{source, describe(source.json, budget, notes)};
+    readBuffers(document.description, source, budget);
     checkModel(document);
     return document;
 }

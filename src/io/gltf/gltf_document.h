@@ -1,23 +1,21 @@
 #pragma once
 // A glTF file in memory whose every index and extent is known to be good.
 
-#include <filesystem>
-
-#include "io/gltf/gltf_container.h"
 #include "io/gltf/gltf_description.h"
+#include "io/gltf/gltf_source.h"
 
 namespace phat::gltf {
 
 struct Document {
-    std::filesystem::path folder;  // of the file; URIs are relative to it
+    const GltfSource& source;  // with its buffers
     Description description;
-    std::vector<std::vector<uint8_t>> buffers;
 
     const tinygltf::Model& model() const { return description.model; }
 };
 
-/// Reads and checks. Throws Problem.
-Document readDocument(const std::string& path, MemoryBudget& budget, Notes& notes);
+/// Reads the buffers of `source` and checks everything. The document refers to `source`. Throws Problem.
+/// pre: the buffers are not read yet.
+Document checkedDocument(GltfSource& source, MemoryBudget& budget, Notes& notes);
 
 /// Throws Problem when an index, count, offset, stride, matrix, camera or light is not what the specification
 /// allows; after it, only accessor contents can surprise.

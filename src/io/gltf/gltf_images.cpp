@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 
+#include "io/gltf/gltf_container.h"
 #include "io/gltf/gltf_materials.h"
 
 namespace {
@@ -143,13 +144,13 @@ TextureImage decode(std::span<const uint8_t> bytes, MemoryBudget& budget) {
 
 TextureImage loadImage(const Document& document, const ImageEntry& entry, MemoryBudget& budget) {
     if (!entry.uri.empty()) {
-        const std::vector<uint8_t> bytes = readUri(entry.uri, document.folder, budget.left());
+        const std::vector<uint8_t> bytes = readUri(entry.uri, gltfFolder(document.source), budget.left());
         budget.allowFor(bytes.size());
         return decode(bytes, budget);
     }
     if (entry.bufferView < 0) throw Problem("has no data");
     const auto& view = document.model().bufferViews[size_t(entry.bufferView)];
-    return decode(std::span(document.buffers[size_t(view.buffer)]).subspan(view.byteOffset, view.byteLength),
+    return decode(std::span(document.source.buffers[size_t(view.buffer)]).subspan(view.byteOffset, view.byteLength),
                   budget);
 }
 

@@ -9,11 +9,11 @@
 
 namespace phat {
 
-LoadedScene loadGltf(const std::string& path) {
+LoadedScene loadGltf(GltfSource& source) {
     try {
         gltf::Notes notes;
         gltf::MemoryBudget budget(0);
-        const gltf::Document document = gltf::readDocument(path, budget, notes);
+        const gltf::Document document = gltf::checkedDocument(source, budget, notes);
         const std::vector<gltf::WorldNode> nodes = gltf::worldNodes(document.model(), notes);
 
         LoadedScene loaded;
@@ -26,10 +26,15 @@ LoadedScene loadGltf(const std::string& path) {
         loaded.notes = gltf::linesOf(notes);
         return loaded;
     } catch (const gltf::Problem& problem) {
-        throw FileError(path, gltf::printable(problem.what()));
+        throw FileError(source.path, gltf::printable(problem.what()));
     } catch (const std::bad_alloc&) {
-        throw FileError(path, "not enough memory");
+        throw FileError(source.path, "not enough memory");
     }
+}
+
+LoadedScene loadGltf(const std::string& path) {
+    GltfSource source = openGltf(path);
+    return loadGltf(source);
 }
 
 }  // namespace phat

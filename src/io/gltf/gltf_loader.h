@@ -8,6 +8,8 @@
 
 namespace phat {
 
+struct GltfSource;  // io/gltf/gltf_source.h
+
 struct LoadedScene {
     Scene scene;
     /// One line each: what was dropped or is shown in rest pose, by name.
@@ -18,6 +20,8 @@ struct LoadedScene {
 /// its folder, never over a network). Every count, offset and stride is checked before memory is allocated.
 /// Throws FileError with the reason.
 LoadedScene loadGltf(const std::string& path);
+/// The same of a file that is open; reads its buffers into `source`. pre: they are not read yet.
+LoadedScene loadGltf(GltfSource& source);
 
 /// Reads a latitude-longitude .hdr or .exr picture. Throws FileError.
 Environment loadEnvironment(const std::string& path);

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <cassert>
 #include <cstring>
-#include <filesystem>
 #include <map>
 #include <numeric>
+#include <string_view>
+#include <utility>
 
+#include "io/base/file_error.h"
 #include "io/gltf/gltf_container.h"
 
 namespace phat {
@@ -21,9 +24,33 @@ using nlohmann::json;
 // The loader has read the same files before, within its own limits.
 constexpr uint64_t kNoLimit = ~0ull;
 
+// Valid files stay near 12; deeper ones only aim at the stack of recursive functions.
+constexpr int kMaxDepth = 64;
+
+void checkDepth(std::string_view text) {
+    int depth = 0;
+    bool inString = false;
+    for (size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (inString) {
+            if (c == '\\') ++i;
+            inString = c != '"';
+        } else if (c == '"') {
+            inString = true;
+        } else if (c == '{' || c == '[') {
+            if (++depth > kMaxDepth) fail("its JSON is nested too deeply");
+        } else if (c == '}' || c == ']') {
+            --depth;
+        }
+    }
+}
+
+// The parser itself is not recursive. Chunks that are padded with zeros instead of spaces are common enough;
+// it takes a zero for the end.
 json parseJson(const std::string& text) {
     json parsed = json::parse(text, nullptr, /*allow_exceptions=*/false);
     if (!parsed.is_object()) fail("not a glTF file: its JSON cannot be parsed");
+    checkDepth(text);
     return parsed;
 }
 
@@ -179,29 +206,40 @@ const json& gltfItem(const json& json, const char* array, uint64_t index) {
     return (*found)[index];
 }
 
-GltfSource readGltfSource(const std::string& path) {
-    GltfSource source{path, {}, {}};
-    gltf::Container container = gltf::readContainer(path);
-    source.json = parseJson(container.json);
+GltfSource openGltf(const std::string& path) {
+    try {
+        GltfSource source;
+        source.path = path;
+        gltf::Container container = gltf::readContainer(path);
+        source.json = parseJson(container.json);
+        source.fileBytes = container.json.size() + container.binary.size();
+        if (container.hasBinary) source.binary = std::move(container.binary);
+        return source;
+    } catch (const std::runtime_error& error) {
+        throw FileError(path, error.what());
+    }
+}
+
+void readGltfBuffers(GltfSource& source) {
+    assert(source.buffers.empty());
     const json buffers = source.json.value("buffers", json::array());
     for (size_t i = 0; i < buffers.size(); ++i) {
         std::vector<uint8_t>& data = source.buffers.emplace_back();
         const auto uri = buffers[i].find("uri");
         if (uri != buffers[i].end() && uri->is_string())
             data = readGltfUri(source, uri->get<std::string>());
-        else if (i == 0)
-            data = std::move(container.binary);
+        else if (i == 0 && source.binary)
+            data = *std::exchange(source.binary, std::nullopt);
     }
-    return source;
 }
 
-json readGltfJson(const std::string& path) {
-    return parseJson(gltf::readContainer(path).json);
+std::filesystem::path gltfFolder(const GltfSource& source) {
+    const std::filesystem::path folder = std::filesystem::path(source.path).parent_path();
+    return folder.empty() ? "." : folder;
 }
 
 std::vector<uint8_t> readGltfUri(const GltfSource& source, const std::string& uri) {
-    const std::filesystem::path folder = std::filesystem::path(source.path).parent_path();
-    return gltf::readUri(uri, folder.empty() ? "." : folder, kNoLimit);
+    return gltf::readUri(uri, gltfFolder(source), kNoLimit);
 }
 
 std::span<const uint8_t> bufferViewBytes(const GltfSource& source, uint64_t index) {

@@ -1,10 +1,11 @@
 #pragma once
-// A glTF file as it stands on disk: JSON and buffers, uninterpreted. What the loader turns into a Scene, the
-// baked file is rewritten from. Everything here throws std::runtime_error with the reason; the callers know
-// the path.
+// A glTF file as it stands on disk: JSON and buffers, uninterpreted. The loader turns it into a Scene, the
+// journal takes its fingerprint and the baked file is rewritten from it, so a command reads and parses its
+// input once. All but openGltf throw std::runtime_error with the reason; the callers know the path.
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -17,15 +18,20 @@ namespace phat {
 
 struct GltfSource {
     std::string path;
-    nlohmann::json json;
-    std::vector<std::vector<uint8_t>> buffers;
+    nlohmann::json json;                         // an object, of bounded depth
+    std::vector<std::vector<uint8_t>> buffers;   // empty until they are read
+    std::optional<std::vector<uint8_t>> binary;  // the GLB's BIN chunk until it becomes a buffer
+    uint64_t fileBytes = 0;                      // of the JSON text and the BIN chunk
 };
 
-/// JSON of a .glb or .gltf file.
-nlohmann::json readGltfJson(const std::string& path);
+/// Reads and parses the file itself; the files that it names are not opened. Throws FileError.
+GltfSource openGltf(const std::string& path);
 
-/// JSON and all buffers, also those beside the file.
-GltfSource readGltfSource(const std::string& path);
+/// Reads the buffers as they are. loadGltf reads them too, within its limits. pre: they are not read yet.
+void readGltfBuffers(GltfSource& source);
+
+/// The folder that URIs are relative to.
+std::filesystem::path gltfFolder(const GltfSource& source);
 
 /// What a `uri` of the file stands for: a data URI, or a file in the scene's folder.
 std::vector<uint8_t> readGltfUri(const GltfSource& source, const std::string& uri);

@@ -85,9 +85,8 @@ void Fingerprint::add(const std::string& text) {
     add({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 
-void addGltfFile(Fingerprint& fingerprint, const std::string& path) {
+void addGltf(Fingerprint& fingerprint, const GltfSource& source) {
     try {
-        const GltfSource source = readGltfSource(path);
         fingerprint.add(source.json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
         for (const auto& buffer : source.buffers) fingerprint.add(buffer);
         for (const nlohmann::json& image : source.json.value("images", nlohmann::json::array())) {
@@ -99,7 +98,7 @@ void addGltfFile(Fingerprint& fingerprint, const std::string& path) {
             }
         }
     } catch (const std::exception& error) {
-        throw FileError(path, error.what());
+        throw FileError(source.path, error.what());
     }
 }
 

@@ -13,6 +13,8 @@
 
 namespace phat {
 
+struct GltfSource;  // io/gltf/gltf_source.h
+
 /// 64 bits that tell inputs apart (not against a forger): order and lengths of the pieces count.
 class Fingerprint {
   public:
@@ -24,8 +26,8 @@ class Fingerprint {
     uint64_t state_ = 0;
 };
 
-/// Adds the bytes of a .glb or .gltf and of all files that it names. Throws FileError.
-void addGltfFile(Fingerprint& fingerprint, const std::string& path);
+/// Adds the bytes of a glTF file and of all files that it names. Throws FileError. pre: its buffers are read.
+void addGltf(Fingerprint& fingerprint, const GltfSource& source);
 /// Adds the bytes of any file. Throws FileError.
 void addFile(Fingerprint& fingerprint, const std::string& path);
 

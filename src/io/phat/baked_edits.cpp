@@ -114,7 +114,8 @@ void writeEdits(const std::string& path, const std::string& outPath, const Scene
                 const SceneEdits& to) {
     std::vector<uint8_t> bytes;
     try {
-        GltfSource source = readGltfSource(path);
+        GltfSource source = openGltf(path);
+        readGltfBuffers(source);
         if (source.buffers.size() != 1) throw std::runtime_error("is not a file of one binary buffer");
         GlbBuilder glb{std::move(source.json), std::move(source.buffers[0])};
         glb.json.erase("buffers");

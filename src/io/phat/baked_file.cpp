@@ -128,10 +128,10 @@ void appendPayloads(const Payloads& payloads, json& extension, GlbBuilder& glb, 
                                                             {"byteLength", payloads[i].bytes.size()}};
 }
 
-std::vector<uint8_t> bakedBytes(const std::string& sourcePath, const Scene& scene, const Bake& bake,
+std::vector<uint8_t> bakedBytes(const GltfSource& source, const Scene& scene, const Bake& bake,
                                 const BakeRecord& record, Progress* progress,
                                 std::vector<std::string>& notes) {
-    RewrittenGltf gltf = rewriteGltf(readGltfSource(sourcePath), scene, bake.atlas);
+    RewrittenGltf gltf = rewriteGltf(source, scene, bake.atlas);
     notes = gltf.notes;
 
     json extension = {{"version", kBakedFormatVersion}, {"texCoord", gltf.texCoord}};
@@ -176,23 +176,34 @@ uint64_t texelsThatFit(uint64_t bytes, uint64_t sceneBytes, int layers, bool are
     return uint64_t(std::max(0.0, left / (kBase + kLayer * layers + (areaLights ? kArea : 0.0))));
 }
 
-std::vector<std::string> writeBakedFile(const std::string& outPath, const std::string& sourcePath,
+std::vector<std::string> writeBakedFile(const std::string& outPath, const GltfSource& source,
                                         const Scene& scene, const Bake& bake, const BakeRecord& record,
-                                        Progress* progress, uint64_t mostBytes) {
+                                        const BakedFileOptions& options) {
     std::vector<std::string> notes;
     std::vector<uint8_t> bytes;
     try {
-        bytes = bakedBytes(sourcePath, scene, bake, record, progress, notes);
+        bytes = bakedBytes(source, scene, bake, record, options.progress, notes);
     } catch (const Interrupted&) {
         throw;
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& error) {
-        throw FileError(sourcePath, error.what());
+        throw FileError(source.path, error.what());
     }
-    if (bytes.size() > mostBytes) throw FileTooLarge(outPath, bytes.size());
+    if (bytes.size() > options.mostBytes) throw FileTooLarge(outPath, bytes.size());
     replaceFile(outPath, bytes);
     return notes;
+}
+
+std::vector<std::string> writeBakedFile(const std::string& outPath, const std::string& sourcePath,
+                                        const Scene& scene, const Bake& bake, const BakeRecord& record) {
+    GltfSource source = openGltf(sourcePath);
+    try {
+        readGltfBuffers(source);
+    } catch (const std::runtime_error& error) {
+        throw FileError(sourcePath, error.what());
+    }
+    return writeBakedFile(outPath, source, scene, bake, record);
 }
 
 }  // namespace phat

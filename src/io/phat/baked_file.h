@@ -26,7 +26,9 @@ struct BakedScene {
     BakeRecord record;
 };
 
-/// Whether the file carries the extension PHAT_photon_accumulation_texture. Throws FileError if unreadable.
+/// Whether the file carries the extension PHAT_photon_accumulation_texture.
+bool isBakedFile(const GltfSource& source);
+/// The same of a file that is not open. Throws FileError if unreadable.
 bool isBakedFile(const std::string& path);
 
 /// A baked file would be larger than it may be; nothing was written.
@@ -35,18 +37,29 @@ struct FileTooLarge : FileError {
     uint64_t bytes;
 };
 
-/// Rewrites `sourcePath` with the atlas and the PHATexels into `outPath`. `scene` must be what
-/// loadGltf(sourcePath) gave (plus its environment, which is stored too). Returns what of the input could not
-/// be kept, one line each. Throws FileError, FileTooLarge when the file would have more than `mostBytes`,
-/// and Interrupted when `progress` was asked to stop; an old file at `outPath` then stays as it was.
-std::vector<std::string> writeBakedFile(const std::string& outPath, const std::string& sourcePath,
+struct BakedFileOptions {
+    Progress* progress = nullptr;       // of the compression
+    uint64_t mostBytes = ~uint64_t(0);  // of the file
+};
+
+/// Rewrites `source` with the atlas and the PHATexels into `outPath`. `scene` must be what loadGltf(source)
+/// gave (plus its environment, which is stored too). Returns what of the input could not be kept, one line
+/// each. Throws FileError, FileTooLarge when the file would have more than `mostBytes`, and Interrupted when
+/// `progress` was asked to stop; an old file at `outPath` then stays as it was.
+/// pre: the buffers of `source` are read.
+std::vector<std::string> writeBakedFile(const std::string& outPath, const GltfSource& source,
                                         const Scene& scene, const Bake& bake, const BakeRecord& record,
-                                        Progress* progress = nullptr, uint64_t mostBytes = ~uint64_t(0));
+                                        const BakedFileOptions& options = {});
+/// The same of a file that is not open.
+std::vector<std::string> writeBakedFile(const std::string& outPath, const std::string& sourcePath,
+                                        const Scene& scene, const Bake& bake, const BakeRecord& record);
 
 /// About how many texels a baked file of `bytes` has room for; `sceneBytes`: what the scene itself takes.
 uint64_t texelsThatFit(uint64_t bytes, uint64_t sceneBytes, int layers, bool areaLights);
 
 /// Throws FileError when anything is missing, truncated or inconsistent.
 BakedScene readBakedFile(const std::string& path);
+/// The same of a file that is open; reads its buffers. pre: they are not read yet.
+BakedScene readBakedFile(GltfSource& source);
 
 }  // namespace phat

@@ -296,8 +296,7 @@ const json* findExtension(const json& gltf) {
     return found == extensions->end() ? nullptr : &*found;
 }
 
-void readExtension(const std::string& path, BakedScene& baked) {
-    const GltfSource source = readGltfSource(path);
+void readExtension(const GltfSource& source, BakedScene& baked) {
     const json* extension = findExtension(source.json);
     if (!extension) fail("is not a baked file");
     const uint64_t version = wholeNumber(*extension, "version");
@@ -319,19 +318,25 @@ void readExtension(const std::string& path, BakedScene& baked) {
 
 }  // namespace
 
+bool isBakedFile(const GltfSource& source) {
+    return findExtension(source.json) != nullptr;
+}
+
 bool isBakedFile(const std::string& path) {
-    try {
-        return findExtension(readGltfJson(path)) != nullptr;
-    } catch (const std::runtime_error& error) {
-        throw FileError(path, error.what());
-    }
+    return isBakedFile(openGltf(path));
 }
 
 BakedScene readBakedFile(const std::string& path) {
+    GltfSource source = openGltf(path);
+    return readBakedFile(source);
+}
+
+BakedScene readBakedFile(GltfSource& source) {
+    const std::string& path = source.path;
     BakedScene baked;
-    baked.loaded = loadGltf(path);
+    baked.loaded = loadGltf(source);
     try {
-        readExtension(path, baked);
+        readExtension(source, baked);
     } catch (const std::bad_alloc&) {
         throw FileError(path, "needs more memory than there is");
     } catch (const json::exception& error) {

@@ -69,14 +69,20 @@ WebParts split(const GltfSource& source, const std::string& stem) {
 
 }  // namespace
 
-WebParts splitForWeb(const std::string& path, const std::string& stem) {
+WebParts splitForWeb(GltfSource& source, const std::string& stem) {
     try {
-        return split(readGltfSource(path), stem);
+        readGltfBuffers(source);
+        return split(source, stem);
     } catch (const json::exception& error) {
-        throw FileError(path, error.what());
+        throw FileError(source.path, error.what());
     } catch (const std::runtime_error& error) {
-        throw FileError(path, error.what());
+        throw FileError(source.path, error.what());
     }
+}
+
+WebParts splitForWeb(const std::string& path, const std::string& stem) {
+    GltfSource source = openGltf(path);
+    return splitForWeb(source, stem);
 }
 
 }  // namespace phat

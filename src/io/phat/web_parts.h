@@ -7,6 +7,8 @@
 
 namespace phat {
 
+struct GltfSource;  // io/gltf/gltf_source.h
+
 struct WebPart {
     std::string uri;
     std::vector<uint8_t> bytes;
@@ -21,5 +23,7 @@ struct WebParts {
 /// `stem`: of the parts' names beside the room, STEM.lamps.bin, STEM.reflections.bin, STEM.reflections-2.bin
 /// ... Together they are the same baked file. Throws FileError.
 WebParts splitForWeb(const std::string& path, const std::string& stem);
+/// The same of a file that is open; reads its buffers. pre: they are not read yet.
+WebParts splitForWeb(GltfSource& source, const std::string& stem);
 
 }  // namespace phat

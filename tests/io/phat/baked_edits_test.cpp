@@ -40,7 +40,7 @@ TEST_F(BakedEdits, ComeBackWhenTheFileIsRead) {
         EXPECT_FLOAT_EQ(after.loaded.scene.lights.at(0).intensity[c], edited.lights[0].intensity[c]);
     EXPECT_EQ(after.phatexture.indirect[0].texels.size(), before.phatexture.indirect[0].texels.size());
     EXPECT_EQ(after.phatexture.indirectIrradiance, before.phatexture.indirectIrradiance);
-    EXPECT_EQ(readGltfJson(baked)["extensions"]["KHR_lights_punctual"]["lights"].size(), 1u);
+    EXPECT_EQ(openGltf(baked).json["extensions"]["KHR_lights_punctual"]["lights"].size(), 1u);
 }
 
 TEST_F(BakedEdits, ChangeNothingWhereThereAreNone) {

@@ -2,10 +2,12 @@
 #include <sys/resource.h>
 
 #include <cstring>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "io/base/file_error.h"
 #include "io/gltf/gltf_source.h"
+#include "io/phat/bake_journal.h"
 #include "io/phat/baked_scene.h"
 
 namespace phat {
@@ -116,6 +118,32 @@ TEST_F(BakedRoundTrip, WritesTheSameBytesTwice) {
     EXPECT_EQ(folder.fileCount(), 2u);
 }
 
+// A bake reads its input once: loading, fingerprint and writing share what was opened.
+TEST_F(BakedRoundTrip, NeedsTheInputFileOnlyWhileItIsOpened) {
+    const auto fingerprintOf = [](const GltfSource& opened) {
+        Fingerprint fingerprint;
+        addGltf(fingerprint, opened);
+        return fingerprint.value();
+    };
+    GltfSource opened = openGltf(source);
+    const LoadedScene loaded = loadGltf(opened);
+    const Bake bake = test::randomBake(loaded.scene, 1, false, 4);
+    writeBakedFile(target, source, loaded.scene, bake, test::someRecord());
+    const auto expected = readBytes(target);
+    const uint64_t fingerprint = fingerprintOf(opened);
+
+    std::filesystem::remove(source);
+    EXPECT_EQ(fingerprintOf(opened), fingerprint);
+    writeBakedFile(target, opened, loaded.scene, bake, test::someRecord());
+    EXPECT_EQ(readBytes(target), expected);
+
+    GltfSource again = openGltf(target);
+    std::filesystem::remove(target);
+    ASSERT_TRUE(isBakedFile(again));
+    expectSame(bake.phatexture, readBakedFile(again).phatexture);
+    EXPECT_NE(fingerprintOf(again), fingerprint);
+}
+
 // A file that is baked again carries one extension and one atlas UV set, not two.
 TEST_F(BakedRoundTrip, ReplacesAnEarlierBake) {
     const LoadedScene loaded = loadGltf(source);
@@ -126,7 +154,7 @@ TEST_F(BakedRoundTrip, ReplacesAnEarlierBake) {
     const std::string second = folder.file("second.glb");
     writeBakedFile(second, target, again.scene, bake, test::someRecord());
     expectSame(bake.phatexture, readBakedFile(second).phatexture);
-    const auto json = readGltfJson(second);
+    const auto json = openGltf(second).json;
     EXPECT_EQ(json["extensions"]["PHAT_photon_accumulation_texture"]["texCoord"], 2);
     for (const auto& mesh : json["meshes"])
         for (const auto& primitive : mesh["primitives"])
@@ -137,7 +165,7 @@ TEST_F(BakedRoundTrip, KeepsTheRestOfTheFile) {
     const LoadedScene loaded = loadGltf(source);
     writeBakedFile(target, source, loaded.scene, test::randomBake(loaded.scene, 1, false, 1),
                    test::someRecord());
-    const auto before = readGltfJson(source), after = readGltfJson(target);
+    const auto before = openGltf(source).json, after = openGltf(target).json;
     for (const char* key :
          {"asset", "cameras", "extensionsRequired", "extras", "materials", "scene", "scenes"})
         EXPECT_EQ(before[key], after[key]) << key;
@@ -154,7 +182,8 @@ TEST_F(BakedRoundTrip, KeepsTheRestOfTheFile) {
         EXPECT_EQ(a, b);
     }
     // The cube stays quantised: 16-bit positions, 8-bit normals.
-    const GltfSource file = readGltfSource(target);
+    GltfSource file = openGltf(target);
+    readGltfBuffers(file);
     const auto& attributes =
         after["meshes"][after["nodes"][0]["mesh"].get<size_t>()]["primitives"][0]["attributes"];
     EXPECT_EQ(readAccessor(file, attributes["POSITION"].get<uint64_t>()).componentType, 5122u);
@@ -193,7 +222,7 @@ TEST_F(BakedRoundTrip, DropsDeformationAndSaysSo) {
     const auto notes = writeBakedFile(target, source, loaded.scene,
                                       test::randomBake(loaded.scene, 1, false, 1), test::someRecord());
     EXPECT_EQ(notes.size(), 2u);
-    const auto json = readGltfJson(target);
+    const auto json = openGltf(target).json;
     EXPECT_FALSE(json.contains("animations"));
     for (const auto& mesh : json["meshes"]) EXPECT_FALSE(mesh.contains("weights"));
     expectSameCorners(loaded.scene, readBakedFile(target).loaded.scene);

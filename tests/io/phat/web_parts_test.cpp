@@ -47,7 +47,7 @@ TEST(WebParts, AreTheSameBakeTogether) {
     // Without the last part, the others can still be read.
     std::filesystem::remove(folder.file("room.reflections-2.bin"));
     EXPECT_THROW(readBakedFile(folder.file("room.glb")), FileError);
-    const auto json = readGltfJson(folder.file("room.glb"));
+    const auto json = openGltf(folder.file("room.glb")).json;
     const auto& extension = json["extensions"]["PHAT_photon_accumulation_texture"];
     const auto bufferOf = [&](const nlohmann::json& payload) {
         return json["bufferViews"][payload["bufferView"].get<size_t>()]["buffer"];
