@@ -308,7 +308,8 @@ bool Viewer::frame() {
     try {
         applyChanges();
         more |= turn() || light_.hasMore();
-        if (state_.document) more |= pictures_.refine(state_, pictureSize());
+        if (state_.document)
+            more |= pictures_.refine(state_, pictureSize(), std::chrono::steady_clock::now());
     } catch (const GlError& error) {  // such as out of video memory
         state_.message = error.what();
         state_.renderer.reset();
