@@ -14,7 +14,7 @@ void drawEmission(Edit& edit, Material& m, bool glows) {
     float power = std::max({m.emission.x, m.emission.y, m.emission.z});
     glm::vec3 color = power > 0 ? m.emission / power : glm::vec3(1);
     bool changed = ImGui::DragFloat("Emission, nit", &power, 0.01f * std::max(power, 0.1f), 0, 1e6f, "%.3g");
-    if (power > 0) changed |= ImGui::ColorEdit3("Its colour", &color.x, ImGuiColorEditFlags_Float);
+    if (power > 0) changed |= ImGui::ColorEdit3("Emission colour", &color.x, ImGuiColorEditFlags_Float);
     if (changed) m.emission = power * color;
     edit.note(changed);
 }
@@ -38,12 +38,12 @@ void drawMaterial(Edit& edit, Material& m, bool glows) {
 // The sky turns by whole columns of its picture, so that a file keeps every one of its values.
 void drawSky(Edit& edit, int width) {
     float degrees = 360 * float(edit.next.environmentColumns) / float(width);
-    if (ImGui::SliderFloat("Sky's turn", &degrees, -180, 180, "%.1f degrees", ImGuiSliderFlags_AlwaysClamp)) {
+    if (ImGui::SliderFloat("Environment rotation", &degrees, -180, 180, "%.1f degrees", ImGuiSliderFlags_AlwaysClamp)) {
         edit.next.environmentColumns = int(std::lround(degrees / 360 * float(width)));
         edit.changed = true;
     }
     if (edit.next.environmentColumns != 0)
-        wrappedText("What is seen of the sky follows at once; its light on things is that of the bake.");
+        wrappedText("The visible environment rotates at once; the light from it stays as baked.");
 }
 
 }  // namespace
@@ -91,7 +91,7 @@ void drawLightsPanel(ViewerState& state, Edit& edit) {
             edit.changed = true;
         }
         if (light.type != PunctualLight::Type::directional)
-            edit.note(ImGui::DragFloat3("Place, m", &light.position.x, 0.01f, 0, 0, "%.2f"));
+            edit.note(ImGui::DragFloat3("Position, m", &light.position.x, 0.01f, 0, 0, "%.2f"));
         ImGui::PopID();
     }
     if (sky) drawSky(edit, sky->radiance.width);

@@ -139,11 +139,11 @@ void endGrab(ViewerState& state, bool keep) {
 }
 
 std::string describe(const Grab& grab) {
-    std::string words = grab.turns ? "Turn" : "Move";
+    std::string words = grab.turns ? "Rotate" : "Move";
     if (grab.axis >= 0) words += fmt::format(" about {}", "xyz"[grab.axis]);
     if (!grab.turns && grab.axis >= 0) words = fmt::format("Move along {}", "xyz"[grab.axis]);
     if (!grab.typed.empty()) words += fmt::format(" by {} {}", grab.typed, grab.turns ? "degrees" : "m");
-    return words + ".  X Y Z: axis; a number; Enter or click: keep; Esc: back";
+    return words + ".  X Y Z: axis; type a number; Enter or click: confirm; Esc: cancel";
 }
 
 std::optional<glm::vec2> placeInPicture(const ViewerState& state, glm::vec3 point) {

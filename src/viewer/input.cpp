@@ -126,9 +126,9 @@ void play(ViewerState& state) {
     playback.playing = !playback.playing;
 }
 
-void handleKey(ViewerState& state, const Window::KeyPress& press, glm::vec2 size, Wishes& wishes) {
+void handleKey(ViewerState& state, const Window::KeyPress& press, glm::vec2 size, Actions& actions) {
     if (press.key == GLFW_KEY_TAB) state.view.panels = !state.view.panels;
-    wishes.fullScreen |= press.key == GLFW_KEY_F11;
+    actions.fullScreen |= press.key == GLFW_KEY_F11;
     if (!state.document) return;
     if (state.grab) return grabKey(state, press);
     if (press.control) {
@@ -137,7 +137,7 @@ void handleKey(ViewerState& state, const Window::KeyPress& press, glm::vec2 size
             edits.redo();
         else if (press.key == GLFW_KEY_Z)
             edits.undo();
-        wishes.save |= press.key == GLFW_KEY_S;
+        actions.save |= press.key == GLFW_KEY_S;
         return;
     }
     if (press.key == GLFW_KEY_F) frameSelection(state, size);
@@ -151,20 +151,20 @@ void handleKey(ViewerState& state, const Window::KeyPress& press, glm::vec2 size
         wanted = !wanted;
     }
     if (press.key == GLFW_KEY_C) state.view.compare = !state.view.compare;
-    wishes.keepPicture |= press.key == GLFW_KEY_P;
+    actions.saveImage |= press.key == GLFW_KEY_P;
 }
 
 }  // namespace
 
-Wishes handleInput(ViewerState& state, const std::vector<Window::KeyPress>& pressed, glm::ivec4 area) {
-    Wishes wishes;
+Actions handleInput(ViewerState& state, const std::vector<Window::KeyPress>& pressed, glm::ivec4 area) {
+    Actions actions;
     const ImGuiIO& io = ImGui::GetIO();
     const Place place{glm::vec2(area.x, area.y),
                       glm::vec2(area.z, area.w),
                       {io.DisplayFramebufferScale.x, io.DisplayFramebufferScale.y}};
     if (!io.WantTextInput) {
         if (!pressed.empty()) state.message.clear();
-        for (const Window::KeyPress& press : pressed) handleKey(state, press, place.size, wishes);
+        for (const Window::KeyPress& press : pressed) handleKey(state, press, place.size, actions);
         if (state.document) handleFlight(state);
     }
     if (!pressed.empty() || io.MouseDelta.x != 0 || io.MouseDelta.y != 0 || io.MouseWheel != 0 ||
@@ -173,7 +173,7 @@ Wishes handleInput(ViewerState& state, const std::vector<Window::KeyPress>& pres
     state.pictureSize = {area.z, area.w};
     state.mouse = io.WantCaptureMouse ? glm::vec2(-1) : place(io.MousePos);
     if (!io.WantCaptureMouse && state.document) handleMouse(state, place);
-    return wishes;
+    return actions;
 }
 
 }  // namespace phat

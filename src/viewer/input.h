@@ -7,15 +7,15 @@
 namespace phat {
 
 /// What a frame's keys asked for, beside what was done to the state at once.
-struct Wishes {
-    bool keepPicture = false;
+struct Actions {
+    bool saveImage = false;
     bool save = false;
     bool fullScreen = false;
 };
 
 /// Moves the camera, picks, undoes. `area`: the picture's x, y, width and height in the window, in pixels.
 /// pre: between beginFrame and endFrame.
-Wishes handleInput(ViewerState& state, const std::vector<Window::KeyPress>& pressed, glm::ivec4 area);
+Actions handleInput(ViewerState& state, const std::vector<Window::KeyPress>& pressed, glm::ivec4 area);
 
 struct KeyHelp {
     const char* keys;
@@ -29,15 +29,15 @@ inline constexpr KeyHelp kKeyHelp[] = {
     {"W A S D, E Q", "fly; Shift: faster"},
     {"Click", "select"},
     {"F", "frame the selection"},
-    {"G, R, then X Y Z", "move, turn it"},
+    {"G, R, then X Y Z", "move, rotate"},
     {"Space", "play the animation"},
-    {"L", "light follows changes"},
-    {"Home", "the file's camera"},
+    {"L", "dynamic lighting"},
+    {"Home", "reset the camera"},
     {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
     {"Ctrl+S", "save"},
-    {"C", "compare"},
-    {"P", "keep the picture"},
-    {"Tab", "panels on and off"},
+    {"C", "split view"},
+    {"P", "save the image"},
+    {"Tab", "toggle the panels"},
     {"F11", "full screen"},
 };
 

@@ -52,7 +52,7 @@ void LightFollower::follow(ViewerState& state, bool changed, bool visible) {
             document.takeLight(renewed_);
         }
     } catch (const std::exception& error) {
-        state.message = fmt::format("The light cannot follow: {}.", sentenceOf(error));
+        state.message = fmt::format("Dynamic lighting failed: {}.", sentenceOf(error));
         light_.reset();
         failed_ = true;
         return;

@@ -1,4 +1,4 @@
-// Things that move, and the light that follows.
+// Animation, transforms and dynamic lighting.
 
 #include <fmt/format.h>
 
@@ -16,9 +16,9 @@ void drawNodeMotion(ViewerState& state, Edit& edit) {
     // Without effect it is no edit until a field is changed.
     NodeMotion& motion = motionFor(edit.next.motions, state.document->scene(), surface.node);
     panelText(surface.name);
-    edit.note(ImGui::DragFloat3("Moved, m", &motion.meters.x, 0.005f, 0, 0, "%.3f"));
-    edit.note(ImGui::DragFloat3("Turned, deg", &motion.degrees.x, 0.5f, 0, 0, "%.1f"));
-    if (ImGui::Button("Put back")) {
+    edit.note(ImGui::DragFloat3("Translation, m", &motion.meters.x, 0.005f, 0, 0, "%.3f"));
+    edit.note(ImGui::DragFloat3("Rotation, degrees", &motion.degrees.x, 0.5f, 0, 0, "%.1f"));
+    if (ImGui::Button("Reset transform")) {
         motion.meters = motion.degrees = glm::vec3(0);
         edit.changed = true;
     }
@@ -55,29 +55,29 @@ void drawPlayback(ViewerState& state) {
 void drawMotionPanel(ViewerState& state, Edit& edit) {
     // What can play is shown to do so.
     ImGui::SetNextItemOpen(!state.document->scene().animations.empty(), ImGuiCond_Once);
-    if (!ImGui::CollapsingHeader("Motion")) return;
+    if (!ImGui::CollapsingHeader("Transform")) return;
     drawPlayback(state);
     drawNodeMotion(state, edit);
 }
 
 void drawLivePanel(ViewerState& state, const PanelInput& input) {
-    if (!ImGui::CollapsingHeader("Light that follows")) return;
-    ImGui::Checkbox("Follow changes (L)", &state.view.liveLight);
-    ImGui::Checkbox("Refine at rest (shift L)", &state.view.refine);
+    if (!ImGui::CollapsingHeader("Dynamic lighting")) return;
+    ImGui::Checkbox("Update lighting (L)", &state.view.liveLight);
+    ImGui::Checkbox("Refine at rest (Shift+L)", &state.view.refine);
     if (!input.light) {
-        wrappedText("Move a thing, or change a lamp or a material: the indirect light is renewed.");
+        wrappedText("Indirect lighting is updated when an object, a light or a material changes.");
         return;
     }
     const LiveLight::Report& report = *input.light;
     ImGui::ProgressBar(report.settled && state.view.liveLight ? 1.0f : overall(report.renewed));
-    constexpr std::array<const char*, kLiveTasks> kNames = {"moved light", "first answer", "photons",
-                                                            "area lights", "diffuse rays", "diffuse light",
+    constexpr std::array<const char*, kLiveTasks> kNames = {"moved texels", "retraced rays", "photons",
+                                                            "area lights", "irradiance rays", "irradiance",
                                                             "PHATexels"};
     for (size_t t = 0; t < kLiveTasks; ++t)
-        panelText(fmt::format("{:<14}{:5.0f} %", kNames[t], 100 * report.renewed[t]));
+        valueRow(kNames[t], fmt::format("{:.0f} %", 100 * report.renewed[t]));
     panelText(fmt::format("{:.0f} thousand PHATexels a second", 1e-3 * report.phatexelsPerSecond));
     panelText(
-        fmt::format("{:.2f} million renewed in {:.1f} s", 1e-6 * double(report.phatexels), report.seconds));
+        fmt::format("{:.2f} million updated in {:.1f} s", 1e-6 * double(report.phatexels), report.seconds));
     if (report.refinements > 0) panelText(fmt::format("refined {} times", report.refinements));
 }
 

@@ -11,6 +11,8 @@ namespace phat {
 
 void panelText(const std::string& line);
 void wrappedText(const std::string& line);
+/// A name at the left edge and its value at the right one.
+void valueRow(const std::string& name, const std::string& value);
 
 /// A list to choose from; whether it was.
 template <class Enum, size_t n>

@@ -16,25 +16,25 @@ constexpr float kPanelWidth = 330;
 // Four seconds at 30 pictures a second.
 constexpr int kTurntableFrames = 120;
 
-void drawKeep(ViewerState& state, bool turning, PanelWishes& wishes) {
-    if (!ImGui::CollapsingHeader("Keep")) return;
-    wishes.keepPicture = ImGui::Button("Picture (P)");
+void drawOutput(ViewerState& state, bool turning, PanelActions& actions) {
+    if (!ImGui::CollapsingHeader("Output")) return;
+    actions.saveImage = ImGui::Button("Save image (P)");
     ImGui::SameLine();
     ImGui::BeginDisabled(state.view.left == Source::phatexels);
-    wishes.copyCommand = ImGui::Button("Copy render command");
+    actions.copyCommand = ImGui::Button("Copy render command");
     ImGui::EndDisabled();
     ImGui::BeginDisabled(!state.document->hasBake);
-    wishes.save = ImGui::Button("Save (Ctrl+S)");
+    actions.save = ImGui::Button("Save file (Ctrl+S)");
     ImGui::SameLine();
     if (turning)
-        wishes.stopTurntable = ImGui::Button("Stop the turntable");
-    else if (ImGui::Button("Turntable"))
-        wishes.turntableFrames = kTurntableFrames;
+        actions.stopTurntable = ImGui::Button("Stop turntable");
+    else if (ImGui::Button("Render turntable"))
+        actions.turntableFrames = kTurntableFrames;
     ImGui::EndDisabled();
 }
 
 void drawKeys() {
-    if (!ImGui::CollapsingHeader("Keys")) return;
+    if (!ImGui::CollapsingHeader("Keyboard and mouse")) return;
     if (!ImGui::BeginTable("keys", 2)) return;
     for (const KeyHelp& help : kKeyHelp) {
         ImGui::TableNextColumn();
@@ -81,16 +81,16 @@ void drawGrab(const ViewerState& state, float leftEdge) {
 }
 
 // Files to choose from.
-void drawFiles(const ViewerState& state, PanelWishes& wishes) {
+void drawFiles(const ViewerState& state, PanelActions& actions) {
     if (state.fileChanged) {
         wrappedText("The file has changed on disk.");
         ImGui::SameLine();
-        if (ImGui::SmallButton("Read it again")) wishes.open = state.document->path;
+        if (ImGui::SmallButton("Reload")) actions.open = state.document->path;
     }
     if (state.recentFiles.empty() || !ImGui::CollapsingHeader("Recent files")) return;
     for (const std::string& path : state.recentFiles) {
         ImGui::PushID(path.c_str());
-        if (ImGui::Selectable(std::filesystem::path(path).filename().c_str())) wishes.open = path;
+        if (ImGui::Selectable(std::filesystem::path(path).filename().c_str())) actions.open = path;
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", path.c_str());
         ImGui::PopID();
     }
@@ -110,7 +110,7 @@ void drawLabels(const ViewerState& state, const PanelInput& input, float leftEdg
     const auto width = [](const std::string& words) { return ImGui::CalcTextSize(words.c_str()).x; };
     std::string left = samplesLine(kSourceNames[size_t(state.view.left)], pictures.left());
     if (input.light && !input.light->settled && state.view.liveLight)
-        left += fmt::format(", light {:.0f} % renewed", 100 * overall(input.light->renewed));
+        left += fmt::format(", lighting {:.0f} % updated", 100 * overall(input.light->renewed));
     if (!state.view.compare) {
         label(size.x - width(left) - line, left);
         return;
@@ -154,17 +154,24 @@ void wrappedText(const std::string& line) {
     ImGui::PopTextWrapPos();
 }
 
+void valueRow(const std::string& name, const std::string& value) {
+    panelText(name);
+    const float right = ImGui::GetWindowContentRegionMax().x;
+    ImGui::SameLine(std::max(right - ImGui::CalcTextSize(value.c_str()).x, 0.0f));
+    panelText(value);
+}
+
 float panelWidth(float uiScale) {
     return kPanelWidth * uiScale;
 }
 
-PanelWishes drawPanels(ViewerState& state, const PanelInput& input) {
-    PanelWishes wishes;
+PanelActions drawPanels(ViewerState& state, const PanelInput& input) {
+    PanelActions actions;
     const float leftEdge = state.view.panels ? panelWidth(input.uiScale) : 0.0f;
     if (state.document) drawLabels(state, input, leftEdge);
     if (state.grab) drawGrab(state, leftEdge);
     if (!state.message.empty()) drawMessage(state.message, leftEdge);
-    if (!state.view.panels) return wishes;
+    if (!state.view.panels) return actions;
     ImGui::SetNextWindowPos({0, 0});
     ImGui::SetNextWindowSize({panelWidth(input.uiScale), ImGui::GetIO().DisplaySize.y});
     const ImGuiWindowFlags flags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove |
@@ -175,7 +182,7 @@ PanelWishes drawPanels(ViewerState& state, const PanelInput& input) {
         wrappedText(input.bakeStatus);
         ImGui::ProgressBar(input.bakeShare);
     }
-    drawFiles(state, wishes);
+    drawFiles(state, actions);
     if (!state.document) {
         wrappedText("Drop a .glb, .gltf or baked .phat.glb file on this window.");
     } else {
@@ -188,7 +195,7 @@ PanelWishes drawPanels(ViewerState& state, const PanelInput& input) {
         drawComparePanel(state, input.pictures);
         drawPhatexelPanel(state, input.pictures);
         drawPerformancePanel(state, input.pictures);
-        drawKeep(state, input.turning, wishes);
+        drawOutput(state, input.turning, actions);
         drawKeys();
         if (edit.changed) {
             // Held sliders go on with the edit that their first motion began.
@@ -200,7 +207,7 @@ PanelWishes drawPanels(ViewerState& state, const PanelInput& input) {
     }
     ImGui::PopItemWidth();
     ImGui::End();
-    return wishes;
+    return actions;
 }
 
 }  // namespace phat

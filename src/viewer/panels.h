@@ -17,8 +17,8 @@ struct PanelInput {
     bool turning = false;  // a turntable is being written
 };
 
-struct PanelWishes {
-    bool keepPicture = false;
+struct PanelActions {
+    bool saveImage = false;
     bool copyCommand = false;
     bool save = false;
     int turntableFrames = 0;  // 0: none
@@ -30,6 +30,6 @@ struct PanelWishes {
 float panelWidth(float uiScale);
 
 /// pre: between beginFrame and endFrame.
-PanelWishes drawPanels(ViewerState& state, const PanelInput& input);
+PanelActions drawPanels(ViewerState& state, const PanelInput& input);
 
 }  // namespace phat

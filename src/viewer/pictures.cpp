@@ -5,14 +5,13 @@
 #include <algorithm>
 
 #include "gl/textures.h"
+#include "viewer/refine_plan.h"
 
 namespace phat {
 namespace {
 
 // A still picture is this many samples a pixel.
 constexpr int kStillSamples = 16;
-// While the light is renewed a picture by newer light is shown when it has so many: single samples flicker.
-constexpr int kNewerSamples = 4;
 // Of views whose cost is high or whose numbers must not be blended.
 constexpr int kCountSamples = 1;
 // Reads a pixel that are shown white; --quality high reads 137 in the mean.
@@ -22,10 +21,6 @@ constexpr double kRaySeconds = 0.8;
 // While something moves, pixels are left out so that a frame takes no longer than this.
 constexpr double kMovingFrameSeconds = 0.04;
 constexpr int kMostCoarseness = 8;
-// A picture that is there is not refined while hands move: one more sample may take longer than a click.
-constexpr auto kHandsRest = std::chrono::milliseconds(150);
-// After the last motion the picture waits so long before it is drawn with all pixels, where that is slow.
-constexpr auto kSettleTime = std::chrono::milliseconds(150);
 
 int stillSamples(const ViewerState& state, Source source) {
     const Inspected what = state.view.inspection.what;
@@ -150,8 +145,7 @@ void Pictures::takePathTracer(Side& side) {
     side.tracedSamples = refined->samplesPerPixel;
 }
 
-bool Pictures::refine(ViewerState& state, glm::uvec2 size) {
-    const auto now = std::chrono::steady_clock::now();
+bool Pictures::refine(ViewerState& state, glm::uvec2 size, std::chrono::steady_clock::time_point now) {
     if (state.version != version_ || size != size_) {
         version_ = state.version;
         lastChange_ = now;
@@ -160,7 +154,6 @@ bool Pictures::refine(ViewerState& state, glm::uvec2 size) {
         size_ = size;
         metrics_.reset();
     }
-    const bool handsMove = now - state.lastInput < kHandsRest;
     const bool settled = now - lastChange_ >= kSettleTime;
     sides_[0].source = state.view.left;
     sides_[1].source = state.view.right;
@@ -178,29 +171,33 @@ bool Pictures::refine(ViewerState& state, glm::uvec2 size) {
         }
         if (!state.renderer) continue;
         if (!current) side.tooManyRays = false;
-        const int coarseness = settled ? 1 : coarsenessFor(size);
-        const glm::uvec2 pixels = glm::max(size / uint32_t(coarseness), glm::uvec2(1));
-        const bool sharp = side.drawn.size == size, rays = settled && mayTrace(state, side);
         // As many samples of every pass of refined light.
         side.refinements = std::min(side.refinements, state.refinements);
-        const int still = stillSamples(state, side.source) * int(1 + state.refinements - side.refinements);
-        const bool same = current && sharp && side.byRays == rays && side.wanted == still;
-        const bool newer = side.lightVersion != state.lightVersion;
-        if (same && !newer && side.drawn.samples >= still) continue;
-        more = true;
-        if (same && newer && side.drawn.samples >= std::min(kNewerSamples, still)) {
-            if (!handsMove) followLight(state, side, rays);
-            continue;
+        const RefineGoal goal{
+            now - lastChange_, now - state.lastInput, mayTrace(state, side), coarsenessFor(size),
+            stillSamples(state, side.source) * int(1 + state.refinements - side.refinements)};
+        const RefinePlan plan =
+            planRefinement({current, side.drawn.size == size, side.byRays,
+                            side.lightVersion == state.lightVersion, side.drawn.samples, side.wanted},
+                           goal);
+        more |= plan.step != RefineStep::done;
+        switch (plan.step) {
+            case RefineStep::done:
+            case RefineStep::wait:
+                break;
+            case RefineStep::relight:
+                followLight(state, side, plan.trace);
+                break;
+            case RefineStep::restart:
+                side.drawn.samples = side.next.samples = 0;
+                side.lightVersion = state.lightVersion;
+                side.refinements = state.refinements;
+                side.version = state.version;
+                [[fallthrough]];
+            case RefineStep::addSample:
+                draw(state, side, side.drawn, glm::max(size / uint32_t(plan.coarseness), glm::uvec2(1)),
+                     plan.samples, plan.trace);
         }
-        // Coarse pictures are drawn once a change and wait to be replaced by a sharp one.
-        if (current && (handsMove || (!settled && coarseness > 1))) continue;
-        if (!current || side.byRays != rays) {
-            side.drawn.samples = side.next.samples = 0;
-            side.lightVersion = state.lightVersion;
-            side.refinements = state.refinements;
-            side.version = state.version;
-        }
-        draw(state, side, side.drawn, pixels, coarseness > 1 ? 1 : still, rays);
     }
     if (!tracing && path_) path_->pause();
     measure(state);

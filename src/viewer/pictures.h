@@ -24,7 +24,7 @@ class Pictures {
     void takeNewBake() { reflections_.reset(); }
     /// Brings the pictures of `size` pixels nearer to what the state asks for. Returns whether more can be
     /// done at once; what the path tracer still has to do wakes the window by itself.
-    bool refine(ViewerState& state, glm::uvec2 size);
+    bool refine(ViewerState& state, glm::uvec2 size, std::chrono::steady_clock::time_point now);
     /// Draws them into `area` (x, y from the top left, width, height) of a window so many pixels high.
     void show(const ViewerState& state, glm::ivec4 area, int windowHeight);
 

@@ -66,8 +66,8 @@ class Viewer {
     void applyChanges();
     /// Whether the animation goes on.
     bool play();
-    void fulfill(const PanelWishes& panels, const Wishes& keys);
-    void keepPicture();
+    void fulfill(const PanelActions& panels, const Actions& keys);
+    void saveImage();
     void save();
     void beginTurntable(int frames);
     bool turn();
@@ -221,12 +221,12 @@ Image Viewer::displayed(const Image& picture) const {
                  : toneMap(picture, ToneMap::linear, 0);
 }
 
-void Viewer::keepPicture() {
+void Viewer::saveImage() {
     const std::string name = freeName("phat-", ".png", ".exr");
     const Image picture = drawWhole(state_.navigation.camera);
     writePng(name + ".png", displayed(picture));
     writeExr(name + ".exr", picture);
-    state_.message = fmt::format("Kept as {0}.png and {0}.exr.", name);
+    state_.message = fmt::format("Saved as {0}.png and {0}.exr.", name);
 }
 
 void Viewer::save() {
@@ -266,7 +266,7 @@ bool Viewer::noticeFileChange() {
     return std::exchange(state_.fileChanged, changed) != changed;
 }
 
-void Viewer::fulfill(const PanelWishes& panels, const Wishes& keys) {
+void Viewer::fulfill(const PanelActions& panels, const Actions& keys) {
     try {
         if (keys.fullScreen) window_.toggleFullScreen();
         if (!panels.open.empty()) open(panels.open);
@@ -277,7 +277,7 @@ void Viewer::fulfill(const PanelWishes& panels, const Wishes& keys) {
                                  : "The command is in the clipboard; it shows things at rest.";
         }
         if (!state_.renderer) return;
-        if (panels.keepPicture || keys.keepPicture) keepPicture();
+        if (panels.saveImage || keys.saveImage) saveImage();
         if (panels.save || keys.save) save();
         if (panels.stopTurntable) turntable_.reset();
         if (panels.turntableFrames > 0) beginTurntable(panels.turntableFrames);
@@ -297,14 +297,15 @@ bool Viewer::frame() {
     takeBake();
     window_.beginFrame();
     const glm::ivec4 area = pictureArea();
-    const Wishes keys = handleInput(state_, window_.takeKeyPresses(), area);
-    const PanelWishes wishes = drawPanels(state_, panelInput());
-    fulfill(wishes, keys);
+    const Actions keys = handleInput(state_, window_.takeKeyPresses(), area);
+    const PanelActions actions = drawPanels(state_, panelInput());
+    fulfill(actions, keys);
     bool more = play();
     try {
         applyChanges();
         more |= turn() || light_.hasMore();
-        if (state_.document) more |= pictures_.refine(state_, pictureSize());
+        if (state_.document)
+            more |= pictures_.refine(state_, pictureSize(), std::chrono::steady_clock::now());
     } catch (const GlError& error) {  // such as out of video memory
         state_.message = error.what();
         state_.renderer.reset();

@@ -20,7 +20,7 @@ constexpr int kPanelWidth = 165;
 constexpr glm::ivec2 kPicture(kWindow.x - kPanelWidth, kWindow.y);
 constexpr glm::ivec2 kCrate(183, 67), kGlobe(258, 65);
 // While nothing is selected.
-constexpr glm::ivec2 kTimeSlider(50, 126);
+constexpr glm::ivec2 kTimeSlider(50, 138);
 constexpr int kLabelLines = 20;
 
 Image pictureOf(const Image& screen) {

@@ -24,11 +24,11 @@ constexpr glm::ivec2 kWindow(400, 320);
 constexpr int kPanelWidth = 330;
 constexpr glm::ivec2 kPicture(kWindow.x - kPanelWidth, kWindow.y);
 constexpr glm::ivec2 kTable(365, 242);
-constexpr glm::ivec2 kPictureHeader(100, 41), kMethodList(100, 87), kPyramidInList(60, 128);
+constexpr glm::ivec2 kPictureHeader(100, 42), kMethodList(100, 90), kPyramidInList(60, 133);
 // With the table selected.
-constexpr glm::ivec2 kRoughness(100, 242), kRoughnessEnd(180, 242);
+constexpr glm::ivec2 kRoughness(100, 252), kRoughnessEnd(180, 252);
 // Once the picture's section is closed, the selection's; and when both are.
-constexpr glm::ivec2 kSelectionHeader(100, 64), kKeepHeader(100, 202), kCopyCommand(180, 225);
+constexpr glm::ivec2 kSelectionHeader(100, 66), kOutputHeader(100, 210), kCopyCommand(180, 234);
 // A label lies over the picture's last lines.
 constexpr int kLabelLines = 40;
 
@@ -123,7 +123,7 @@ TEST_F(ViewerWindow, EditsWithoutANewBakeAsSetDoes) {
     window.settle();
     window.click(kSelectionHeader);
     window.settle();
-    window.click(kKeepHeader);
+    window.click(kOutputHeader);
     window.settle();
     window.click(kCopyCommand);
     window.settle();
@@ -223,7 +223,7 @@ TEST_F(ViewerWindow, SleepsAndNoticesThatItsFileChanged) {
     const Image offered = window.screenshot();
     EXPECT_GT(meanDifference(panelsOf(offered), panelsOf(start)), 0.005);
     EXPECT_EQ(largestDifference(pictureOf(offered), pictureOf(start)), 0);
-    window.click({270, 17});
+    window.click({218, 17});
     window.moveTo({365, 100});  // over nothing that lights up
     window.settle();
     EXPECT_EQ(largestDifference(pictureOf(window.screenshot()), pictureOf(start)), 0);
