@@ -70,7 +70,7 @@ Document::Changes Document::show() {
     return {true, moved};
 }
 
-LivePose Document::pose() const {
+SceneState Document::pose() const {
     return {worldFromRest_, applied_.lights, applied_.materials};
 }
 
@@ -85,7 +85,7 @@ const RayScene& Document::rays() const {
     return *rays_;
 }
 
-void Document::takeLight(const LiveUpdate& update) {
+void Document::takeLight(const LightUpdate& update) {
     if (!bakedLight_) bakedLight_ = BakedLight{baked.phatexture, baked.points.state};
     rayVersion_ += !update.covers.empty();
     applyUpdate(update, baked.atlas, baked.phatexture, baked.points.state);

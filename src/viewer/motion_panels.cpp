@@ -68,13 +68,13 @@ void drawLivePanel(ViewerState& state, const PanelInput& input) {
         wrappedText("Move a thing, or change a lamp or a material: the indirect light is renewed.");
         return;
     }
-    const LiveLight::Report& report = *input.light;
-    ImGui::ProgressBar(report.settled && state.view.liveLight ? 1.0f : overall(report.renewed));
-    constexpr std::array<const char*, kLiveTasks> kNames = {"moved light", "first answer", "photons",
-                                                            "area lights", "diffuse rays", "diffuse light",
-                                                            "PHATexels"};
-    for (size_t t = 0; t < kLiveTasks; ++t)
-        panelText(fmt::format("{:<14}{:5.0f} %", kNames[t], 100 * report.renewed[t]));
+    const BakerThread::Report& report = *input.light;
+    ImGui::ProgressBar(report.converged && state.view.liveLight ? 1.0f : overall(report.upToDate));
+    constexpr std::array<const char*, kBakerTasks> kNames = {"moved light", "first answer", "photons",
+                                                             "area lights", "diffuse rays", "diffuse light",
+                                                             "PHATexels"};
+    for (size_t t = 0; t < kBakerTasks; ++t)
+        panelText(fmt::format("{:<14}{:5.0f} %", kNames[t], 100 * report.upToDate[t]));
     panelText(fmt::format("{:.0f} thousand PHATexels a second", 1e-3 * report.phatexelsPerSecond));
     panelText(
         fmt::format("{:.2f} million renewed in {:.1f} s", 1e-6 * double(report.phatexels), report.seconds));
