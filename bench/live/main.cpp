@@ -64,8 +64,8 @@ double bakeProcessorSeconds(const BakedScene& baked, const BakeSettings& setting
     return threadProcessorSeconds() - start;
 }
 
-LivePose moved(const Scene& scene, const Options& options, bool away) {
-    LivePose pose{{}, scene.lights, scene.materials};
+SceneState moved(const Scene& scene, const Options& options, bool away) {
+    SceneState pose{{}, scene.lights, scene.materials};
     pose.worldFromRest.assign(scene.nodes.size(), glm::mat4(1));
     for (size_t n = 0; n < scene.nodes.size(); ++n)
         if (scene.nodes[n].name == options.node && away)
@@ -90,9 +90,9 @@ nlohmann::json measure(const Options& options) {
     renderer.draw(frame, sum);
     renderer.lastFrameTimes();
 
-    LiveLight light({scene, baked.atlas, baked.points, baked.phatexture, settings}, 1, [] {});
+    BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, settings}, 1, [] {});
     light.waitUntilStarted();
-    LiveUpdate renewed;
+    LightUpdate renewed;
     const auto draw = [&] {
         const Stopwatch start;
         if (renewed.empty())
@@ -105,17 +105,17 @@ nlohmann::json measure(const Options& options) {
     std::vector<double> idle, updating;
     bool away = false;
     for (int turn = 0; int(updating.size()) < options.frames; ++turn) {
-        if (light.report().settled) away = !away;
+        if (light.report().converged) away = !away;
         light.follow(moved(scene, options, away), frame.camera, true);
-        for (int i = 0; i < kFramesATurn && !light.report().settled; ++i) updating.push_back(draw());
+        for (int i = 0; i < kFramesATurn && !light.report().converged; ++i) updating.push_back(draw());
         light.follow(moved(scene, options, away), frame.camera, false);
-        while (!light.report().settled || !renewed.empty()) draw();  // what it still hands over
+        while (!light.report().converged || !renewed.empty()) draw();  // what it still hands over
         for (int i = 0; i < kFramesATurn; ++i) idle.push_back(draw());
     }
     // From the untouched light to that of the other place, to the end.
     light.follow(moved(scene, options, false), frame.camera, true);
     const auto settle = [&] {
-        while (!light.report().settled) draw();
+        while (!light.report().converged) draw();
         return light.report().processorSeconds;
     };
     const double before = settle();

@@ -35,12 +35,12 @@ const Animation& animationOf(const RenderOptions& options, const Scene& scene) {
 }
 
 /// Lets the light follow for a frame; returns the work that was done.
-uint64_t follow(LiveEngine& engine, const AnimatedFrames& frames, Progress& progress) {
+uint64_t follow(IncrementalBaker& engine, const AnimatedFrames& frames, Progress& progress) {
     if (frames.secondsPerFrame <= 0) return engine.advance(uint64_t(frames.workPerFrame), progress);
     const Stopwatch start;
     uint64_t work = 0;
     while (start.seconds() < frames.secondsPerFrame) {
-        if (engine.settled()) break;
+        if (engine.converged()) break;
         work += engine.advance(kWorkAtOnce, progress);
     }
     return work;
@@ -55,14 +55,14 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
     const Animation& animation = animationOf(options, rest);
     const std::vector<View> views = chooseViews(options, rest);
     const auto poseAt = [&](double seconds) {
-        return LivePose{worldFromRest(rest.nodes, animation, seconds), rest.lights, rest.materials};
+        return SceneState{worldFromRest(rest.nodes, animation, seconds), rest.lights, rest.materials};
     };
 
-    LiveEngine engine(rest, baked.atlas, baked.points, baked.phatexture, settingsOf(baked.record));
+    IncrementalBaker engine(rest, baked.atlas, baked.points, baked.phatexture, settingsOf(baked.record));
     engine.setEye(&views.front().camera);
-    engine.setPose(poseAt(frames.start));
-    engine.settle(progress);  // the film begins with the right light
-    engine.takeUpdate();
+    engine.setSceneState(poseAt(frames.start));
+    engine.converge(progress);  // the film begins with the right light
+    engine.drainUpdate();
 
     const HeadlessContext context;
     Renderer renderer({engine.scene().scene(), baked.atlas, engine.scene().points(), engine.phatexture()},
@@ -75,14 +75,14 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
         progress.throwIfStopped();
         const double seconds = frames.start + double(i) / frames.perSecond;
         const Stopwatch begin;
-        if (engine.setPose(poseAt(seconds)))
+        if (engine.setSceneState(poseAt(seconds)))
             renderer.moveScene(engine.scene().scene(), baked.atlas, engine.scene().points());
         const double moving = begin.seconds();
         const Stopwatch following;
         const uint64_t work = follow(engine, frames, progress);
         const double followed = following.seconds();
         const Stopwatch uploading;
-        LiveUpdate update = engine.takeUpdate();
+        LightUpdate update = engine.drainUpdate();
         renderer.takeUpdate(update, std::numeric_limits<double>::infinity());
         const double uploaded = uploading.seconds();
 
@@ -102,7 +102,7 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
             report.update({{"animationSeconds", seconds},
                            {"work", work},
                            {"phatexels", engine.stats().phatexels - renewed},
-                           {"settled", engine.settled()}});
+                           {"settled", engine.converged()}});
             reports.push_back(std::move(report));
         }
         renewed = engine.stats().phatexels;

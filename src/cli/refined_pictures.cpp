@@ -21,15 +21,15 @@ std::vector<json> renderRefined(const RenderOptions& options, Progress& progress
     const std::vector<View> views = chooseViews(options, scene);
 
     const HeadlessContext context;
-    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, settingsOf(baked.record));
+    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, settingsOf(baked.record));
     Renderer renderer({scene, baked.atlas, baked.points, engine.phatexture()}, shaderFolder());
     std::vector<PictureSum> sums(views.size());
     std::vector<json> reports;
     uint64_t work = 0;
     for (int pass = 0; pass <= options.refinements; ++pass) {
         if (pass > 0) engine.refine();
-        work += engine.settle(progress);
-        LiveUpdate update = engine.takeUpdate();
+        work += engine.converge(progress);
+        LightUpdate update = engine.drainUpdate();
         renderer.takeUpdate(update, std::numeric_limits<double>::infinity());
         const ReflectionScene reflectionScene(engine.rays(), engine.lights(), baked.atlas,
                                               engine.scene().points(), engine.phatexture());

@@ -39,7 +39,7 @@ inline constexpr RenderMethod kRenderMethods[] = {
 struct AnimatedFrames {
     double start = 0, end = 0;  // seconds of the animation
     double perSecond = 24;
-    double workPerFrame = 0;     // see LiveEngine::advance; or
+    double workPerFrame = 0;     // see IncrementalBaker::advance; or
     double secondsPerFrame = 0;  // of all cores
     std::string animation;       // name or index; empty: the first
 };

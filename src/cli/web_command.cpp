@@ -86,8 +86,7 @@ void writePoster(const WebOptions& options, const fs::path& site, Progress& prog
 
 void writeSite(const WebOptions& options) {
     GltfSource source = openGltf(options.input);
-    if (!isBakedFile(source))
-        throw FileError(options.input, "is not a baked file: `phat bake` makes one");
+    if (!isBakedFile(source)) throw FileError(options.input, "is not a baked file: `phat bake` makes one");
     const fs::path site = options.site, built = siteFolder();
     std::string page = readText(built / "index.html");
     const std::string script = readText(built / "viewer.js"), style = readText(built / "viewer.css");

@@ -125,7 +125,7 @@ GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas) {
     return gpu;
 }
 
-void updateLookupGuides(const GpuLookup& gpu, const LiveUpdate::Guides& block) {
+void updateLookupGuides(const GpuLookup& gpu, const LightUpdate::Guides& block) {
     const auto upload = [&](uint32_t table, const Guide& guide) {
         const Warp warp = warpOf(guide);
         const glm::uvec2 corner = glm::uvec2(table % kTablesWide, table / kTablesWide) * kTableSide;
@@ -142,7 +142,7 @@ void updateLookupGuides(const GpuLookup& gpu, const LiveUpdate::Guides& block) {
                             GL_UNSIGNED_SHORT, &block.scrambles[layer]);
 }
 
-void updateProbe(const GpuLookup& gpu, const LiveUpdate::Place& tile, glm::uvec2 sizeTiles) {
+void updateProbe(const GpuLookup& gpu, const LightUpdate::Place& tile, glm::uvec2 sizeTiles) {
     const glm::uvec2 corner = glm::uvec2(tile.tile % sizeTiles.x, tile.tile / sizeTiles.x) * kProbeTexels;
     const ProbeTexels packed = packProbe(tile.probe);
     glTextureSubImage2D(gpu.probes.name(), 0, GLint(corner.x), GLint(corner.y), kProbeTexels.x,

@@ -23,8 +23,8 @@ struct GpuLookup {
 GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas);
 
 /// Parts of it anew.
-void updateLookupGuides(const GpuLookup& gpu, const LiveUpdate::Guides& block);
-void updateProbe(const GpuLookup& gpu, const LiveUpdate::Place& tile, glm::uvec2 sizeTiles);
+void updateLookupGuides(const GpuLookup& gpu, const LightUpdate::Guides& block);
+void updateProbe(const GpuLookup& gpu, const LightUpdate::Place& tile, glm::uvec2 sizeTiles);
 
 /// Pictures between the passes, of the frame's size.
 struct LookupTargets {

@@ -172,7 +172,7 @@ glm::ivec2 tileCorner(const GpuAtlas& gpu, uint32_t tile) {
 
 }  // namespace
 
-void updatePhatexels(const GpuAtlas& gpu, const LiveUpdate::Phatexels& tile) {
+void updatePhatexels(const GpuAtlas& gpu, const LightUpdate::Phatexels& tile) {
     const glm::ivec2 corner = tileCorner(gpu, tile.tile);
     size_t next = 0;
     for (const GpuPhatexels& source : gpu.sources)
@@ -181,7 +181,7 @@ void updatePhatexels(const GpuAtlas& gpu, const LiveUpdate::Phatexels& tile) {
                                 kTileSize, kTileSize, 1, GL_RG_INTEGER, GL_UNSIGNED_INT, &tile.texels[next]);
 }
 
-void updateIrradiance(const GpuAtlas& gpu, const LiveUpdate::Irradiance& tile) {
+void updateIrradiance(const GpuAtlas& gpu, const LightUpdate::Irradiance& tile) {
     const glm::ivec2 corner = tileCorner(gpu, tile.tile);
     std::array<glm::vec3, 2 * kTileTexels> values;
     for (size_t i = 0; i < kTileTexels; ++i) {
@@ -192,13 +192,13 @@ void updateIrradiance(const GpuAtlas& gpu, const LiveUpdate::Irradiance& tile) {
                         GL_FLOAT, values.data());
 }
 
-void updatePlace(const GpuAtlas& gpu, const LiveUpdate::Place& tile) {
+void updatePlace(const GpuAtlas& gpu, const LightUpdate::Place& tile) {
     const uint32_t wide = gpu.sizeTexels.x / kTileSize;
     glTextureSubImage2D(gpu.tilePatches.name(), 0, GLint(2 * (tile.tile % wide)), GLint(tile.tile / wide), 2,
                         1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, tile.packed.data());
 }
 
-void updateGuides(const GpuAtlas& gpu, const LiveUpdate::Guides& block) {
+void updateGuides(const GpuAtlas& gpu, const LightUpdate::Guides& block) {
     const Guide* guides[] = {&block.indirect, &block.area};
     for (size_t s = 0; s < gpu.sources.size(); ++s) {
         if (int(block.block) >= gpu.sources[s].guideCount) continue;  // one for all, which stays

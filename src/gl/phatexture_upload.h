@@ -33,11 +33,11 @@ struct GpuAtlas {
 /// Throws GlError.
 GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const Phatexture& phatexture);
 
-/// Parts of it anew. `block`: of LiveUpdate::Guides.
-void updatePhatexels(const GpuAtlas& gpu, const LiveUpdate::Phatexels& tile);
-void updateIrradiance(const GpuAtlas& gpu, const LiveUpdate::Irradiance& tile);
-void updatePlace(const GpuAtlas& gpu, const LiveUpdate::Place& tile);
-void updateGuides(const GpuAtlas& gpu, const LiveUpdate::Guides& block);
+/// Parts of it anew. `block`: of LightUpdate::Guides.
+void updatePhatexels(const GpuAtlas& gpu, const LightUpdate::Phatexels& tile);
+void updateIrradiance(const GpuAtlas& gpu, const LightUpdate::Irradiance& tile);
+void updatePlace(const GpuAtlas& gpu, const LightUpdate::Place& tile);
+void updateGuides(const GpuAtlas& gpu, const LightUpdate::Guides& block);
 void updateTileLight(const GpuAtlas& gpu, const std::vector<glm::vec4>& light);
 
 }  // namespace phat

@@ -276,14 +276,14 @@ void Renderer::moveScene(const Scene& scene, const Atlas& atlas, const TexelPoin
     s.texelsChanged();
 }
 
-bool Renderer::takeUpdate(LiveUpdate& update, double seconds) {
+bool Renderer::takeUpdate(LightUpdate& update, double seconds) {
     State& s = *state_;
     const Stopwatch start;
     const auto late = [&] { return start.seconds() > seconds; };
     if (!update.empty()) s.texelsChanged();
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     const glm::uvec2 tiles = s.atlas.sizeTexels / kTileSize;
-    for (const LiveUpdate::Place& place : update.places) {
+    for (const LightUpdate::Place& place : update.places) {
         updatePlace(s.atlas, place);
         if (s.lookup.guideCount > 0) updateProbe(s.lookup, place, tiles);
     }

@@ -179,7 +179,7 @@ class Renderer {
     /// Takes over parts of a bake that were renewed, for at most about `seconds`. Places go first, because
     /// moveScene has moved what is there already; a block's tiles are never parted. What is done is taken out
     /// of `update`; returns whether all is.
-    bool takeUpdate(LiveUpdate& update, double seconds);
+    bool takeUpdate(LightUpdate& update, double seconds);
 
   private:
     struct State;

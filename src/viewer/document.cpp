@@ -67,7 +67,7 @@ Document::Changes Document::show() {
     return {true, moved};
 }
 
-LivePose Document::pose() const {
+SceneState Document::pose() const {
     return {worldFromRest_, applied_.lights, applied_.materials};
 }
 
@@ -90,7 +90,7 @@ void Document::takeBake(Bake bake, const BakeSettings& settings) {
     hasBake = true;
 }
 
-void Document::takeLight(const LiveUpdate& update) {
+void Document::takeLight(const LightUpdate& update) {
     if (!bakedLight_) bakedLight_ = BakedLight{baked.phatexture, baked.points.state};
     rayVersion_ += !update.covers.empty();
     applyUpdate(update, baked.atlas, baked.phatexture, baked.points.state);

@@ -37,7 +37,7 @@ struct Document {
     /// Brings `shown` to the edits and the time of now; tells what was different.
     Changes show();
     /// `shown` as the live engine takes it.
-    LivePose pose() const;
+    SceneState pose() const;
     /// Whether things may be elsewhere than at rest.
     bool isMoved() const { return !worldFromRest_.empty(); }
     /// Whether all is as the file has it.
@@ -49,7 +49,7 @@ struct Document {
     /// Takes over a bake of scene() that was made with `settings`, which save() records.
     void takeBake(Bake bake, const BakeSettings& settings);
     /// Takes over a part of the bake that was renewed; the file's is kept aside.
-    void takeLight(const LiveUpdate& update);
+    void takeLight(const LightUpdate& update);
     /// Forgets what was kept aside: the bake is another one.
     void forgetRenewedLight() { bakedLight_.reset(); }
     /// Writes the edits of materials, lamps' colours and sky into the baked file; a bake that was made here

@@ -38,7 +38,8 @@ void drawMaterial(Edit& edit, Material& m, bool glows) {
 // The sky turns by whole columns of its picture, so that a file keeps every one of its values.
 void drawSky(Edit& edit, int width) {
     float degrees = 360 * float(edit.next.environmentColumns) / float(width);
-    if (ImGui::SliderFloat("Environment rotation", &degrees, -180, 180, "%.1f degrees", ImGuiSliderFlags_AlwaysClamp)) {
+    if (ImGui::SliderFloat("Environment rotation", &degrees, -180, 180, "%.1f degrees",
+                           ImGuiSliderFlags_AlwaysClamp)) {
         edit.next.environmentColumns = int(std::lround(degrees / 360 * float(width)));
         edit.changed = true;
     }

@@ -20,9 +20,9 @@ void LightFollower::reset() {
 
 void LightFollower::begin(const Document& document) {
     const BakedScene& baked = document.baked;
-    light_ = std::make_unique<LiveLight>(LiveLight::Start{document.scene(), baked.atlas, baked.points,
-                                                          baked.phatexture, settingsOf(baked.record)},
-                                         0, Window::wake);
+    light_ = std::make_unique<BakerThread>(BakerThread::Start{document.scene(), baked.atlas, baked.points,
+                                                              baked.phatexture, settingsOf(baked.record)},
+                                           0, Window::wake);
 }
 
 void LightFollower::follow(ViewerState& state, bool changed, bool visible) {
@@ -37,7 +37,7 @@ void LightFollower::follow(ViewerState& state, bool changed, bool visible) {
             changed = true;
         }
         const Camera& eye = state.navigation.camera;
-        const bool turned = eye.worldFromCamera != eye_ && !light_->report().settled;
+        const bool turned = eye.worldFromCamera != eye_ && !light_->report().converged;
         if (changed || turned || renews != renews_ || refines != refines_) {
             light_->follow(document.pose(), eye, renews, refines);
             renews_ = renews;
@@ -46,7 +46,7 @@ void LightFollower::follow(ViewerState& state, bool changed, bool visible) {
         }
         state.refinements = light_->report().refinements;
         if (renewed_.empty()) {
-            std::optional<LiveUpdate> update = light_->take();
+            std::optional<LightUpdate> update = light_->take();
             if (!update) return;
             renewed_ = std::move(*update);
             document.takeLight(renewed_);
@@ -67,7 +67,7 @@ void LightFollower::waitUntilStarted() {
     if (light_) light_->waitUntilStarted();
 }
 
-std::optional<LiveLight::Report> LightFollower::report() const {
+std::optional<BakerThread::Report> LightFollower::report() const {
     if (!light_) return {};
     return light_->report();
 }

@@ -22,14 +22,14 @@ class LightFollower {
     bool hasMore() const { return !renewed_.empty(); }
     /// Before what it reads is written to.
     void waitUntilStarted();
-    std::optional<LiveLight::Report> report() const;
+    std::optional<BakerThread::Report> report() const;
 
   private:
     void begin(const Document& document);
 
-    std::unique_ptr<LiveLight> light_;
+    std::unique_ptr<BakerThread> light_;
     bool failed_ = false;
-    LiveUpdate renewed_;  // not uploaded yet
+    LightUpdate renewed_;  // not uploaded yet
     bool renews_ = false, refines_ = false;
     glm::mat4 eye_{1};  // that light was last asked for
 };

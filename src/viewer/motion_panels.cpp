@@ -68,13 +68,13 @@ void drawLivePanel(ViewerState& state, const PanelInput& input) {
         wrappedText("Indirect lighting is updated when an object, a light or a material changes.");
         return;
     }
-    const LiveLight::Report& report = *input.light;
-    ImGui::ProgressBar(report.settled && state.view.liveLight ? 1.0f : overall(report.renewed));
-    constexpr std::array<const char*, kLiveTasks> kNames = {"moved texels", "retraced rays", "photons",
-                                                            "area lights", "irradiance rays", "irradiance",
-                                                            "PHATexels"};
-    for (size_t t = 0; t < kLiveTasks; ++t)
-        valueRow(kNames[t], fmt::format("{:.0f} %", 100 * report.renewed[t]));
+    const BakerThread::Report& report = *input.light;
+    ImGui::ProgressBar(report.converged && state.view.liveLight ? 1.0f : overall(report.upToDate));
+    constexpr std::array<const char*, kBakerTasks> kNames = {"moved texels", "retraced rays",   "photons",
+                                                             "area lights",  "irradiance rays", "irradiance",
+                                                             "PHATexels"};
+    for (size_t t = 0; t < kBakerTasks; ++t)
+        valueRow(kNames[t], fmt::format("{:.0f} %", 100 * report.upToDate[t]));
     panelText(fmt::format("{:.0f} thousand PHATexels a second", 1e-3 * report.phatexelsPerSecond));
     panelText(
         fmt::format("{:.2f} million updated in {:.1f} s", 1e-6 * double(report.phatexels), report.seconds));

@@ -109,8 +109,8 @@ void drawLabels(const ViewerState& state, const PanelInput& input, float leftEdg
     };
     const auto width = [](const std::string& words) { return ImGui::CalcTextSize(words.c_str()).x; };
     std::string left = samplesLine(kSourceNames[size_t(state.view.left)], pictures.left());
-    if (input.light && !input.light->settled && state.view.liveLight)
-        left += fmt::format(", lighting {:.0f} % updated", 100 * overall(input.light->renewed));
+    if (input.light && !input.light->converged && state.view.liveLight)
+        left += fmt::format(", lighting {:.0f} % updated", 100 * overall(input.light->upToDate));
     if (!state.view.compare) {
         label(size.x - width(left) - line, left);
         return;

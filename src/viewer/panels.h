@@ -12,7 +12,7 @@ struct PanelInput {
     const Pictures& pictures;
     std::string bakeStatus;  // empty: no bake is running
     float bakeShare = 0;
-    std::optional<LiveLight::Report> light;  // once anything has been changed
+    std::optional<BakerThread::Report> light;  // once anything has been changed
     float uiScale = 1;
     bool turning = false;  // a turntable is being written
 };

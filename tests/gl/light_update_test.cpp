@@ -38,7 +38,7 @@ TEST(LiveRenderer, DrawsWhatANewRendererDraws) {
     settings.pathsPerPhatexel = 2;
     SilentProgress progress;
     const Bake baked = bake(scene, settings, progress);
-    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, settings);
+    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, settings);
 
     const HeadlessContext context;
     Renderer renderer({engine.scene().scene(), baked.atlas, engine.scene().points(), engine.phatexture()},
@@ -56,14 +56,14 @@ TEST(LiveRenderer, DrawsWhatANewRendererDraws) {
     }
     const Image black(frame.width, frame.height);
     for (int step = 1; step <= 3; ++step) {
-        LivePose pose{{}, scene.lights, scene.materials};
+        SceneState pose{{}, scene.lights, scene.materials};
         glm::mat4 m = glm::translate(glm::mat4(1), {0.05f * float(step), 0, 0.1f});
         pose.worldFromRest = {glm::mat4(1), glm::rotate(m, 0.05f * float(step), {0.3f, 0.9f, 0.3f})};
         pose.lights[0].position.y = 0.6f - 0.1f * float(step);
-        ASSERT_TRUE(engine.setPose(pose));
+        ASSERT_TRUE(engine.setSceneState(pose));
         renderer.moveScene(engine.scene().scene(), baked.atlas, engine.scene().points());
         engine.advance(step == 3 ? 1'000'000'000 : 400'000, progress);
-        LiveUpdate update = engine.takeUpdate();
+        LightUpdate update = engine.drainUpdate();
         // In portions, of no time at all: each call does at least one.
         int calls = 1;
         while (!renderer.takeUpdate(update, 0)) ASSERT_LT(++calls, 100'000);
@@ -81,7 +81,7 @@ TEST(LiveRenderer, DrawsWhatANewRendererDraws) {
             EXPECT_GT(difference(expected, before[i]), 0.02 * sum) << step << i;
         }
     }
-    EXPECT_TRUE(engine.settled());
+    EXPECT_TRUE(engine.converged());
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// A room in which things move, for the tests of the live engine.
+// A room in which things move, for the tests of the incremental baker.
 
 #include <gtest/gtest.h>
 
@@ -58,33 +58,33 @@ inline Bake bakeQuietly(const Scene& scene) {
     return bake(scene, smallBake(), progress);
 }
 
-inline LivePose poseOf(const Scene& scene) {
+inline SceneState stateOf(const Scene& scene) {
     return {{}, scene.lights, scene.materials};
 }
 
-inline LivePose boxMoved(const Scene& scene, glm::vec3 by, float degrees) {
-    LivePose pose = poseOf(scene);
+inline SceneState boxMoved(const Scene& scene, glm::vec3 by, float degrees) {
+    SceneState state = stateOf(scene);
     const glm::vec3 middle(0.325f, 0, 0.3f);
     glm::mat4 m = glm::translate(glm::mat4(1), by + middle);
     m = glm::rotate(m, glm::radians(degrees), glm::vec3(0, 1, 0));
-    pose.worldFromRest = {glm::mat4(1), glm::translate(m, -middle)};
-    return pose;
+    state.worldFromRest = {glm::mat4(1), glm::translate(m, -middle)};
+    return state;
 }
 
 /// Moves, removals to the far end, lamps switched, paint.
-inline LivePose randomPose(const Scene& scene, Rng& rng) {
-    LivePose pose =
+inline SceneState randomState(const Scene& scene, Rng& rng) {
+    SceneState state =
         boxMoved(scene, {0.5f * rng.uniform() - 0.2f, 0.1f * rng.uniform(), 0.5f * rng.uniform() - 0.2f},
                  360.0f * rng.uniform());
-    if (rng.uniform() < 0.1f) pose.worldFromRest[kBoxNode] = glm::translate(glm::mat4(1), glm::vec3(50));
+    if (rng.uniform() < 0.1f) state.worldFromRest[kBoxNode] = glm::translate(glm::mat4(1), glm::vec3(50));
     if (rng.uniform() < 0.3f)
-        pose.worldFromRest.push_back(
+        state.worldFromRest.push_back(
             glm::translate(glm::mat4(1), {0.2f * rng.uniform(), -0.3f * rng.uniform(), 0}));
-    if (rng.uniform() < 0.3f) pose.lights.clear();
-    if (rng.uniform() < 0.3f) pose.materials.back().emission = glm::vec3(8 * rng.uniform());
+    if (rng.uniform() < 0.3f) state.lights.clear();
+    if (rng.uniform() < 0.3f) state.materials.back().emission = glm::vec3(8 * rng.uniform());
     if (rng.uniform() < 0.3f)
-        pose.materials.front().baseColor = {rng.uniform(), rng.uniform(), rng.uniform(), 1};
-    return pose;
+        state.materials.front().baseColor = {rng.uniform(), rng.uniform(), rng.uniform(), 1};
+    return state;
 }
 
 template <typename Value>

@@ -48,16 +48,16 @@ std::vector<uint8_t> irradianceTexels(const Atlas& atlas, const TexelPoints& poi
     return wanted;
 }
 
-Pieces filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
-                            const TexelPoints& points, const std::vector<uint8_t>& wanted,
-                            const ChartSet& charts, IrradianceMap& filtered, uint64_t pieceWork) {
+ResumableTask filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
+                                   const TexelPoints& points, const std::vector<uint8_t>& wanted,
+                                   const ChartSet& charts, IrradianceMap& filtered, uint64_t pieceWork) {
     const size_t width = atlas.sizeTexels.x;
     filtered.assign(estimates.size(), glm::vec3(0));
     std::vector<Guide3x3> guide(estimates.size());
     std::vector<uint8_t> known(estimates.size(), 0);
     const auto isOther = [&](size_t i) { return !hasChart(charts, atlas.chartAt(i)); };
     SilentProgress silent;
-    const size_t most = itemsAPiece(pieceWork, kFilterWork);
+    const size_t most = itemsPerSlice(pieceWork, kFilterWork);
     const auto forValid = [&](size_t first, size_t last, const auto& body) {
         parallelRanges(last - first, 8192, silent, [&](size_t begin, size_t end) {
             for (size_t i = first + begin; i < first + end; ++i)

@@ -93,7 +93,7 @@ void bakeAreaLight(const GatherInput& input, const std::vector<SeamPoint>& seams
     IrradianceMap filtered;
     const ChartSet all;
     finish(filterAreaIrradiance(estimates, input.atlas, input.points, input.irradianceTexels, all, filtered,
-                                kAllAtOnce));
+                                kNoSlicing));
     out.areaIrradiance = finishAreaIrradiance(std::move(filtered), input, seams, progress);
 }
 

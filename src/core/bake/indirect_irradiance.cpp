@@ -114,8 +114,8 @@ std::vector<glm::vec3> bounce(const std::vector<NodeRays>& nodes, Progress& prog
 
 /// Light bounces between the nodes of the coarsest level, each hit taking the irradiance of its group's node,
 /// until nothing changes or all bounces are used up.
-Pieces solve(IrradianceLevel& level, const std::vector<NodeRays>& nodes, uint32_t width, int bounces,
-             Progress& progress) {
+ResumableTask solve(IrradianceLevel& level, const std::vector<NodeRays>& nodes, uint32_t width, int bounces,
+                    Progress& progress) {
     level.value.assign(nodes.size(), glm::vec3(0));
     for (int i = 0; i < bounces; ++i) {
         std::vector<glm::vec3> next = bounce(nodes, progress, [&](uint32_t texel) {
@@ -160,9 +160,9 @@ std::vector<uint8_t> groupsToSplit(const IrradianceLevel& level, const Atlas& at
 }
 
 /// Appends a finer level to `levels`, gathered in the light of `map`.
-Pieces refine(const Gatherer& gatherer, std::vector<IrradianceLevel>& levels, uint32_t step,
-              const IrradianceMap& map, const ChartSet& charts, uint64_t pieceWork, Progress& progress,
-              BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
+ResumableTask refine(const Gatherer& gatherer, std::vector<IrradianceLevel>& levels, uint32_t step,
+                     const IrradianceMap& map, const ChartSet& charts, uint64_t pieceWork, Progress& progress,
+                     BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
     const Atlas& atlas = gatherer.input.atlas;
     const IrradianceLevel& coarse = levels.back();
     const std::vector<uint8_t> split = groupsToSplit(coarse, atlas);
@@ -177,7 +177,7 @@ Pieces refine(const Gatherer& gatherer, std::vector<IrradianceLevel>& levels, ui
     const auto sumOf = [&](size_t node, uint64_t& rays) {
         sums[node] = gatherer.sumRays(level, node, map, rays);
     };
-    const size_t most = itemsAPiece(pieceWork, kFineRays);
+    const size_t most = itemsPerSlice(pieceWork, kFineRays);
     if (sums.size() <= most) {
         const ProgressStage stage(progress, "diffuse contacts", sums.size());
         const uint64_t before = rayCount;
@@ -218,43 +218,47 @@ NodeRays traceNode(const GatherInput& input, const std::vector<uint32_t>& areaIr
     return Gatherer{input, areaIrradiance, settings}.keepRays(level, node, rays);
 }
 
-Pieces irradianceFromNodes(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
-                           const BakeSettings& settings, IrradianceLevel coarse, std::vector<NodeRays> nodes,
-                           IrradianceMap& map, uint64_t pieceWork, Progress& progress, BakeJournal* journal,
-                           std::atomic<uint64_t>& rayCount) {
+ResumableTask irradianceFromNodes(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
+                                  const BakeSettings& settings, IrradianceLevel coarse,
+                                  std::vector<NodeRays> nodes, IrradianceMap& map, uint64_t pieceWork,
+                                  Progress& progress, BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
     const Gatherer gatherer{input, areaIrradiance, settings};
     const ChartSet all;
     std::vector<float> nearness;
     for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
     setDistances(coarse, input.atlas, nearness);
-    for (Pieces p = solve(coarse, nodes, input.atlas.sizeTexels.x, settings.maxBounces - 1, progress);
+    for (ResumableTask p = solve(coarse, nodes, input.atlas.sizeTexels.x, settings.maxBounces - 1, progress);
          p.next();)
         co_yield p.work();
 
     std::vector<IrradianceLevel> levels;
     levels.push_back(std::move(coarse));
     IrradianceMap lit;
-    for (Pieces p = interpolateLevels(levels, input.atlas, input.points, all, lit, pieceWork); p.next();)
+    for (ResumableTask p = interpolateLevels(levels, input.atlas, input.points, all, lit, pieceWork);
+         p.next();)
         co_yield p.work();
     // The last bounce takes the irradiance of the very texel that is hit.
     levels[0].value = bounce(nodes, progress, [&](uint32_t texel) { return lit[texel]; });
     nodes = {};
-    for (Pieces p = interpolateLevels(levels, input.atlas, input.points, all, lit, pieceWork); p.next();)
+    for (ResumableTask p = interpolateLevels(levels, input.atlas, input.points, all, lit, pieceWork);
+         p.next();)
         co_yield p.work();
     for (size_t i = 1; i < std::size(kLevelSteps); ++i)
-        for (Pieces p =
+        for (ResumableTask p =
                  refine(gatherer, levels, kLevelSteps[i], lit, all, pieceWork, progress, journal, rayCount);
              p.next();)
             co_yield p.work();
-    for (Pieces p = interpolateLevels(levels, input.atlas, input.points, all, map, pieceWork); p.next();)
+    for (ResumableTask p = interpolateLevels(levels, input.atlas, input.points, all, map, pieceWork);
+         p.next();)
         co_yield p.work();
 }
 
-Pieces irradianceOfCharts(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
-                          const std::vector<uint32_t>& indirectIrradiance, const BakeSettings& settings,
-                          IrradianceLevel coarse, const std::vector<NodeRays>& nodes, const ChartSet& charts,
-                          IrradianceMap& map, uint64_t pieceWork, Progress& progress,
-                          std::atomic<uint64_t>& rayCount) {
+ResumableTask irradianceOfCharts(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
+                                 const std::vector<uint32_t>& indirectIrradiance,
+                                 const BakeSettings& settings, IrradianceLevel coarse,
+                                 const std::vector<NodeRays>& nodes, const ChartSet& charts,
+                                 IrradianceMap& map, uint64_t pieceWork, Progress& progress,
+                                 std::atomic<uint64_t>& rayCount) {
     const Gatherer gatherer{input, areaIrradiance, settings};
     std::vector<float> nearness;
     for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
@@ -268,17 +272,19 @@ Pieces irradianceOfCharts(GatherInput input, const std::vector<uint32_t>& areaIr
     std::vector<IrradianceLevel> levels;
     levels.push_back(std::move(coarse));
     IrradianceMap lit;
-    for (Pieces p = interpolateLevels(levels, input.atlas, input.points, charts, lit, pieceWork); p.next();)
+    for (ResumableTask p = interpolateLevels(levels, input.atlas, input.points, charts, lit, pieceWork);
+         p.next();)
         co_yield p.work();
     for (size_t texel = 0; texel < lit.size(); ++texel)
         if (!hasChart(charts, input.atlas.chartAt(texel)))
             lit[texel] = unpackRgb9e5(indirectIrradiance[texel]);
     for (size_t i = 1; i < std::size(kLevelSteps); ++i)
-        for (Pieces p = refine(gatherer, levels, kLevelSteps[i], lit, charts, pieceWork, progress, nullptr,
-                               rayCount);
+        for (ResumableTask p = refine(gatherer, levels, kLevelSteps[i], lit, charts, pieceWork, progress,
+                                      nullptr, rayCount);
              p.next();)
             co_yield p.work();
-    for (Pieces p = interpolateLevels(levels, input.atlas, input.points, charts, map, pieceWork); p.next();)
+    for (ResumableTask p = interpolateLevels(levels, input.atlas, input.points, charts, map, pieceWork);
+         p.next();)
         co_yield p.work();
 }
 
@@ -296,7 +302,7 @@ IrradianceMap gatherIndirectIrradiance(const GatherInput& input, const std::vect
     }
     IrradianceMap map;
     finish(irradianceFromNodes(input, areaIrradiance, settings, std::move(coarse), std::move(nodes), map,
-                               kAllAtOnce, progress, journal, rayCount));
+                               kNoSlicing, progress, journal, rayCount));
     return map;
 }
 

@@ -31,17 +31,18 @@ NodeRays traceNode(const GatherInput& input, const std::vector<uint32_t>& areaIr
 
 /// The map that follows from the rays of the coarsest level's `nodes`: light bounces between them, finer
 /// nodes are added where something is near, and everything between is interpolated. `map` becomes it.
-Pieces irradianceFromNodes(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
-                           const BakeSettings& settings, IrradianceLevel coarse, std::vector<NodeRays> nodes,
-                           IrradianceMap& map, uint64_t pieceWork, Progress& progress, BakeJournal* journal,
-                           std::atomic<uint64_t>& rayCount);
+ResumableTask irradianceFromNodes(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
+                                  const BakeSettings& settings, IrradianceLevel coarse,
+                                  std::vector<NodeRays> nodes, IrradianceMap& map, uint64_t pieceWork,
+                                  Progress& progress, BakeJournal* journal, std::atomic<uint64_t>& rayCount);
 
 /// The map of some charts alone, in the light of `indirectIrradiance` as it is: one bounce further than that.
 /// Other charts are zero. Nodes elsewhere need no rays.
-Pieces irradianceOfCharts(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
-                          const std::vector<uint32_t>& indirectIrradiance, const BakeSettings& settings,
-                          IrradianceLevel coarse, const std::vector<NodeRays>& nodes, const ChartSet& charts,
-                          IrradianceMap& map, uint64_t pieceWork, Progress& progress,
-                          std::atomic<uint64_t>& rayCount);
+ResumableTask irradianceOfCharts(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
+                                 const std::vector<uint32_t>& indirectIrradiance,
+                                 const BakeSettings& settings, IrradianceLevel coarse,
+                                 const std::vector<NodeRays>& nodes, const ChartSet& charts,
+                                 IrradianceMap& map, uint64_t pieceWork, Progress& progress,
+                                 std::atomic<uint64_t>& rayCount);
 
 }  // namespace phat

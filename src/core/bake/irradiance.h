@@ -27,8 +27,8 @@ std::vector<uint8_t> irradianceTexels(const Atlas& atlas, const TexelPoints& poi
 /// 7x7 neighbours in the chart that differ from it by no more than both estimates' standard errors explain.
 /// `wanted`: irradianceTexels; the others are filled from them. Other charts than `charts` are zero.
 /// `filtered` becomes the result.
-Pieces filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
-                            const TexelPoints& points, const std::vector<uint8_t>& wanted,
-                            const ChartSet& charts, IrradianceMap& filtered, uint64_t pieceWork);
+ResumableTask filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
+                                   const TexelPoints& points, const std::vector<uint8_t>& wanted,
+                                   const ChartSet& charts, IrradianceMap& filtered, uint64_t pieceWork);
 
 }  // namespace phat

@@ -264,12 +264,12 @@ IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradi
     return level;
 }
 
-Pieces interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
-                         const TexelPoints& points, const ChartSet& charts, IrradianceMap& map,
-                         uint64_t pieceWork) {
+ResumableTask interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
+                                const TexelPoints& points, const ChartSet& charts, IrradianceMap& map,
+                                uint64_t pieceWork) {
     Interpolator interpolator(levels, atlas, points, charts);
-    const auto forAll = [&](auto step, uint64_t itemWork) -> Pieces {
-        const size_t most = itemsAPiece(pieceWork, itemWork);
+    const auto forAll = [&](auto step, uint64_t itemWork) -> ResumableTask {
+        const size_t most = itemsPerSlice(pieceWork, itemWork);
         for (size_t level = 0; level < levels.size(); ++level) {
             const size_t count = levels[level].texel.size();
             for (size_t begin = 0, end = 0; begin < count; begin = end) {
@@ -279,15 +279,15 @@ Pieces interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas
             }
         }
     };
-    for (Pieces p = forAll(&Interpolator::findNoise, kNoiseWork); p.next();) co_yield p.work();
-    for (Pieces p = forAll(&Interpolator::findOutliers, kNoiseWork); p.next();) co_yield p.work();
+    for (ResumableTask p = forAll(&Interpolator::findNoise, kNoiseWork); p.next();) co_yield p.work();
+    for (ResumableTask p = forAll(&Interpolator::findOutliers, kNoiseWork); p.next();) co_yield p.work();
     if (interpolator.shareOutOutliers())
-        for (Pieces p = forAll(&Interpolator::findNoise, kNoiseWork); p.next();) co_yield p.work();
-    for (Pieces p = forAll(&Interpolator::smooth, kSmoothWork); p.next();) co_yield p.work();
+        for (ResumableTask p = forAll(&Interpolator::findNoise, kNoiseWork); p.next();) co_yield p.work();
+    for (ResumableTask p = forAll(&Interpolator::smooth, kSmoothWork); p.next();) co_yield p.work();
     map.assign(atlas.texelCount(), glm::vec3(0));
     std::vector<uint8_t> known(map.size(), 0);
     SilentProgress silent;
-    const size_t most = itemsAPiece(pieceWork, kTexelWork);
+    const size_t most = itemsPerSlice(pieceWork, kTexelWork);
     for (size_t first = 0, last = 0; first < map.size(); first = last) {
         last = first + std::min(most, map.size() - first);
         parallelRanges(last - first, 4096, silent, [&](size_t begin, size_t end) {

@@ -35,8 +35,8 @@ IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradi
 /// that shrink with the distance of what the nodes see. `levels` from coarse to fine; a group of a finer
 /// level has a node of every coarser one around it. Texels without a place are filled from their chart's.
 /// Other charts than `charts` are zero. `map` becomes the result.
-Pieces interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
-                         const TexelPoints& points, const ChartSet& charts, IrradianceMap& map,
-                         uint64_t pieceWork);
+ResumableTask interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
+                                const TexelPoints& points, const ChartSet& charts, IrradianceMap& map,
+                                uint64_t pieceWork);
 
 }  // namespace phat

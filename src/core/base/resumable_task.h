@@ -1,5 +1,5 @@
 #pragma once
-// Long work that stops between its pieces, so that other work can go on meanwhile.
+// Long work that stops between its slices, so that other work can go on meanwhile.
 
 #include <coroutine>
 #include <cstddef>
@@ -9,15 +9,15 @@
 
 namespace phat {
 
-/// A coroutine that yields after each piece what it took, in rays or what takes as long. What its arguments
+/// A coroutine that yields after each slice what it took, in rays or what takes as long. What its arguments
 /// refer to must outlive it. Exceptions come out of next().
-class Pieces {
+class ResumableTask {
   public:
     struct promise_type {
         uint64_t work = 0;
         std::exception_ptr failure;
 
-        Pieces get_return_object() { return Pieces(Handle::from_promise(*this)); }
+        ResumableTask get_return_object() { return ResumableTask(Handle::from_promise(*this)); }
         std::suspend_always initial_suspend() noexcept { return {}; }
         std::suspend_always final_suspend() noexcept { return {}; }
         std::suspend_always yield_value(uint64_t done) noexcept {
@@ -28,43 +28,43 @@ class Pieces {
         void unhandled_exception() { failure = std::current_exception(); }
     };
 
-    Pieces(Pieces&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
-    Pieces& operator=(Pieces&& other) noexcept {
+    ResumableTask(ResumableTask&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+    ResumableTask& operator=(ResumableTask&& other) noexcept {
         std::swap(handle_, other.handle_);
         return *this;
     }
-    ~Pieces() {
+    ~ResumableTask() {
         if (handle_) handle_.destroy();
     }
 
-    /// Does the next piece; false: there was none left.
+    /// Runs the next slice; false: there was none left.
     bool next() {
         handle_.resume();
         if (handle_.promise().failure)
             std::rethrow_exception(std::exchange(handle_.promise().failure, nullptr));
         return !handle_.done();
     }
-    /// Of the last piece.
+    /// Of the last slice.
     uint64_t work() const { return handle_.promise().work; }
 
   private:
     using Handle = std::coroutine_handle<promise_type>;
-    explicit Pieces(Handle handle) : handle_(handle) {}
+    explicit ResumableTask(Handle handle) : handle_(handle) {}
     Handle handle_;
 };
 
 /// Does all of it.
-inline void finish(Pieces pieces) {
-    while (pieces.next()) {
+inline void finish(ResumableTask slices) {
+    while (slices.next()) {
     }
 }
 
 /// How much is done between two stops, in rays or what takes as long. All at once: a bake's way.
-inline constexpr uint64_t kAllAtOnce = ~uint64_t(0);
+inline constexpr uint64_t kNoSlicing = ~uint64_t(0);
 
-/// Items of a piece, each of which takes `itemWork`.
-inline size_t itemsAPiece(uint64_t pieceWork, uint64_t itemWork) {
-    return pieceWork == kAllAtOnce ? ~size_t(0) : size_t(pieceWork / itemWork + 1);
+/// Items of a slice, each of which takes `itemWork`.
+inline size_t itemsPerSlice(uint64_t pieceWork, uint64_t itemWork) {
+    return pieceWork == kNoSlicing ? ~size_t(0) : size_t(pieceWork / itemWork + 1);
 }
 
 }  // namespace phat

@@ -11,10 +11,10 @@ namespace {
 // Parts of the photon map, renewed one by one.
 constexpr size_t kPhotonParts = 16;
 
-void requireRenewable(const BakeSettings& settings) {
+void requireUpdatable(const BakeSettings& settings) {
     if (choosesPhotons(settings.directions) || settings.radiance == RadianceSource::photons ||
         settings.radiance == RadianceSource::splat)
-        throw std::invalid_argument("PHATexels that are made from single photons cannot be renewed");
+        throw std::invalid_argument("PHATexels that are made from single photons cannot be updated");
 }
 
 std::vector<uint16_t> scramblesOf(const Atlas& atlas, const BakeSettings& settings, int layer) {
@@ -26,10 +26,10 @@ std::vector<uint16_t> scramblesOf(const Atlas& atlas, const BakeSettings& settin
 
 }  // namespace
 
-LiveState::LiveState(const Scene& rest, const Atlas& atlas, const TexelPoints& points,
-                     const Phatexture& baked, const BakeSettings& wanted)
+BakerState::BakerState(const Scene& rest, const Atlas& atlas, const TexelPoints& points,
+                       const Phatexture& baked, const BakeSettings& wanted)
     : scene(rest, atlas, points), settings(wanted), phatexture(baked) {
-    requireRenewable(settings);
+    requireUpdatable(settings);
     rebuildRays();
     hasArea = lights->hasArea();
     noIndex.emplace(noPhotons.photons);
@@ -87,12 +87,12 @@ LiveState::LiveState(const Scene& rest, const Atlas& atlas, const TexelPoints& p
     blockDirty.assign(atlas.blockCount, 0);
 }
 
-void LiveState::rebuildRays() {
+void BakerState::rebuildRays() {
     rays.emplace(scene.scene());
     lights.emplace(scene.scene());
 }
 
-uint64_t LiveState::photonsVersion() const {
+uint64_t BakerState::photonsVersion() const {
     return *std::min_element(photonsScene.begin(), photonsScene.end());
 }
 

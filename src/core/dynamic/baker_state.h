@@ -1,5 +1,5 @@
 #pragma once
-// What the live update engine keeps between its steps: a bake with its intermediate results, each marked with
+// What the incremental baker keeps between its steps: a bake with its intermediate results, each marked with
 // the scene that it was made from.
 
 #include <optional>
@@ -14,8 +14,8 @@
 namespace phat {
 
 /// A part of the photon map.
-struct LivePhotons {
-    explicit LivePhotons(PhotonMap traced) : map(std::move(traced)), index(map.photons) {}
+struct PhotonMapPart {
+    explicit PhotonMapPart(PhotonMap traced) : map(std::move(traced)), index(map.photons) {}
     PhotonMap map;
     PhotonIndex index;
 };
@@ -33,9 +33,9 @@ struct NodeAge {
     uint64_t clock = 0;
 };
 
-struct LiveState {
-    LiveState(const Scene& rest, const Atlas& atlas, const TexelPoints& points, const Phatexture& baked,
-              const BakeSettings& settings);
+struct BakerState {
+    BakerState(const Scene& rest, const Atlas& atlas, const TexelPoints& points, const Phatexture& baked,
+               const BakeSettings& settings);
 
     /// After the scene has changed.
     void rebuildRays();
@@ -55,7 +55,7 @@ struct LiveState {
     }
     size_t texelOf(size_t tile, uint32_t inTile) const { return texelOfTile(scene.atlas(), tile, inTile); }
 
-    LiveScene scene;
+    DynamicScene scene;
     BakeSettings settings;
     bool hasArea = false;  // as the scene at rest
     std::optional<RayScene> rays;
@@ -66,9 +66,9 @@ struct LiveState {
     std::vector<BlockPlace> blocks;
 
     Phatexture phatexture;
-    std::vector<std::optional<LivePhotons>> photons;  // parts in order
-    std::vector<IrradianceEstimate> areaEstimates;    // [y][x]
-    IrradianceMap areaMap, indirectMap;               // before their seams are stitched
+    std::vector<std::optional<PhotonMapPart>> photons;  // parts in order
+    std::vector<IrradianceEstimate> areaEstimates;      // [y][x]
+    IrradianceMap areaMap, indirectMap;                 // before their seams are stitched
     // Of refinement: how many times all light has been made anew of this very scene, and the means of the
     // maps before that.
     uint32_t pass = 0;
@@ -76,7 +76,7 @@ struct LiveState {
     IrradianceLevel level;  // of nodes
     std::vector<NodeRays> nodes;
     std::vector<NodeAge> nodeAge;
-    uint64_t levelTexelsVersion = 0;  // of LiveScene, that `level` was made from
+    uint64_t levelTexelsVersion = 0;  // of DynamicScene, that `level` was made from
 
     // Ages.
     std::vector<uint64_t> tileScene, tileClock;      // [tile]: changes that its PHATexels have heard of
@@ -97,6 +97,6 @@ inline constexpr uint8_t kDirtyPhatexels = 1, kDirtyIrradiance = 2, kDirtyPlace 
 IrradianceMap meanMap(const IrradianceMap& mean, const IrradianceMap& map, uint32_t passes);
 
 /// All that is dirty, which it is no more; `tileLight` is left to the caller.
-LiveUpdate collectUpdate(LiveState& state);
+LightUpdate collectUpdate(BakerState& state);
 
 }  // namespace phat

@@ -18,7 +18,7 @@ constexpr double kSpeedSeconds = 1;
 
 }  // namespace
 
-class LiveLight::Stop : public SilentProgress {
+class BakerThread::Stop : public SilentProgress {
   public:
     explicit Stop(const std::atomic<bool>& stop) : stop_(stop) {}
     bool stopRequested() const override { return stop_; }
@@ -27,7 +27,7 @@ class LiveLight::Stop : public SilentProgress {
     const std::atomic<bool>& stop_;
 };
 
-LiveLight::LiveLight(const Start& start, int cores, Wake wake) : wake_(std::move(wake)) {
+BakerThread::BakerThread(const Start& start, int cores, Wake wake) : wake_(std::move(wake)) {
     const int used = cores > 0 ? cores : std::max(1, tbb::this_task_arena::max_concurrency() - 1);
     thread_ = std::thread([this, start, used] {
         try {
@@ -38,7 +38,7 @@ LiveLight::LiveLight(const Start& start, int cores, Wake wake) : wake_(std::move
                 const std::lock_guard lock(mutex_);
                 failure_ = std::current_exception();
                 started_ = true;
-                report_.settled = true;
+                report_.converged = true;
             }
             changed_.notify_all();
             wake_();
@@ -46,7 +46,7 @@ LiveLight::LiveLight(const Start& start, int cores, Wake wake) : wake_(std::move
     });
 }
 
-LiveLight::~LiveLight() {
+BakerThread::~BakerThread() {
     {
         const std::lock_guard lock(mutex_);
         quit_ = true;
@@ -56,17 +56,17 @@ LiveLight::~LiveLight() {
     thread_.join();
 }
 
-void LiveLight::follow(const LivePose& pose, const Camera& eye, bool renews, bool refines) {
+void BakerThread::follow(const SceneState& state, const Camera& eye, bool updatesLight, bool refines) {
     {
         const std::lock_guard lock(mutex_);
-        wanted_ = Wanted{pose, eye, renews, refines};
-        report_.settled = false;
+        wanted_ = Wanted{state, eye, updatesLight, refines};
+        report_.converged = false;
     }
     changed_.notify_all();
 }
 
-std::optional<LiveUpdate> LiveLight::take() {
-    std::optional<LiveUpdate> taken;
+std::optional<LightUpdate> BakerThread::take() {
+    std::optional<LightUpdate> taken;
     {
         const std::lock_guard lock(mutex_);
         if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
@@ -76,18 +76,18 @@ std::optional<LiveUpdate> LiveLight::take() {
     return taken;
 }
 
-void LiveLight::waitUntilStarted() {
+void BakerThread::waitUntilStarted() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return started_; });
 }
 
-LiveLight::Report LiveLight::report() const {
+BakerThread::Report BakerThread::report() const {
     const std::lock_guard lock(mutex_);
     return report_;
 }
 
-void LiveLight::run(const Start& start) {
-    LiveEngine engine(start.rest, start.atlas, start.points, start.baked, start.settings);
+void BakerThread::run(const Start& start) {
+    IncrementalBaker engine(start.rest, start.atlas, start.points, start.baked, start.settings);
     {
         const std::lock_guard lock(mutex_);
         started_ = true;
@@ -97,28 +97,28 @@ void LiveLight::run(const Start& start) {
     }
 }
 
-bool LiveLight::step(LiveEngine& engine) {
+bool BakerThread::step(IncrementalBaker& engine) {
     std::optional<Wanted> wanted;
-    bool renews = false, refines = false;
+    bool updatesLight = false, refines = false;
     {
         const std::lock_guard lock(mutex_);
         if (quit_) return false;
         wanted = std::exchange(wanted_, std::nullopt);
         if (wanted) {
-            renews_ = wanted->renews;
+            updatesLight_ = wanted->updatesLight;
             refines_ = wanted->refines;
         }
-        renews = renews_;
+        updatesLight = updatesLight_;
         refines = refines_;
     }
     if (wanted) {
         engine.setEye(&wanted->eye);
-        engine.setPose(wanted->pose);
+        engine.setSceneState(wanted->state);
     }
     const Stopwatch start;
     const double processorStart = threadProcessorSeconds();
     // A pass of refinement waits where it is.
-    const bool rests = !renews || engine.settled() || (engine.passes() > 0 && !refines);
+    const bool rests = !updatesLight || engine.converged() || (engine.passes() > 0 && !refines);
     if (!rests) engine.advance(kWorkAtOnce, Stop(stop_));
     noteWork(engine, start.seconds(), threadProcessorSeconds() - processorStart);
 
@@ -128,16 +128,16 @@ bool LiveLight::step(LiveEngine& engine) {
         taker = !ready_;
     }
     // Put together without the lock: whoever draws must not wait for it.
-    LiveUpdate update;
-    if (taker) update = engine.takeUpdate();
+    LightUpdate update;
+    if (taker) update = engine.drainUpdate();
     const bool any = !update.empty();
     // A look at every item: for those who are told of something new alone.
-    const LiveShare renewed = any || rests ? engine.renewed() : LiveShare{};
+    const UpToDateShares renewed = any || rests ? engine.upToDate() : UpToDateShares{};
     std::unique_lock lock(mutex_);
-    if (any || rests) report_.renewed = renewed;
+    if (any || rests) report_.upToDate = renewed;
     if (any) ready_ = std::move(update);
     // All is done and the last portion is on its way.
-    const bool goesOn = renews && refines && engine.passes() < kMostRefinements;
+    const bool goesOn = updatesLight && refines && engine.passes() < kMostRefinements;
     const bool done = rests && taker && !wanted_ && !goesOn;
     report_.refinements = rests && goesOn ? engine.passes() : std::max(engine.passes(), 1u) - 1;
     if (rests && taker && !any && !wanted_ && goesOn) {
@@ -145,8 +145,8 @@ bool LiveLight::step(LiveEngine& engine) {
         engine.refine();
         return true;
     }
-    if (done != report_.settled || any) {
-        if (done) report_.settled = true;
+    if (done != report_.converged || any) {
+        if (done) report_.converged = true;
         lock.unlock();
         wake_();
         lock.lock();
@@ -155,7 +155,7 @@ bool LiveLight::step(LiveEngine& engine) {
     return !quit_;
 }
 
-void LiveLight::noteWork(const LiveEngine& engine, double seconds, double processor) {
+void BakerThread::noteWork(const IncrementalBaker& engine, double seconds, double processor) {
     const std::lock_guard lock(mutex_);
     const uint64_t now = engine.stats().phatexels, more = now - report_.phatexels;
     report_.phatexels = now;

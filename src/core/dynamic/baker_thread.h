@@ -1,5 +1,5 @@
 #pragma once
-// The live engine on a thread of its own, for a window that goes on drawing.
+// The incremental baker on a thread of its own, for a window that goes on drawing.
 
 #include <atomic>
 #include <condition_variable>
@@ -14,16 +14,16 @@
 namespace phat {
 
 /// One number for all tasks: PHATexels count half, because each depends on all else.
-inline float overall(const LiveShare& share) {
-    float sum = 0.5f * share[size_t(LiveTask::blocks)];
-    for (size_t t = 0; t + 1 < kLiveTasks; ++t) sum += 0.5f / float(kLiveTasks - 1) * share[t];
+inline float overall(const UpToDateShares& share) {
+    float sum = 0.5f * share[size_t(BakerTask::blocks)];
+    for (size_t t = 0; t + 1 < kBakerTasks; ++t) sum += 0.5f / float(kBakerTasks - 1) * share[t];
     return sum;
 }
 
 /// The noise of one bake is an eighth by then, and whoever looks has seen it.
 inline constexpr uint32_t kMostRefinements = 64;
 
-class LiveLight {
+class BakerThread {
   public:
     /// Called from the thread when there is something to take; must be safe from any thread.
     using Wake = std::function<void()>;
@@ -36,24 +36,24 @@ class LiveLight {
         BakeSettings settings;
     };
     /// `cores` 0: all but the window's.
-    LiveLight(const Start& start, int cores, Wake wake);
+    BakerThread(const Start& start, int cores, Wake wake);
     /// Stops in the middle of a piece of work.
-    ~LiveLight();
-    LiveLight(const LiveLight&) = delete;
-    LiveLight& operator=(const LiveLight&) = delete;
+    ~BakerThread();
+    BakerThread(const BakerThread&) = delete;
+    BakerThread& operator=(const BakerThread&) = delete;
 
     void waitUntilStarted();
-    /// The scene from now on, and whose picture comes first. Returns at once. `renews` false: geometry
+    /// The scene from now on, and whose picture comes first. Returns at once. `updatesLight` false: geometry
     /// follows, light waits. `refines`: once all is of this scene, it is made anew with other draws
-    /// (LiveEngine::refine), kMostRefinements times.
-    void follow(const LivePose& pose, const Camera& eye, bool renews, bool refines = false);
+    /// (IncrementalBaker::refine), kMostRefinements times.
+    void follow(const SceneState& state, const Camera& eye, bool updatesLight, bool refines = false);
     /// What has changed since the last call, if there is anything. The next is put together only after that,
     /// so a slow taker finds more in one portion, not more portions. Throws what the engine threw.
-    std::optional<LiveUpdate> take();
+    std::optional<LightUpdate> take();
 
     struct Report {
-        bool settled = true;  // nothing comes after what can be taken now
-        LiveShare renewed{};
+        bool converged = true;  // nothing comes after what can be taken now
+        UpToDateShares upToDate{};
         uint32_t refinements = 0;  // done since the last change
         uint64_t phatexels = 0;    // so far
         double seconds = 0;        // of work so far
@@ -65,22 +65,22 @@ class LiveLight {
 
   private:
     struct Wanted {
-        LivePose pose;
+        SceneState state;
         Camera eye;
-        bool renews = true, refines = false;
+        bool updatesLight = true, refines = false;
     };
     class Stop;
     void run(const Start& start);
     /// Goes on until there is nothing to do, then waits; false: to end.
-    bool step(LiveEngine& engine);
-    void noteWork(const LiveEngine& engine, double seconds, double processorSeconds);
+    bool step(IncrementalBaker& engine);
+    void noteWork(const IncrementalBaker& engine, double seconds, double processorSeconds);
 
     Wake wake_;
     mutable std::mutex mutex_;
     std::condition_variable changed_;
-    std::optional<Wanted> wanted_;          // not yet begun
-    bool renews_ = true, refines_ = false;  // of what was begun
-    std::optional<LiveUpdate> ready_;
+    std::optional<Wanted> wanted_;                // not yet begun
+    bool updatesLight_ = true, refines_ = false;  // of what was begun
+    std::optional<LightUpdate> ready_;
     std::exception_ptr failure_;
     Report report_;
     bool started_ = false, quit_ = false;

@@ -17,7 +17,7 @@ Frame movedFrame(const Frame& frame, const glm::mat4& m) {
 
 }  // namespace
 
-LiveScene::LiveScene(const Scene& rest, const Atlas& atlas, const TexelPoints& points)
+DynamicScene::DynamicScene(const Scene& rest, const Atlas& atlas, const TexelPoints& points)
     : atlas_(atlas),
       scene_(rest),
       points_(points),
@@ -40,7 +40,7 @@ LiveScene::LiveScene(const Scene& rest, const Atlas& atlas, const TexelPoints& p
         if (points_.state[i] == TexelState::surface) ++surfaceTexels_[atlas_.chartAt(i)];
 }
 
-Bounds LiveScene::boundsOfSurface(const Surface& surface) const {
+Bounds DynamicScene::boundsOfSurface(const Surface& surface) const {
     Bounds bounds;
     for (uint32_t t = 0; t < surface.triangleCount; ++t)
         for (int corner = 0; corner < 3; ++corner)
@@ -48,7 +48,7 @@ Bounds LiveScene::boundsOfSurface(const Surface& surface) const {
     return bounds;
 }
 
-void LiveScene::addChange(const Bounds& box) {
+void DynamicScene::addChange(const Bounds& box) {
     if (box.empty()) return;
     if (changes_.size() >= kMostChanges) {
         // The older half in one box, as if all of it were as recent as its last.
@@ -63,7 +63,7 @@ void LiveScene::addChange(const Bounds& box) {
     changes_.push_back({version_, box});
 }
 
-void LiveScene::moveChart(const Chart& chart, const glm::mat4& m) {
+void DynamicScene::moveChart(const Chart& chart, const glm::mat4& m) {
     const glm::mat3 normals = normalMatrix(m), linear(m);
     const bool atRest = m == glm::mat4(1);  // exactly as it was
     const glm::uvec2 origin = chart.originTexel(), size = chart.sizeTexels();
@@ -96,7 +96,7 @@ void LiveScene::moveChart(const Chart& chart, const glm::mat4& m) {
         }
 }
 
-bool LiveScene::setNodes(const std::vector<glm::mat4>& worldFromRest) {
+bool DynamicScene::setNodes(const std::vector<glm::mat4>& worldFromRest) {
     bool any = false;
     std::vector<uint8_t> surfaceMoves(scene_.surfaces.size(), 0);
     for (size_t s = 0; s < scene_.surfaces.size(); ++s) {
@@ -119,14 +119,14 @@ bool LiveScene::setNodes(const std::vector<glm::mat4>& worldFromRest) {
     return any;
 }
 
-bool LiveScene::setLights(const std::vector<PunctualLight>& lights) {
+bool DynamicScene::setLights(const std::vector<PunctualLight>& lights) {
     std::vector<PunctualLight> placed = movedLights(lights, worldFromRest_);
     if (placed == scene_.lights) return false;
     scene_.lights = std::move(placed);
     return true;
 }
 
-bool LiveScene::setMaterials(const std::vector<Material>& materials) {
+bool DynamicScene::setMaterials(const std::vector<Material>& materials) {
     if (materials == scene_.materials) return false;
     for (const Surface& surface : scene_.surfaces)
         if (!(materials[surface.material] == scene_.materials[surface.material]))
@@ -135,17 +135,17 @@ bool LiveScene::setMaterials(const std::vector<Material>& materials) {
     return true;
 }
 
-bool LiveScene::set(const LivePose& pose) {
+bool DynamicScene::set(const SceneState& state) {
     ++version_;
-    const bool nodes = setNodes(pose.worldFromRest);
-    const bool lights = setLights(pose.lights);
-    const bool materials = setMaterials(pose.materials);
+    const bool nodes = setNodes(state.worldFromRest);
+    const bool lights = setLights(state.lights);
+    const bool materials = setMaterials(state.materials);
     if (nodes || lights || materials) return true;
     --version_;
     return false;
 }
 
-void LiveScene::markCovered(size_t tile, const RayScene& rays) {
+void DynamicScene::markCovered(size_t tile, const RayScene& rays) {
     const glm::uvec2 corner =
         glm::uvec2(tile % atlas_.sizeTiles().x, tile / atlas_.sizeTiles().x) * kTileSize;
     for (uint32_t i = 0; i < kTileSize * kTileSize; ++i) {
@@ -157,7 +157,7 @@ void LiveScene::markCovered(size_t tile, const RayScene& rays) {
     }
 }
 
-bool LiveScene::commitCovered(size_t tile) {
+bool DynamicScene::commitCovered(size_t tile) {
     const glm::uvec2 corner =
         glm::uvec2(tile % atlas_.sizeTiles().x, tile / atlas_.sizeTiles().x) * kTileSize;
     const uint32_t chart = atlas_.tileChart[tile];

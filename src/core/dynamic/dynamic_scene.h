@@ -15,22 +15,22 @@ struct SceneChange {
 };
 
 /// What may differ from the scene at rest. Empty: as at rest.
-struct LivePose {
+struct SceneState {
     std::vector<glm::mat4> worldFromRest;  // [glTF node]; of nodes beyond its end: identity
     std::vector<PunctualLight> lights;     // where they are at rest: their nodes carry them
     std::vector<Material> materials;
 };
 
 /// The scene as it is now. Motion is meant to be rigid: the atlas does not follow a change of scale.
-class LiveScene {
+class DynamicScene {
   public:
     /// `points` of the scene at rest, states included. pre: all belong together.
-    LiveScene(const Scene& rest, const Atlas& atlas, const TexelPoints& points);
-    LiveScene(const LiveScene&) = delete;
-    LiveScene& operator=(const LiveScene&) = delete;
+    DynamicScene(const Scene& rest, const Atlas& atlas, const TexelPoints& points);
+    DynamicScene(const DynamicScene&) = delete;
+    DynamicScene& operator=(const DynamicScene&) = delete;
 
     /// Returns whether anything is different. Then version() has grown and changes() has the boxes.
-    bool set(const LivePose& pose);
+    bool set(const SceneState& state);
 
     /// A new version in which nothing is different.
     void renew() { ++version_; }

@@ -19,7 +19,7 @@ constexpr uint64_t kPassStream = 0x4ef1;
 constexpr uint64_t kStillWork = 32;
 
 // A piece of work: some ten milliseconds, and enough for many threads.
-constexpr size_t kNodesAPiece = 1024;
+constexpr size_t kNodesPerSlice = 1024;
 
 /// Stops when another does, and reports nothing: pieces are too small to be stages.
 class OnlyStop : public SilentProgress {
@@ -33,20 +33,20 @@ class OnlyStop : public SilentProgress {
 
 }  // namespace
 
-LiveEngine::LiveEngine(const Scene& rest, const Atlas& atlas, const TexelPoints& points,
-                       const Phatexture& baked, const BakeSettings& settings)
+IncrementalBaker::IncrementalBaker(const Scene& rest, const Atlas& atlas, const TexelPoints& points,
+                                   const Phatexture& baked, const BakeSettings& settings)
     : state_(rest, atlas, points, baked, settings), seed_(settings.seed), photonSeed_(settings.photons.seed) {
     adaptNodes(state_);
     indirectDirty_ = true;
 }
 
-void LiveEngine::setSeeds() {
+void IncrementalBaker::setSeeds() {
     const uint32_t pass = state_.pass;
     state_.settings.seed = pass == 0 ? seed_ : hashOf(seed_, kPassStream, pass);
     state_.settings.photons.seed = pass == 0 ? photonSeed_ : hashOf(photonSeed_, kPassStream, pass);
 }
 
-void LiveEngine::refine() {
+void IncrementalBaker::refine() {
     if (state_.pass == 0) {
         state_.areaMean = state_.areaMap;
         state_.indirectMean = state_.indirectMap;
@@ -59,11 +59,11 @@ void LiveEngine::refine() {
     state_.scene.renew();
     // Nothing has moved, so they have nothing to hear of.
     state_.tileScene.assign(state_.tileScene.size(), state_.scene.version());
-    ++plan_;
+    ++queueVersion_;
 }
 
-bool LiveEngine::setPose(const LivePose& pose) {
-    if (!state_.scene.set(pose)) return false;
+bool IncrementalBaker::setSceneState(const SceneState& state) {
+    if (!state_.scene.set(state)) return false;
     state_.pass = 0;
     setSeeds();
     state_.rebuildRays();
@@ -72,136 +72,136 @@ bool LiveEngine::setPose(const LivePose& pose) {
         const uint32_t chart = state_.scene.atlas().tileChart[tile];
         if (chart != kNoChart && state_.scene.movedAt(chart) == version) packPlace(state_, tile);
     }
-    ++plan_;
+    ++queueVersion_;
     changes_ = {std::max<uint64_t>(clock_, 1), changes_[0]};
     return true;
 }
 
-void LiveEngine::setEye(const Camera* eye) {
+void IncrementalBaker::setEye(const Camera* eye) {
     eye_ = eye ? std::optional<Camera>(*eye) : std::nullopt;
     valuesFor_ = 0;
 }
 
-bool LiveEngine::hasWork(LiveTask task) {
-    if (task == LiveTask::moved) return moved_.step != MovedLight::Step::none || anyMoved();
-    if (task == LiveTask::maps) return areaJob_ || indirectJob_;
+bool IncrementalBaker::hasWork(BakerTask task) {
+    if (task == BakerTask::moved) return moved_.step != MovedLight::Step::none || anyMoved();
+    if (task == BakerTask::maps) return areaJob_ || indirectJob_;
     Queue& queue = queues_[size_t(task)];
-    if (queue.planned == plan_ && queue.next < queue.items.size()) return true;
-    if (queue.planned != plan_) {
+    if (queue.planned == queueVersion_ && queue.next < queue.items.size()) return true;
+    if (queue.planned != queueVersion_) {
         if (valuesFor_ != state_.scene.version()) {
             tileValue_ = tileValues(state_, eye_ ? &*eye_ : nullptr);
             valuesFor_ = state_.scene.version();
         }
-        if (task == LiveTask::nodes) adaptNodes(state_);
-        if (task == LiveTask::blocks) state_.irradianceKnown = areaIsKnown() && indirectIsKnown();
+        if (task == BakerTask::nodes) adaptNodes(state_);
+        if (task == BakerTask::blocks) state_.irradianceKnown = areaIsKnown() && indirectIsKnown();
         queue.items =
             urgentFirst(state_, task, tileValue_, clock_, kPassWork * state_.scene.atlas().texelCount());
         queue.next = 0;
-        queue.planned = plan_;
+        queue.planned = queueVersion_;
     }
     return queue.next < queue.items.size();
 }
 
-std::span<const uint32_t> LiveEngine::takeItems(LiveTask task, size_t most) {
+std::span<const uint32_t> IncrementalBaker::takeItems(BakerTask task, size_t most) {
     Queue& queue = queues_[size_t(task)];
     const size_t first = queue.next;
     queue.next = std::min(first + most, queue.items.size());
     return std::span(queue.items).subspan(first, queue.next - first);
 }
 
-bool LiveEngine::settled() {
+bool IncrementalBaker::converged() {
     if (areaDirty_ || indirectDirty_) return false;
-    for (size_t t = 0; t < kLiveTasks; ++t)
-        if (hasWork(LiveTask(t))) return false;
+    for (size_t t = 0; t < kBakerTasks; ++t)
+        if (hasWork(BakerTask(t))) return false;
     return true;
 }
 
-bool LiveEngine::keepsChanging() const {
+bool IncrementalBaker::keepsChanging() const {
     const uint64_t still = kStillWork * state_.scene.atlas().texelCount();
     return clock_ - changes_[0] < still && changes_[1] > 0 && changes_[0] - changes_[1] < still;
 }
 
-bool LiveEngine::waits(LiveTask task) {
-    if ((task != LiveTask::nodes && task != LiveTask::blocks) || keepsChanging()) return false;
-    if (task == LiveTask::nodes) return !areaIsKnown();
-    return !areaIsKnown() || !indirectIsKnown() || hasWork(LiveTask::photons);
+bool IncrementalBaker::waits(BakerTask task) {
+    if ((task != BakerTask::nodes && task != BakerTask::blocks) || keepsChanging()) return false;
+    if (task == BakerTask::nodes) return !areaIsKnown();
+    return !areaIsKnown() || !indirectIsKnown() || hasWork(BakerTask::photons);
 }
 
-uint64_t LiveEngine::advance(uint64_t work, const Progress& whole) {
+uint64_t IncrementalBaker::advance(uint64_t work, const Progress& whole) {
     OnlyStop progress(whole);
     const uint64_t start = clock_;
-    credit_ += int64_t(work);
-    while (credit_ > 0) {
+    workBudget_ += int64_t(work);
+    while (workBudget_ > 0) {
         progress.throwIfStopped();
         const uint64_t before = clock_;
         beginDueMaps();
-        std::array<bool, kLiveTasks> busy{};
-        for (size_t t = 0; t < kLiveTasks; ++t) {
-            busy[t] = hasWork(LiveTask(t)) && !waits(LiveTask(t));
+        std::array<bool, kBakerTasks> busy{};
+        for (size_t t = 0; t < kBakerTasks; ++t) {
+            busy[t] = hasWork(BakerTask(t)) && !waits(BakerTask(t));
         }
-        const std::optional<LiveTask> task = shares_.next(busy);
+        const std::optional<BakerTask> task = shares_.next(busy);
         if (!task) {
-            credit_ = 0;
+            workBudget_ = 0;
             break;
         }
-        runPiece(*task, progress);
-        credit_ -= int64_t(clock_ - before);
+        runSlice(*task, progress);
+        workBudget_ -= int64_t(clock_ - before);
     }
     return clock_ - start;
 }
 
-void LiveEngine::runPiece(LiveTask task, Progress& progress) {
+void IncrementalBaker::runSlice(BakerTask task, Progress& progress) {
     const Stopwatch start;
     Queue& queue = queues_[size_t(task)];
     const size_t before = queue.next;
     uint64_t work = 0;
     switch (task) {
-        case LiveTask::moved:
-            work = renewMoved();
+        case BakerTask::moved:
+            work = updateMoved();
             break;
-        case LiveTask::respond:
-            work = respond();
+        case BakerTask::retraceInvalidated:
+            work = retraceInvalidated();
             break;
-        case LiveTask::photons:
+        case BakerTask::photons:
             work = tracePhotonPart(progress);
             break;
-        case LiveTask::areaLight:
-            work = renewRegions();
+        case BakerTask::areaLight:
+            work = updateRegions();
             break;
-        case LiveTask::nodes:
-            work = traceNodes(takeItems(LiveTask::nodes, kNodesAPiece));
+        case BakerTask::nodes:
+            work = traceNodes(takeItems(BakerTask::nodes, kNodesPerSlice));
             break;
-        case LiveTask::blocks:
-            work = renewBlocks();
+        case BakerTask::blocks:
+            work = updateBlocks();
             break;
-        case LiveTask::maps:
+        case BakerTask::maps:
             work = advanceWholeMaps();
             break;
     }
     // What is stale may depend on all of a kind being known.
-    if (queue.next > before && queue.next == queue.items.size()) ++plan_;
+    if (queue.next > before && queue.next == queue.items.size()) ++queueVersion_;
     clock_ += work;
     shares_.done(task, work);
-    LiveStats::Task& stats = stats_.tasks[size_t(task)];
+    BakerStats::Task& stats = stats_.tasks[size_t(task)];
     stats.items += queue.next - before;
     stats.work += work;
     stats.seconds += start.seconds();
 }
 
-uint64_t LiveEngine::settle(const Progress& progress) {
+uint64_t IncrementalBaker::converge(const Progress& progress) {
     constexpr uint64_t kWorkAtOnce = 20'000;
     uint64_t work = 0;
-    while (!settled()) work += advance(kWorkAtOnce, progress);
+    while (!converged()) work += advance(kWorkAtOnce, progress);
     return work;
 }
 
-LiveUpdate LiveEngine::takeUpdate() {
-    LiveUpdate update = collectUpdate(state_);
+LightUpdate IncrementalBaker::drainUpdate() {
+    LightUpdate update = collectUpdate(state_);
     update.refined = state_.pass > 0;
     const Atlas& atlas = state_.scene.atlas();
     const uint64_t version = state_.scene.version();
     tileLightStale_ |= !update.phatexels.empty();
-    const bool due = tileLightStale_ && (clock_ >= tileLightClock_ || settled());
+    const bool due = tileLightStale_ && (clock_ >= tileLightClock_ || converged());
     if (due || tileLight_.empty()) {
         tileLight_ = tileLight(state_.scene.scene(), atlas, state_.phatexture);
         tileLightStale_ = false;
@@ -219,30 +219,30 @@ LiveUpdate LiveEngine::takeUpdate() {
     return update;
 }
 
-LiveShare LiveEngine::renewed() const {
+UpToDateShares IncrementalBaker::upToDate() const {
     const uint64_t version = state_.scene.version();
     const auto shareOf = [](const auto& items, const auto& isNew) {
         const auto count = std::count_if(items.begin(), items.end(), isNew);
         return items.empty() ? 1.0f : float(double(count) / double(items.size()));
     };
     const auto present = [&](uint64_t scene) { return scene == version; };
-    LiveShare share;
+    UpToDateShares share;
     uint64_t tiles = 0, heard = 0;
     for (size_t tile = 0; tile < state_.tileScene.size(); ++tile) {
         if (state_.scene.atlas().tileChart[tile] == kNoChart) continue;
         ++tiles;
         heard += state_.tileScene[tile] == version;
     }
-    const auto of = [&](LiveTask task) -> float& { return share[size_t(task)]; };
-    of(LiveTask::moved) = moved_.step != MovedLight::Step::none || anyMoved() ? 0.0f : 1.0f;
-    of(LiveTask::respond) = float(double(heard) / double(std::max<uint64_t>(tiles, 1)));
-    of(LiveTask::photons) = shareOf(state_.photonsScene, present);
-    of(LiveTask::areaLight) = shareOf(state_.regionScene, present);
-    of(LiveTask::nodes) = shareOf(state_.nodeAge, [&](const NodeAge& age) {
+    const auto of = [&](BakerTask task) -> float& { return share[size_t(task)]; };
+    of(BakerTask::moved) = moved_.step != MovedLight::Step::none || anyMoved() ? 0.0f : 1.0f;
+    of(BakerTask::retraceInvalidated) = float(double(heard) / double(std::max<uint64_t>(tiles, 1)));
+    of(BakerTask::photons) = shareOf(state_.photonsScene, present);
+    of(BakerTask::areaLight) = shareOf(state_.regionScene, present);
+    of(BakerTask::nodes) = shareOf(state_.nodeAge, [&](const NodeAge& age) {
         return age.scene == version && age.area == state_.areaVersion;
     });
-    of(LiveTask::maps) = areaJob_ || indirectJob_ || areaDirty_ || indirectDirty_ ? 0.0f : 1.0f;
-    of(LiveTask::blocks) = shareOf(state_.blockAge, [&](const BlockAge& age) {
+    of(BakerTask::maps) = areaJob_ || indirectJob_ || areaDirty_ || indirectDirty_ ? 0.0f : 1.0f;
+    of(BakerTask::blocks) = shareOf(state_.blockAge, [&](const BlockAge& age) {
         return age.scene == version && age.photons == version && age.irradiance == state_.irradianceVersion;
     });
     return share;

@@ -13,8 +13,8 @@ size_t texelOfTile(const Atlas& atlas, size_t tile, uint32_t inTile) {
     return size_t(texel.y) * atlas.sizeTexels.x + texel.x;
 }
 
-LiveUpdate collectUpdate(LiveState& state) {
-    LiveUpdate update;
+LightUpdate collectUpdate(BakerState& state) {
+    LightUpdate update;
     const Phatexture& now = state.phatexture;
     const Atlas& atlas = state.scene.atlas();
     for (uint32_t block = 0; block < state.blockDirty.size(); ++block)
@@ -34,8 +34,8 @@ LiveUpdate collectUpdate(LiveState& state) {
     for (uint32_t tile = 0; tile < state.tileDirty.size(); ++tile) {
         const uint8_t dirty = state.tileDirty[tile];
         if (dirty & kDirtyPhatexels) {
-            LiveUpdate::Phatexels& taken = update.phatexels.emplace_back(
-                LiveUpdate::Phatexels{tile, atlas.blockAt(state.cornerOfTile(tile)), {}});
+            LightUpdate::Phatexels& taken = update.phatexels.emplace_back(
+                LightUpdate::Phatexels{tile, atlas.blockAt(state.cornerOfTile(tile)), {}});
             const auto take = [&](const PhatexelLayer& layer) {
                 for (uint32_t i = 0; i < kTileTexels; ++i)
                     taken.texels.push_back(layer.texels[state.texelOf(tile, i)]);
@@ -44,7 +44,7 @@ LiveUpdate collectUpdate(LiveState& state) {
             if (state.hasArea) take(now.area[0]);
         }
         if (dirty & kDirtyIrradiance) {
-            LiveUpdate::Irradiance& taken = update.irradiance.emplace_back();
+            LightUpdate::Irradiance& taken = update.irradiance.emplace_back();
             taken.tile = tile;
             for (uint32_t i = 0; i < kTileTexels; ++i) {
                 const size_t texel = state.texelOf(tile, i);
@@ -54,7 +54,7 @@ LiveUpdate collectUpdate(LiveState& state) {
         }
         if (dirty & kDirtyPlace) update.places.push_back({tile, now.tilePlaces[tile], now.probes[tile]});
         if (dirty & kDirtyCover) {
-            LiveUpdate::Cover& cover = update.covers.emplace_back();
+            LightUpdate::Cover& cover = update.covers.emplace_back();
             cover.tile = tile;
             for (uint32_t i = 0; i < kTileTexels; ++i)
                 cover.state[i] = state.scene.points().state[state.texelOf(tile, i)];
@@ -66,9 +66,9 @@ LiveUpdate collectUpdate(LiveState& state) {
     return update;
 }
 
-void applyUpdate(const LiveUpdate& update, const Atlas& atlas, Phatexture& phatexture,
+void applyUpdate(const LightUpdate& update, const Atlas& atlas, Phatexture& phatexture,
                  std::vector<TexelState>& states) {
-    for (const LiveUpdate::Guides& guides : update.guides) {
+    for (const LightUpdate::Guides& guides : update.guides) {
         if (phatexture.indirectGuides.size() > 1) phatexture.indirectGuides[guides.block] = guides.indirect;
         if (!phatexture.areaGuides.empty()) phatexture.areaGuides[guides.block] = guides.area;
         auto next = guides.scrambles.begin();
@@ -77,24 +77,24 @@ void applyUpdate(const LiveUpdate& update, const Atlas& atlas, Phatexture& phate
                 if (!layer.scrambles.empty() && next != guides.scrambles.end())
                     layer.scrambles[guides.block] = *next++;
     }
-    for (const LiveUpdate::Phatexels& tile : update.phatexels) {
+    for (const LightUpdate::Phatexels& tile : update.phatexels) {
         auto next = tile.texels.begin();
         for (auto* layers : {&phatexture.indirect, &phatexture.area})
             for (PhatexelLayer& layer : *layers)
                 for (uint32_t i = 0; i < kTileTexels && next != tile.texels.end(); ++i)
                     layer.texels[texelOfTile(atlas, tile.tile, i)] = *next++;
     }
-    for (const LiveUpdate::Irradiance& tile : update.irradiance)
+    for (const LightUpdate::Irradiance& tile : update.irradiance)
         for (uint32_t i = 0; i < kTileTexels; ++i) {
             const size_t texel = texelOfTile(atlas, tile.tile, i);
             phatexture.indirectIrradiance[texel] = tile.indirect[i];
             if (!phatexture.areaIrradiance.empty()) phatexture.areaIrradiance[texel] = tile.area[i];
         }
-    for (const LiveUpdate::Place& place : update.places) {
+    for (const LightUpdate::Place& place : update.places) {
         phatexture.probes[place.tile] = place.probe;
         phatexture.tilePlaces[place.tile] = place.packed;
     }
-    for (const LiveUpdate::Cover& cover : update.covers)
+    for (const LightUpdate::Cover& cover : update.covers)
         for (uint32_t i = 0; i < kTileTexels; ++i) states[texelOfTile(atlas, cover.tile, i)] = cover.state[i];
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a live update engine hands to whoever draws: copies, so that neither waits for the other.
+// What a incremental baker hands to whoever draws: copies, so that neither waits for the other.
 
 #include <vector>
 
@@ -10,7 +10,7 @@ namespace phat {
 
 inline constexpr size_t kTileTexels = size_t(kTileSize) * kTileSize;
 
-struct LiveUpdate {
+struct LightUpdate {
     /// Texels of a tile, [y][x], of every layer of indirect light, then of the area lights if there are any.
     struct Phatexels {
         uint32_t tile = 0, block = 0;
@@ -57,7 +57,7 @@ struct LiveUpdate {
 size_t texelOfTile(const Atlas& atlas, size_t tile, uint32_t inTile);
 
 /// Brings a copy of the PHATexels, and of which texels are covered, to the engine's state.
-void applyUpdate(const LiveUpdate& update, const Atlas& atlas, Phatexture& phatexture,
+void applyUpdate(const LightUpdate& update, const Atlas& atlas, Phatexture& phatexture,
                  std::vector<TexelState>& states);
 
 }  // namespace phat

@@ -1,4 +1,4 @@
-// Irradiance maps of the live engine: when they are made anew, and how.
+// Irradiance maps of the incremental baker: when they are made anew, and how.
 
 #include "core/bake/indirect_irradiance.h"
 #include "core/bake/irradiance_finish.h"
@@ -13,9 +13,9 @@ constexpr uint64_t kAreaMapWork = 2, kIndirectMapWork = 6;
 // Maps are made anew when the work on what they are made from outweighs them so many times.
 constexpr uint64_t kMapShare = 3;
 // So many texels are stitched and packed in the time of a ray.
-constexpr uint64_t kTexelsStitchedAWork = 8;
+constexpr uint64_t kTexelsStitchedPerRay = 8;
 // A piece of a map: some ten milliseconds of a core.
-constexpr uint64_t kMapPieceWork = 30'000;
+constexpr uint64_t kMapSliceWork = 30'000;
 
 /// Takes what is `wanted` of a renewed map: wanted(chart).
 template <typename Value, typename Wanted>
@@ -27,21 +27,21 @@ void mix(std::vector<Value>& map, const std::vector<Value>& renewed, const Atlas
 
 }  // namespace
 
-bool LiveEngine::areaIsDue() {
+bool IncrementalBaker::areaIsDue() {
     if (!areaDirty_) return false;
-    if (state_.pass > 0) return !hasWork(LiveTask::areaLight);
-    return !hasWork(LiveTask::areaLight) ||
+    if (state_.pass > 0) return !hasWork(BakerTask::areaLight);
+    return !hasWork(BakerTask::areaLight) ||
            areaWork_ > kMapShare * kAreaMapWork * state_.scene.atlas().texelCount();
 }
 
-bool LiveEngine::indirectIsDue() {
+bool IncrementalBaker::indirectIsDue() {
     if (!indirectDirty_) return false;
-    const bool all = !hasWork(LiveTask::nodes);
+    const bool all = !hasWork(BakerTask::nodes);
     if (!all && nodeWork_ <= kMapShare * kIndirectMapWork * state_.scene.atlas().texelCount()) return false;
     return allNodesKnown(state_);
 }
 
-void LiveEngine::beginDueMaps() {
+void IncrementalBaker::beginDueMaps() {
     if (!areaJob_ && areaIsDue()) {
         areaDirty_ = false;  // what becomes known from now on is for the next map
         areaWork_ = 0;
@@ -54,7 +54,7 @@ void LiveEngine::beginDueMaps() {
     }
 }
 
-void LiveEngine::beginMap(std::optional<MapJob>& slot, bool area, ChartSet charts) {
+void IncrementalBaker::beginMap(std::optional<MapJob>& slot, bool area, ChartSet charts) {
     MapJob& job = slot.emplace();
     job.area = area;
     job.charts = std::move(charts);
@@ -62,23 +62,23 @@ void LiveEngine::beginMap(std::optional<MapJob>& slot, bool area, ChartSet chart
     const Phatexture& now = state_.phatexture;
     if (area)
         job.pieces.emplace(filterAreaIrradiance(state_.areaEstimates, input.atlas, input.points,
-                                                input.irradianceTexels, job.charts, job.map, kMapPieceWork));
+                                                input.irradianceTexels, job.charts, job.map, kMapSliceWork));
     else if (job.charts.empty())
         job.pieces.emplace(irradianceFromNodes(input, now.areaIrradiance, state_.settings, state_.level,
-                                               state_.nodes, job.map, kMapPieceWork, job.progress, nullptr,
+                                               state_.nodes, job.map, kMapSliceWork, job.progress, nullptr,
                                                job.rays));
     else
         job.pieces.emplace(irradianceOfCharts(input, now.areaIrradiance, now.indirectIrradiance,
                                               state_.settings, state_.level, state_.nodes, job.charts,
-                                              job.map, kMapPieceWork, job.progress, job.rays));
+                                              job.map, kMapSliceWork, job.progress, job.rays));
 }
 
-uint64_t LiveEngine::advanceMap(std::optional<MapJob>& slot) {
+uint64_t IncrementalBaker::advanceMap(std::optional<MapJob>& slot) {
     const uint64_t raysBefore = slot->rays, texels = state_.scene.atlas().texelCount();
     if (!slot->pieces->next()) {
         publishMap(*slot);
         slot.reset();
-        return texels / kTexelsStitchedAWork;
+        return texels / kTexelsStitchedPerRay;
     }
     // A piece passes over the other charts' texels in next to no time.
     const uint64_t rays = slot->rays - raysBefore,
@@ -86,7 +86,7 @@ uint64_t LiveEngine::advanceMap(std::optional<MapJob>& slot) {
     return rays + rest * texelsOf(slot->charts) / texels;
 }
 
-uint64_t LiveEngine::texelsOf(const ChartSet& charts) const {
+uint64_t IncrementalBaker::texelsOf(const ChartSet& charts) const {
     const Atlas& atlas = state_.scene.atlas();
     if (charts.empty()) return atlas.texelCount();
     uint64_t texels = 0;
@@ -96,11 +96,11 @@ uint64_t LiveEngine::texelsOf(const ChartSet& charts) const {
     return texels;
 }
 
-uint64_t LiveEngine::advanceWholeMaps() {
+uint64_t IncrementalBaker::advanceWholeMaps() {
     const Stopwatch start;
     // Light straight from lamps is more, and sooner done.
     std::optional<MapJob>& job = areaJob_ ? areaJob_ : indirectJob_;
-    LiveStats::Task& stats = job->area ? stats_.areaMaps : stats_.indirectMaps;
+    BakerStats::Task& stats = job->area ? stats_.areaMaps : stats_.indirectMaps;
     const uint64_t work = advanceMap(job);
     stats.items += !job;
     stats.work += work;
@@ -108,7 +108,7 @@ uint64_t LiveEngine::advanceWholeMaps() {
     return work;
 }
 
-void LiveEngine::publishMap(MapJob& job) {
+void IncrementalBaker::publishMap(MapJob& job) {
     const GatherInput input = state_.input();
     std::vector<uint32_t>& shown =
         job.area ? state_.phatexture.areaIrradiance : state_.phatexture.indirectIrradiance;
@@ -131,7 +131,7 @@ void LiveEngine::publishMap(MapJob& job) {
     const bool changed = publish(state_, shown, std::move(renewed));
     if (changed && job.area) ++state_.areaVersion;
     state_.irradianceVersion += changed;
-    ++plan_;
+    ++queueVersion_;
     std::optional<MapJob>& ofAll = job.area ? areaJob_ : indirectJob_;
     if (!whole && ofAll) {
         ofAll->newer.resize(job.charts.size(), 0);

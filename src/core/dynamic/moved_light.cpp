@@ -8,24 +8,24 @@ namespace phat {
 namespace {
 
 // Items of a piece of work: some ten milliseconds, and enough for many threads.
-constexpr size_t kEstimatedBlocksAPiece = 4, kGroupsAPiece = 1024;
+constexpr size_t kEstimatedBlocksPerSlice = 4, kGroupsPerSlice = 1024;
 
 }  // namespace
 
-bool LiveEngine::anyMoved() const {
+bool IncrementalBaker::anyMoved() const {
     const size_t charts = state_.scene.atlas().charts.size();
     for (uint32_t c = 0; c < charts; ++c)
         if (state_.scene.movedAt(c) > moved_.scene) return true;
     return false;
 }
 
-ChartSet LiveEngine::movedSince(uint64_t version) const {
+ChartSet IncrementalBaker::movedSince(uint64_t version) const {
     ChartSet charts(state_.scene.atlas().charts.size(), 0);
     for (uint32_t c = 0; c < charts.size(); ++c) charts[c] = state_.scene.movedAt(c) > version;
     return charts;
 }
 
-void LiveEngine::beginMovedStep(MovedLight::Step step) {
+void IncrementalBaker::beginMovedStep(MovedLight::Step step) {
     using Step = MovedLight::Step;
     const Atlas& atlas = state_.scene.atlas();
     moved_.step = step;
@@ -51,7 +51,7 @@ void LiveEngine::beginMovedStep(MovedLight::Step step) {
     }
 }
 
-uint64_t LiveEngine::renewMoved() {
+uint64_t IncrementalBaker::updateMoved() {
     using Step = MovedLight::Step;
     uint64_t work = 0;
     std::vector<BlockPlace> places;
@@ -68,7 +68,8 @@ uint64_t LiveEngine::renewMoved() {
             beginMovedStep(state_.hasArea ? Step::estimates : Step::nodes);
             return 0;
         case Step::estimates:
-            for (const uint32_t block : take(kEstimatedBlocksAPiece)) places.push_back(state_.blocks[block]);
+            for (const uint32_t block : take(kEstimatedBlocksPerSlice))
+                places.push_back(state_.blocks[block]);
             work = estimateArea(places);
             if (moved_.next == moved_.items.size()) beginMovedStep(Step::areaMap);
             return work;
@@ -78,7 +79,7 @@ uint64_t LiveEngine::renewMoved() {
             return work;
         case Step::nodes:
             // What covers texels may have changed their nodes meanwhile.
-            for (const uint32_t group : take(kGroupsAPiece))
+            for (const uint32_t group : take(kGroupsPerSlice))
                 if (state_.level.node[group] != kNoNode) nodes.push_back(state_.level.node[group]);
             work = traceNodes(nodes);
             if (moved_.next < moved_.items.size()) return work;
@@ -89,7 +90,7 @@ uint64_t LiveEngine::renewMoved() {
             if (moved_.job) work = advanceMap(moved_.job);
             if (moved_.job) return work;
             beginMovedStep(Step::none);
-            ++stats_.tasks[size_t(LiveTask::moved)].items;
+            ++stats_.tasks[size_t(BakerTask::moved)].items;
             return work;
     }
     return work;

@@ -38,7 +38,7 @@ struct News {
     bool moved = false;  // the tile itself
 };
 
-News newsOf(const LiveState& state, size_t tile) {
+News newsOf(const BakerState& state, size_t tile) {
     News news;
     news.moved = state.scene.movedAt(state.scene.atlas().tileChart[tile]) > state.tileScene[tile];
     for (const SceneChange& change : state.scene.changes())
@@ -65,8 +65,8 @@ bool concerns(const News& news, const Scene& scene, glm::vec3 origin, glm::vec3 
     return false;
 }
 
-struct Renewer {
-    const LiveState& state;
+struct Updater {
+    const BakerState& state;
     const GatherInput input = state.input();
     const TexelIrradiance irradiance{state.phatexture.indirectIrradiance, state.phatexture.areaIrradiance};
 
@@ -91,14 +91,14 @@ struct Renewer {
     }
 };
 
-void placeTile(LiveState& state, size_t tile, const DistanceProbe& probe) {
+void placeTile(BakerState& state, size_t tile, const DistanceProbe& probe) {
     state.phatexture.probes[tile] = probe;
     packPlace(state, tile);
 }
 
 }  // namespace
 
-void packPlace(LiveState& state, size_t tile) {
+void packPlace(BakerState& state, size_t tile) {
     const Atlas& atlas = state.scene.atlas();
     if (atlas.tileChart[tile] == kNoChart) return;
     const Frame& frame = state.scene.frames()[atlas.blockAt(state.cornerOfTile(tile))];
@@ -107,7 +107,7 @@ void packPlace(LiveState& state, size_t tile) {
     state.tileDirty[tile] |= kDirtyPlace;
 }
 
-bool mayCover(const LiveState& state, size_t tile) {
+bool mayCover(const BakerState& state, size_t tile) {
     const TilePatch& patch = state.scene.patches()[tile];
     const float reach = 0.5f * float(kTileSize) * (glm::length(patch.alongX) + glm::length(patch.alongY));
     const News news = newsOf(state, tile);
@@ -121,15 +121,15 @@ bool mayCover(const LiveState& state, size_t tile) {
     return false;
 }
 
-TileRenewal renewTile(const LiveState& state, size_t tile, bool coverChanged) {
-    TileRenewal renewal;
+TileUpdate updateTile(const BakerState& state, size_t tile, bool coverChanged) {
+    TileUpdate update;
     const News news = newsOf(state, tile);
     const TexelPoints& points = state.scene.points();
     const uint32_t block = state.scene.atlas().blockAt(state.cornerOfTile(tile));
-    const Renewer renewer{.state = state, .seed = state.blockAge[block].seed};
+    const Updater updater{.state = state, .seed = state.blockAge[block].seed};
     const Frame& frame = state.scene.frames()[block];
     const Phatexture& now = state.phatexture;
-    renewal.work = kTileTexels;
+    update.work = kTileTexels;
 
     const auto stale = [&](PackedPhatexel packed, size_t texel) {
         const bool valid = packed.directionDistance != 0;
@@ -146,91 +146,91 @@ TileRenewal renewTile(const LiveState& state, size_t tile, bool coverChanged) {
             texels.push_back(layer.texels[texel]);
             if (!stale(texels.back(), texel)) continue;
             texels.back() = renew(texel);
-            ++renewal.phatexels;
+            ++update.phatexels;
         }
     };
     for (size_t l = 0; l < now.indirect.size(); ++l)
         layerOf(now.indirect[l], [&](size_t texel) {
-            return renewer.indirect(state.guideOf(now.indirectGuides, block), texel, int(l), renewal.work);
+            return updater.indirect(state.guideOf(now.indirectGuides, block), texel, int(l), update.work);
         });
     if (state.hasArea)
         layerOf(now.area[0], [&](size_t texel) {
-            return renewer.area(state.guideOf(now.areaGuides, block), texel, renewal.work);
+            return updater.area(state.guideOf(now.areaGuides, block), texel, update.work);
         });
-    if (renewal.phatexels == 0) return renewal;
-    renewal.texels = std::move(texels);
-    renewal.probe = traceDistanceProbe(state.scene.atlas(), points, state.scene.frames(),
-                                       state.scene.patches()[tile], tile, *state.rays);
-    renewal.work += kProbeSize * kProbeSize;
-    return renewal;
+    if (update.phatexels == 0) return update;
+    update.texels = std::move(texels);
+    update.probe = traceDistanceProbe(state.scene.atlas(), points, state.scene.frames(),
+                                      state.scene.patches()[tile], tile, *state.rays);
+    update.work += kProbeSize * kProbeSize;
+    return update;
 }
 
-void commit(LiveState& state, size_t tile, const TileRenewal& renewal) {
+void commit(BakerState& state, size_t tile, const TileUpdate& update) {
     state.tileScene[tile] = state.scene.version();
-    if (renewal.texels.empty()) return;
+    if (update.texels.empty()) return;
     size_t next = 0;
     const auto take = [&](PhatexelLayer& layer) {
         for (uint32_t i = 0; i < kTileTexels; ++i)
-            layer.texels[state.texelOf(tile, i)] = renewal.texels[next++];
+            layer.texels[state.texelOf(tile, i)] = update.texels[next++];
     };
     for (PhatexelLayer& layer : state.phatexture.indirect) take(layer);
     if (state.hasArea) take(state.phatexture.area[0]);
-    placeTile(state, tile, renewal.probe);
+    placeTile(state, tile, update.probe);
     state.tileDirty[tile] |= kDirtyPhatexels;
 }
 
-BlockRenewal renewBlock(const LiveState& state, uint32_t block) {
-    BlockRenewal renewal;
+BlockUpdate updateBlock(const BakerState& state, uint32_t block) {
+    BlockUpdate update;
     const Atlas& atlas = state.scene.atlas();
     const TexelPoints& points = state.scene.points();
     const BlockPlace& place = state.blocks[block];
-    const Renewer renewer{.state = state, .seed = state.settings.seed};
-    renewal.indirectGuide = state.guideOf(state.phatexture.indirectGuides, block);
+    const Updater updater{.state = state, .seed = state.settings.seed};
+    update.indirectGuide = state.guideOf(state.phatexture.indirectGuides, block);
     if (state.guided() || state.hasArea) {
         std::vector<PhotonSet> sets;
-        for (const std::optional<LivePhotons>& part : state.photons)
+        for (const std::optional<PhotonMapPart>& part : state.photons)
             if (part) sets.push_back({part->map, part->index});
         std::vector<PhotonIndex::Neighbor> near;
         const Bounds bounds = blockBounds(atlas, points, place);
         const Frame& frame = state.scene.frames()[block];
-        if (state.guided()) renewal.indirectGuide = buildGuide(bounds, frame, sets, isIndirectPhoton, near);
-        if (state.hasArea) renewal.areaGuide = buildGuide(bounds, frame, sets, isAreaPhoton, near);
-        renewal.work += kGuideWork;
+        if (state.guided()) update.indirectGuide = buildGuide(bounds, frame, sets, isIndirectPhoton, near);
+        if (state.hasArea) update.areaGuide = buildGuide(bounds, frame, sets, isAreaPhoton, near);
+        update.work += kGuideWork;
     }
-    renewal.indirect.resize(state.phatexture.indirect.size());
+    update.indirect.resize(state.phatexture.indirect.size());
     for (uint32_t y = 0; y < place.size.y; ++y)
         for (uint32_t x = 0; x < place.size.x; ++x) {
             const size_t texel = size_t(place.origin.y + y) * atlas.sizeTexels.x + place.origin.x + x;
-            for (size_t l = 0; l < renewal.indirect.size(); ++l)
-                renewal.indirect[l].push_back(
-                    renewer.indirect(renewal.indirectGuide, texel, int(l), renewal.work));
-            if (state.hasArea) renewal.area.push_back(renewer.area(renewal.areaGuide, texel, renewal.work));
-            if (points.valid(texel)) renewal.phatexels += uint32_t(renewal.indirect.size()) + state.hasArea;
+            for (size_t l = 0; l < update.indirect.size(); ++l)
+                update.indirect[l].push_back(
+                    updater.indirect(update.indirectGuide, texel, int(l), update.work));
+            if (state.hasArea) update.area.push_back(updater.area(update.areaGuide, texel, update.work));
+            if (points.valid(texel)) update.phatexels += uint32_t(update.indirect.size()) + state.hasArea;
         }
     for (uint32_t y = place.origin.y / kTileSize; y < (place.origin.y + place.size.y) / kTileSize; ++y)
         for (uint32_t x = place.origin.x / kTileSize; x < (place.origin.x + place.size.x) / kTileSize; ++x) {
             const size_t tile = size_t(y) * atlas.sizeTiles().x + x;
-            renewal.probes.push_back(traceDistanceProbe(atlas, points, state.scene.frames(),
-                                                        state.scene.patches()[tile], tile, *state.rays));
-            renewal.work += kProbeSize * kProbeSize;
+            update.probes.push_back(traceDistanceProbe(atlas, points, state.scene.frames(),
+                                                       state.scene.patches()[tile], tile, *state.rays));
+            update.work += kProbeSize * kProbeSize;
         }
-    return renewal;
+    return update;
 }
 
-void commit(LiveState& state, uint32_t block, const BlockRenewal& renewal) {
+void commit(BakerState& state, uint32_t block, const BlockUpdate& update) {
     const Atlas& atlas = state.scene.atlas();
     const BlockPlace& place = state.blocks[block];
-    if (state.guided()) state.phatexture.indirectGuides[block] = renewal.indirectGuide;
-    if (state.hasArea) state.phatexture.areaGuides[block] = renewal.areaGuide;
+    if (state.guided()) state.phatexture.indirectGuides[block] = update.indirectGuide;
+    if (state.hasArea) state.phatexture.areaGuides[block] = update.areaGuide;
     const auto take = [&](PhatexelLayer& layer, const std::vector<PackedPhatexel>& texels) {
         for (uint32_t y = 0; y < place.size.y; ++y)
             std::copy_n(texels.begin() + ptrdiff_t(y * place.size.x), place.size.x,
                         layer.texels.begin() +
                             ptrdiff_t(size_t(place.origin.y + y) * atlas.sizeTexels.x + place.origin.x));
     };
-    for (size_t l = 0; l < renewal.indirect.size(); ++l)
-        take(state.phatexture.indirect[l], renewal.indirect[l]);
-    if (state.hasArea) take(state.phatexture.area[0], renewal.area);
+    for (size_t l = 0; l < update.indirect.size(); ++l)
+        take(state.phatexture.indirect[l], update.indirect[l]);
+    if (state.hasArea) take(state.phatexture.area[0], update.area);
     BlockAge& age = state.blockAge[block];
     if (age.seed != state.settings.seed) {
         age.seed = state.settings.seed;
@@ -239,14 +239,14 @@ void commit(LiveState& state, uint32_t block, const BlockRenewal& renewal) {
                 layer.scrambles[block] =
                     scrambleOf({state.settings.directions, state.settings.density, age.seed, index}, block);
         };
-        for (size_t l = 0; l < renewal.indirect.size(); ++l) scramble(state.phatexture.indirect[l], int(l));
+        for (size_t l = 0; l < update.indirect.size(); ++l) scramble(state.phatexture.indirect[l], int(l));
         if (state.hasArea) scramble(state.phatexture.area[0], -1);
     }
     size_t next = 0;
     for (uint32_t y = place.origin.y / kTileSize; y < (place.origin.y + place.size.y) / kTileSize; ++y)
         for (uint32_t x = place.origin.x / kTileSize; x < (place.origin.x + place.size.x) / kTileSize; ++x) {
             const size_t tile = size_t(y) * atlas.sizeTiles().x + x;
-            placeTile(state, tile, renewal.probes[next++]);
+            placeTile(state, tile, update.probes[next++]);
             state.tileDirty[tile] |= kDirtyPhatexels;
         }
     state.blockDirty[block] = 1;
@@ -255,7 +255,7 @@ void commit(LiveState& state, uint32_t block, const BlockRenewal& renewal) {
     age.irradiance = state.irradianceVersion;
 }
 
-size_t adaptNodes(LiveState& state) {
+size_t adaptNodes(BakerState& state) {
     if (state.levelTexelsVersion == state.scene.texelsVersion()) return state.nodes.size();
     const uint32_t width = state.scene.atlas().sizeTexels.x;
     IrradianceLevel level = coarseLevel(state.input());
@@ -279,12 +279,12 @@ size_t adaptNodes(LiveState& state) {
     return state.nodes.size();
 }
 
-bool allNodesKnown(const LiveState& state) {
+bool allNodesKnown(const BakerState& state) {
     return std::all_of(state.nodeAge.begin(), state.nodeAge.end(),
                        [](const NodeAge& age) { return age.scene != 0; });
 }
 
-bool publish(LiveState& state, std::vector<uint32_t>& map, std::vector<uint32_t> renewed) {
+bool publish(BakerState& state, std::vector<uint32_t>& map, std::vector<uint32_t> renewed) {
     if (map == renewed) return false;
     for (size_t tile = 0; tile < state.tileDirty.size(); ++tile) {
         if (state.scene.atlas().tileChart[tile] == kNoChart) continue;

@@ -1,5 +1,5 @@
 #pragma once
-// Pieces of work of the live update engine. Each first computes, reading the state alone, then commits.
+// ResumableTask of work of the incremental baker. Each first computes, reading the state alone, then commits.
 
 #include "core/dynamic/baker_state.h"
 
@@ -7,20 +7,20 @@ namespace phat {
 
 /// A tile's PHATexels whose rays meet what has changed, again in the same directions: the first answer to a
 /// change.
-struct TileRenewal {
-    std::vector<PackedPhatexel> texels;  // as LiveUpdate::Phatexels; empty: nothing has changed
+struct TileUpdate {
+    std::vector<PackedPhatexel> texels;  // as LightUpdate::Phatexels; empty: nothing has changed
     DistanceProbe probe;
     uint64_t work = 0;  // rays, or as long as so many take
     uint32_t phatexels = 0;
 };
 /// Whether a change may have covered or uncovered texels of the tile.
-bool mayCover(const LiveState& state, size_t tile);
+bool mayCover(const BakerState& state, size_t tile);
 /// `coverChanged`: some of its texels are covered, or bare, only now.
-TileRenewal renewTile(const LiveState& state, size_t tile, bool coverChanged);
-void commit(LiveState& state, size_t tile, const TileRenewal& renewal);
+TileUpdate updateTile(const BakerState& state, size_t tile, bool coverChanged);
+void commit(BakerState& state, size_t tile, const TileUpdate& update);
 
 /// All of a block: guides from the photons as they are, new directions, rays.
-struct BlockRenewal {
+struct BlockUpdate {
     Guide indirectGuide, areaGuide;
     std::vector<std::vector<PackedPhatexel>> indirect;  // [layer][y][x] of the block's place
     std::vector<PackedPhatexel> area;
@@ -28,17 +28,17 @@ struct BlockRenewal {
     uint64_t work = 0;
     uint32_t phatexels = 0;
 };
-BlockRenewal renewBlock(const LiveState& state, uint32_t block);
-void commit(LiveState& state, uint32_t block, const BlockRenewal& renewal);
+BlockUpdate updateBlock(const BakerState& state, uint32_t block);
+void commit(BakerState& state, uint32_t block, const BlockUpdate& update);
 
 /// Renews what the drawing side knows of a tile's place, after its block or its probe has changed.
-void packPlace(LiveState& state, size_t tile);
+void packPlace(BakerState& state, size_t tile);
 
 /// Adapts the nodes of indirect irradiance to the texels that are covered now. Returns their number.
-size_t adaptNodes(LiveState& state);
-bool allNodesKnown(const LiveState& state);
+size_t adaptNodes(BakerState& state);
+bool allNodesKnown(const BakerState& state);
 
 /// Publishes a map; returns whether it differs from the one before.
-bool publish(LiveState& state, std::vector<uint32_t>& map, std::vector<uint32_t> renewed);
+bool publish(BakerState& state, std::vector<uint32_t>& map, std::vector<uint32_t> renewed);
 
 }  // namespace phat

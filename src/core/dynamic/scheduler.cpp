@@ -15,10 +15,10 @@ constexpr float kLeastValue = 0.25f;
 // What has moved carries light of its old place along: before all that is not twice as old as a pass.
 constexpr float kMovedBonus = 2.0f;
 
-// Shares of the work, by LiveTask. Irradiance of what has moved is little work and plainly out of place until
-// then; responding to a change is soon done, too. A map that is begun keeps nearly all else waiting. Blocks
-// that are renewed before the light around them is known have to be renewed again.
-constexpr double kShare[kLiveTasks] = {100, 16, 2, 12, 4, 20, 4};
+// Shares of the work, by BakerTask. Irradiance of what has moved is little work and plainly out of place
+// until then; responding to a change is soon done, too. A map that is begun keeps nearly all else waiting.
+// Blocks that are renewed before the light around them is known have to be renewed again.
+constexpr double kShare[kBakerTasks] = {100, 16, 2, 12, 4, 20, 4};
 
 bool isSeen(const Camera& eye, const TilePatch& patch, glm::vec3 normal, float radius) {
     const glm::mat4 cameraFromWorld = glm::inverse(eye.worldFromCamera);
@@ -35,7 +35,7 @@ bool isSeen(const Camera& eye, const TilePatch& patch, glm::vec3 normal, float r
 
 }  // namespace
 
-std::vector<float> tileValues(const LiveState& state, const Camera* eye) {
+std::vector<float> tileValues(const BakerState& state, const Camera* eye) {
     const Atlas& atlas = state.scene.atlas();
     const std::span<const SceneChange> changes = state.scene.changes();
     const std::span<const SceneChange> recent = changes.last(std::min(changes.size(), kRecentChanges));
@@ -63,8 +63,8 @@ std::vector<float> tileValues(const LiveState& state, const Camera* eye) {
     return values;
 }
 
-std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const std::vector<float>& tileValue,
-                                  uint64_t clock, uint64_t passClock) {
+std::vector<uint32_t> urgentFirst(const BakerState& state, BakerTask task,
+                                  const std::vector<float>& tileValue, uint64_t clock, uint64_t passClock) {
     const Atlas& atlas = state.scene.atlas();
     const uint64_t version = state.scene.version();
     struct Item {
@@ -88,17 +88,17 @@ std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const s
     const bool areaKnown = std::all_of(state.regionScene.begin(), state.regionScene.end(),
                                        [&](uint64_t scene) { return scene == version; });
     switch (task) {
-        case LiveTask::respond:
+        case BakerTask::retraceInvalidated:
             for (uint32_t t = 0; t < tileValue.size(); ++t)
                 if (atlas.tileChart[t] != kNoChart && state.tileScene[t] < version)
                     add(t, tileValue[t] + (hasMoved(t) ? kMovedBonus : 0.0f), state.tileClock[t]);
             break;
-        case LiveTask::photons:
+        case BakerTask::photons:
             for (uint32_t p = 0; p < state.photonsScene.size(); ++p)
                 if (state.photonsScene[p] < version)
                     items.push_back({float(version - state.photonsScene[p]), p});
             break;
-        case LiveTask::areaLight: {
+        case BakerTask::areaLight: {
             const uint32_t wide = (atlas.sizeTexels.x + kBlockSize - 1) / kBlockSize;
             for (uint32_t r = 0; r < state.regionScene.size(); ++r) {
                 if (state.regionScene[r] == version) continue;
@@ -108,7 +108,7 @@ std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const s
             }
             break;
         }
-        case LiveTask::nodes:
+        case BakerTask::nodes:
             for (uint32_t n = 0; n < state.nodes.size(); ++n) {
                 const NodeAge& age = state.nodeAge[n];
                 if (age.scene == version && (!areaKnown || age.area == state.areaVersion)) continue;
@@ -119,10 +119,10 @@ std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const s
                 add(n, tileValue[index] + float(age.scene == 0), age.clock);
             }
             break;
-        case LiveTask::moved:  // they have no items
-        case LiveTask::maps:
+        case BakerTask::moved:  // they have no items
+        case BakerTask::maps:
             break;
-        case LiveTask::blocks: {
+        case BakerTask::blocks: {
             const bool photonsKnown = state.photonsVersion() == version;
             for (uint32_t b = 0; b < state.blockAge.size(); ++b) {
                 const BlockAge& age = state.blockAge[b];
@@ -144,9 +144,9 @@ std::vector<uint32_t> urgentFirst(const LiveState& state, LiveTask task, const s
     return order;
 }
 
-std::optional<LiveTask> LiveShares::next(const std::array<bool, kLiveTasks>& hasWork) {
+std::optional<BakerTask> FairQueue::next(const std::array<bool, kBakerTasks>& hasWork) {
     std::optional<size_t> best;
-    for (size_t t = 0; t < kLiveTasks; ++t) {
+    for (size_t t = 0; t < kBakerTasks; ++t) {
         // Who was idle has no claim on what it missed.
         if (hasWork[t] && !busy_[t]) served_[t] = std::max(served_[t], now_);
         busy_[t] = hasWork[t];
@@ -154,10 +154,10 @@ std::optional<LiveTask> LiveShares::next(const std::array<bool, kLiveTasks>& has
     }
     if (!best) return std::nullopt;
     now_ = served_[*best];
-    return LiveTask(*best);
+    return BakerTask(*best);
 }
 
-void LiveShares::done(LiveTask task, uint64_t work) {
+void FairQueue::done(BakerTask task, uint64_t work) {
     served_[size_t(task)] += double(work) / kShare[size_t(task)];
 }
 

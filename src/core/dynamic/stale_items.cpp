@@ -1,4 +1,4 @@
-// The pieces of the live engine's work, by task.
+// The pieces of the incremental baker's work, by task.
 
 #include <numeric>
 
@@ -9,7 +9,7 @@ namespace phat {
 namespace {
 
 // Items of a piece of work: some ten milliseconds, and enough for many threads.
-constexpr size_t kTilesAPiece = 64, kRegionsAPiece = 4, kBlocksAPiece = 8;
+constexpr size_t kTilesPerSlice = 64, kRegionsPerSlice = 4, kBlocksPerSlice = 8;
 // In rays: tracing a photon and sorting it in.
 constexpr uint64_t kPhotonWork = 4;
 
@@ -24,8 +24,8 @@ void forAll(size_t count, const Body& body) {
 
 }  // namespace
 
-uint64_t LiveEngine::respond() {
-    const std::span<const uint32_t> tiles = takeItems(LiveTask::respond, kTilesAPiece);
+uint64_t IncrementalBaker::retraceInvalidated() {
+    const std::span<const uint32_t> tiles = takeItems(BakerTask::retraceInvalidated, kTilesPerSlice);
     std::vector<uint8_t> coverAsked(tiles.size(), 0), coverChanged(tiles.size(), 0);
     forAll(tiles.size(), [&](size_t i) {
         coverAsked[i] = mayCover(state_, tiles[i]);
@@ -40,22 +40,22 @@ uint64_t LiveEngine::respond() {
         if (coverChanged[i]) state_.tileDirty[tiles[i]] |= kDirtyCover;
         anyChanged |= coverChanged[i] != 0;
     }
-    std::vector<TileRenewal> renewals(tiles.size());
-    forAll(tiles.size(), [&](size_t i) { renewals[i] = renewTile(state_, tiles[i], coverChanged[i] != 0); });
+    std::vector<TileUpdate> updates(tiles.size());
+    forAll(tiles.size(), [&](size_t i) { updates[i] = updateTile(state_, tiles[i], coverChanged[i] != 0); });
     for (size_t i = 0; i < tiles.size(); ++i) {
-        commit(state_, tiles[i], renewals[i]);
+        commit(state_, tiles[i], updates[i]);
         state_.tileClock[tiles[i]] = clock_;
-        stats_.phatexels += renewals[i].phatexels;
-        work += renewals[i].work;
+        stats_.phatexels += updates[i].phatexels;
+        work += updates[i].work;
     }
     // Rays end in texels, so what is covered matters to all of them.
     state_.scene.endCovered(anyChanged);
-    plan_ += anyChanged;
+    queueVersion_ += anyChanged;
     return work;
 }
 
-uint64_t LiveEngine::tracePhotonPart(Progress& progress) {
-    const uint32_t part = takeItems(LiveTask::photons, 1)[0];
+uint64_t IncrementalBaker::tracePhotonPart(Progress& progress) {
+    const uint32_t part = takeItems(BakerTask::photons, 1)[0];
     const uint64_t count = state_.settings.photons.count, parts = state_.photons.size();
     const uint64_t begin = count * part / parts, end = count * (part + 1) / parts;
     state_.photons[part].emplace(
@@ -64,7 +64,7 @@ uint64_t LiveEngine::tracePhotonPart(Progress& progress) {
     return kPhotonWork * (end - begin);
 }
 
-uint64_t LiveEngine::estimateArea(std::span<const BlockPlace> places) {
+uint64_t IncrementalBaker::estimateArea(std::span<const BlockPlace> places) {
     std::vector<uint64_t> rays(places.size(), 0);
     const GatherInput input = state_.input();
     forAll(places.size(), [&](size_t i) {
@@ -77,8 +77,8 @@ uint64_t LiveEngine::estimateArea(std::span<const BlockPlace> places) {
     return work;
 }
 
-uint64_t LiveEngine::renewRegions() {
-    const std::span<const uint32_t> regions = takeItems(LiveTask::areaLight, kRegionsAPiece);
+uint64_t IncrementalBaker::updateRegions() {
+    const std::span<const uint32_t> regions = takeItems(BakerTask::areaLight, kRegionsPerSlice);
     const Atlas& atlas = state_.scene.atlas();
     const uint32_t wide = (atlas.sizeTexels.x + kBlockSize - 1) / kBlockSize;
     std::vector<BlockPlace> places;
@@ -91,7 +91,7 @@ uint64_t LiveEngine::renewRegions() {
     return estimateArea(places);
 }
 
-uint64_t LiveEngine::traceNodes(std::span<const uint32_t> nodes) {
+uint64_t IncrementalBaker::traceNodes(std::span<const uint32_t> nodes) {
     std::vector<uint64_t> rays(nodes.size(), 0);
     const GatherInput input = state_.input();
     SilentProgress silent;
@@ -110,16 +110,16 @@ uint64_t LiveEngine::traceNodes(std::span<const uint32_t> nodes) {
     return work;
 }
 
-uint64_t LiveEngine::renewBlocks() {
-    const std::span<const uint32_t> blocks = takeItems(LiveTask::blocks, kBlocksAPiece);
-    std::vector<BlockRenewal> renewals(blocks.size());
-    forAll(blocks.size(), [&](size_t i) { renewals[i] = renewBlock(state_, blocks[i]); });
+uint64_t IncrementalBaker::updateBlocks() {
+    const std::span<const uint32_t> blocks = takeItems(BakerTask::blocks, kBlocksPerSlice);
+    std::vector<BlockUpdate> updates(blocks.size());
+    forAll(blocks.size(), [&](size_t i) { updates[i] = updateBlock(state_, blocks[i]); });
     uint64_t work = 0;
     for (size_t i = 0; i < blocks.size(); ++i) {
-        commit(state_, blocks[i], renewals[i]);
+        commit(state_, blocks[i], updates[i]);
         state_.blockAge[blocks[i]].clock = clock_;
-        stats_.phatexels += renewals[i].phatexels;
-        work += renewals[i].work;
+        stats_.phatexels += updates[i].phatexels;
+        work += updates[i].work;
     }
     return work;
 }

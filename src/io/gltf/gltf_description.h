@@ -47,8 +47,8 @@ struct Description {
     std::vector<ImageEntry> images;
 };
 
-/// Checks and prunes the file's JSON; names in `notes` each extension that is dropped. Throws Problem, also for
-/// an extension that the file requires and that is not supported. pre: an object of bounded depth.
+/// Checks and prunes the file's JSON; names in `notes` each extension that is dropped. Throws Problem, also
+/// for an extension that the file requires and that is not supported. pre: an object of bounded depth.
 Description describe(const nlohmann::json& json, MemoryBudget& budget, Notes& notes);
 
 }  // namespace phat::gltf

@@ -150,8 +150,9 @@ TextureImage loadImage(const Document& document, const ImageEntry& entry, Memory
     }
     if (entry.bufferView < 0) throw Problem("has no data");
     const auto& view = document.model().bufferViews[size_t(entry.bufferView)];
-    return decode(std::span(document.source.buffers[size_t(view.buffer)]).subspan(view.byteOffset, view.byteLength),
-                  budget);
+    return decode(
+        std::span(document.source.buffers[size_t(view.buffer)]).subspan(view.byteOffset, view.byteLength),
+        budget);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ struct Floor {
     }
     IrradianceMap map() const {
         IrradianceMap map;
-        finish(interpolateLevels({level}, atlas, points, {}, map, kAllAtOnce));
+        finish(interpolateLevels({level}, atlas, points, {}, map, kNoSlicing));
         return map;
     }
     double sum(const IrradianceMap& map) const {

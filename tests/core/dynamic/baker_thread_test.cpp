@@ -1,4 +1,4 @@
-// The live engine on its own thread, as the window has it.
+// The incremental baker on its own thread, as the window has it.
 
 #include "core/dynamic/baker_thread.h"
 
@@ -18,36 +18,36 @@ struct Taker {
     std::vector<TexelState> states;
     size_t portions = 0;
 
-    void take(LiveLight& light, const Atlas& atlas) {
+    void take(BakerThread& light, const Atlas& atlas) {
         while (const auto update = light.take()) {
             applyUpdate(*update, atlas, phatexture, states);
             ++portions;
         }
     }
-    void settle(LiveLight& light, const Atlas& atlas) {
-        for (int i = 0; i < 60'000 && !light.report().settled; ++i) {
+    void converge(BakerThread& light, const Atlas& atlas) {
+        for (int i = 0; i < 60'000 && !light.report().converged; ++i) {
             take(light, atlas);
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
         }
-        EXPECT_TRUE(light.report().settled);
+        EXPECT_TRUE(light.report().converged);
         take(light, atlas);
     }
 };
 
 // PHAT_SOAK_MOVES makes it longer than the suite's moment; the thread and address sanitizers are meant to
 // watch.
-TEST(LiveLight, AfterAnyChangesAndBackItIsTheUntouchedBake) {
+TEST(BakerThread, AfterAnyChangesAndBackItIsTheUntouchedBake) {
     const char* wanted = std::getenv("PHAT_SOAK_MOVES");
     const int moves = wanted ? std::atoi(wanted) : 150;
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
     Taker taker{baked.phatexture, baked.points.state};
     std::atomic<int> woken = 0;
-    LiveLight light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0, [&] { ++woken; });
+    BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0, [&] { ++woken; });
     Rng rng(3);
     const Camera eye = defaultCamera(scene);
     for (int i = 0; i < moves; ++i) {
-        light.follow(randomPose(scene, rng), eye, rng.uniform() < 0.9f);
+        light.follow(randomState(scene, rng), eye, rng.uniform() < 0.9f);
         std::this_thread::sleep_for(std::chrono::microseconds(int(10'000 * rng.uniform())));
         if (rng.uniform() < 0.7f) taker.take(light, baked.atlas);
         // However slow the machine, not all changes are overtaken by the next.
@@ -56,11 +56,11 @@ TEST(LiveLight, AfterAnyChangesAndBackItIsTheUntouchedBake) {
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
             taker.take(light, baked.atlas);
         }
-        const LiveLight::Report report = light.report();
-        EXPECT_LE(overall(report.renewed), 1.0f);
+        const BakerThread::Report report = light.report();
+        EXPECT_LE(overall(report.upToDate), 1.0f);
     }
-    light.follow(poseOf(scene), eye, true);
-    taker.settle(light, baked.atlas);
+    light.follow(stateOf(scene), eye, true);
+    taker.converge(light, baked.atlas);
     EXPECT_GE(taker.portions, size_t(moves) / 20);
     EXPECT_GT(woken, 0);
     expectEqual(taker.phatexture, baked.phatexture);
@@ -69,13 +69,13 @@ TEST(LiveLight, AfterAnyChangesAndBackItIsTheUntouchedBake) {
 }
 
 // As while the light is switched off.
-TEST(LiveLight, WhereLightWaitsPlacesFollow) {
+TEST(BakerThread, WhereLightWaitsPlacesFollow) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
     Taker taker{baked.phatexture, baked.points.state};
-    LiveLight light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 1, [] {});
+    BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 1, [] {});
     light.follow(boxMoved(scene, {0.3f, 0, 0.2f}, 20), defaultCamera(scene), false);
-    taker.settle(light, baked.atlas);
+    taker.converge(light, baked.atlas);
     size_t moved = 0;
     for (size_t t = 0; t < baked.phatexture.tilePlaces.size(); ++t)
         moved += taker.phatexture.tilePlaces[t] != baked.phatexture.tilePlaces[t];
@@ -84,22 +84,22 @@ TEST(LiveLight, WhereLightWaitsPlacesFollow) {
     expectEqualBytes(taker.phatexture.indirectIrradiance, baked.phatexture.indirectIrradiance, "irradiance");
 }
 
-TEST(LiveLight, StopsInTheMiddleOfItsWork) {
+TEST(BakerThread, StopsInTheMiddleOfItsWork) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
     for (int i = 0; i < 5; ++i) {
-        LiveLight light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0, [] {});
+        BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0, [] {});
         light.follow(boxMoved(scene, {0.3f, 0, 0.2f}, 20), defaultCamera(scene), true);
         std::this_thread::sleep_for(std::chrono::milliseconds(20 * i));
     }
 }
 
-TEST(LiveLight, TellsWhatCannotBeRenewed) {
+TEST(BakerThread, ReportsWhatCannotBeUpdated) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
     BakeSettings settings = smallBake();
     settings.directions = Directions::photons;
-    LiveLight light({scene, baked.atlas, baked.points, baked.phatexture, settings}, 0, [] {});
+    BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, settings}, 0, [] {});
     light.waitUntilStarted();
     EXPECT_THROW(light.take(), std::invalid_argument);
 }

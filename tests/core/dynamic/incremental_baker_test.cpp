@@ -1,4 +1,4 @@
-// The live update engine against the bake, on a room with a box and lamps.
+// The incremental baker against the bake, on a room with a box and lamps.
 
 #include "core/dynamic/incremental_baker.h"
 
@@ -17,17 +17,17 @@ namespace {
 
 using namespace test;
 
-void settle(LiveEngine& engine) {
+void converge(IncrementalBaker& engine) {
     SilentProgress progress;
     int rounds = 0;
-    while (!engine.settled()) {
+    while (!engine.converged()) {
         engine.advance(1'000'000, progress);
         ASSERT_LT(++rounds, 1000);
     }
 }
 
 /// What a bake gathers for the scene as it is, on the engine's atlas.
-Phatexture bakeOf(const LiveScene& live) {
+Phatexture bakeOf(const DynamicScene& live) {
     SilentProgress progress;
     const BakeSettings settings = smallBake();
     const RayScene rays(live.scene());
@@ -43,20 +43,20 @@ Phatexture bakeOf(const LiveScene& live) {
                        progress, nullptr, rayCount);
 }
 
-TEST(Live, FromNothingItMakesTheBake) {
+TEST(IncrementalBaker, FromNothingItMakesTheBake) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    LiveEngine engine(scene, baked.atlas, baked.points, {}, smallBake());
-    settle(engine);
+    IncrementalBaker engine(scene, baked.atlas, baked.points, {}, smallBake());
+    converge(engine);
     expectEqual(engine.phatexture(), baked.phatexture);
 }
 
-TEST(Live, AfterAMoveItIsTheBakeOfTheMovedScene) {
+TEST(IncrementalBaker, AfterAMoveItIsTheBakeOfTheMovedScene) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
-    ASSERT_TRUE(engine.setPose(boxMoved(scene, {0.3f, 0, 0.25f}, 30)));
-    settle(engine);
+    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    ASSERT_TRUE(engine.setSceneState(boxMoved(scene, {0.3f, 0, 0.25f}, 30)));
+    converge(engine);
     expectEqual(engine.phatexture(), bakeOf(engine.scene()));
 
     // And it is another light than before, or this would say nothing.
@@ -66,55 +66,55 @@ TEST(Live, AfterAMoveItIsTheBakeOfTheMovedScene) {
     EXPECT_LT(same, now.size() / 2);
 }
 
-TEST(Live, BackAtTheStartNothingIsLeftOfAMove) {
+TEST(IncrementalBaker, BackAtTheStartNothingIsLeftOfAMove) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
     SilentProgress progress;
     for (int i = 1; i <= 5; ++i) {
-        engine.setPose(boxMoved(scene, {0.07f * float(i), 0, 0}, 10.0f * float(i)));
+        engine.setSceneState(boxMoved(scene, {0.07f * float(i), 0, 0}, 10.0f * float(i)));
         engine.advance(300'000, progress);
     }
-    LivePose dark = poseOf(scene);
+    SceneState dark = stateOf(scene);
     dark.lights.clear();
     dark.materials.back().emission = glm::vec3(0);
     dark.materials.front().baseColor = {0.1f, 0.1f, 0.9f, 1};
-    ASSERT_TRUE(engine.setPose(dark));
-    settle(engine);
+    ASSERT_TRUE(engine.setSceneState(dark));
+    converge(engine);
     for (const PackedPhatexel& packed : engine.phatexture().indirect[0].texels)
         ASSERT_EQ(packed.radiance, 0u);
-    ASSERT_TRUE(engine.setPose(poseOf(scene)));
-    EXPECT_FALSE(engine.setPose(poseOf(scene)));
-    settle(engine);
+    ASSERT_TRUE(engine.setSceneState(stateOf(scene)));
+    EXPECT_FALSE(engine.setSceneState(stateOf(scene)));
+    converge(engine);
     expectEqual(engine.phatexture(), baked.phatexture);
 }
 
-TEST(Live, LampsThatMoveLightWhatTheyMoveTo) {
+TEST(IncrementalBaker, LampsThatMoveLightWhatTheyMoveTo) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
-    LivePose pose = poseOf(scene);
-    pose.worldFromRest = {glm::mat4(1), glm::mat4(1), glm::translate(glm::mat4(1), {-0.2f, -0.1f, 0.1f})};
-    pose.lights[0].intensity = {0.1f, 0.1f, 0.6f};
-    ASSERT_TRUE(engine.setPose(pose));
+    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    SceneState state = stateOf(scene);
+    state.worldFromRest = {glm::mat4(1), glm::mat4(1), glm::translate(glm::mat4(1), {-0.2f, -0.1f, 0.1f})};
+    state.lights[0].intensity = {0.1f, 0.1f, 0.6f};
+    ASSERT_TRUE(engine.setSceneState(state));
     EXPECT_EQ(engine.scene().scene().lights[0].position,
               scene.lights[0].position + glm::vec3(-0.2f, -0.1f, 0.1f));
-    settle(engine);
+    converge(engine);
     expectEqual(engine.phatexture(), bakeOf(engine.scene()));
 }
 
 // The first answer to a change is a small part of all the work, and after it no PHATexel sees a ghost.
-TEST(Live, AtOnceEveryPhatexelIsAsFarAsItsRay) {
+TEST(IncrementalBaker, AtOnceEveryPhatexelIsAsFarAsItsRay) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
-    settle(engine);
-    const auto answer = [&]() -> const LiveStats::Task& {
-        return engine.stats().tasks[size_t(LiveTask::respond)];
+    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    converge(engine);
+    const auto answer = [&]() -> const BakerStats::Task& {
+        return engine.stats().tasks[size_t(BakerTask::retraceInvalidated)];
     };
-    const LiveStats::Task before = answer();
-    engine.takeUpdate();
-    ASSERT_TRUE(engine.setPose(boxMoved(scene, {0.3f, 0, 0.25f}, 30)));
+    const BakerStats::Task before = answer();
+    engine.drainUpdate();
+    ASSERT_TRUE(engine.setSceneState(boxMoved(scene, {0.3f, 0, 0.25f}, 30)));
     SilentProgress progress;
     uint64_t work = 0, tiles = 0;
     for (const uint32_t chart : baked.atlas.tileChart) tiles += chart != kNoChart;
@@ -144,20 +144,20 @@ TEST(Live, AtOnceEveryPhatexelIsAsFarAsItsRay) {
 }
 
 // Bytes on the way, not only at the end.
-TEST(Live, SameBytesOnAnyNumberOfThreads) {
+TEST(IncrementalBaker, SameBytesOnAnyNumberOfThreads) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
     std::vector<Phatexture> results;
     std::vector<size_t> sent;
     for (const int threads : {1, 2, 8}) {
         const tbb::global_control control(tbb::global_control::max_allowed_parallelism, size_t(threads));
-        LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+        IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
         SilentProgress progress;
         size_t tiles = 0;
         for (int i = 0; i < 6; ++i) {
-            engine.setPose(boxMoved(scene, {0.05f * float(i), 0, 0}, 15.0f * float(i)));
+            engine.setSceneState(boxMoved(scene, {0.05f * float(i), 0, 0}, 15.0f * float(i)));
             engine.advance(500'000, progress);
-            tiles += engine.takeUpdate().phatexels.size();
+            tiles += engine.drainUpdate().phatexels.size();
         }
         results.push_back(engine.phatexture());
         sent.push_back(tiles);
@@ -170,18 +170,18 @@ TEST(Live, SameBytesOnAnyNumberOfThreads) {
 }
 
 // A drawing side that knows nothing but the updates has the same PHATexels.
-TEST(Live, UpdatesAreComplete) {
+TEST(IncrementalBaker, UpdatesAreComplete) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
     Phatexture drawn = baked.phatexture;
     const uint32_t width = baked.atlas.sizeTexels.x;
     std::vector<TexelState> states = baked.points.state;
     SilentProgress progress;
     for (int step = 0; step < 8; ++step) {
-        engine.setPose(boxMoved(scene, {0.05f * float(step % 5), 0, 0}, 15.0f * float(step)));
+        engine.setSceneState(boxMoved(scene, {0.05f * float(step % 5), 0, 0}, 15.0f * float(step)));
         engine.advance(400'000, progress);
-        applyUpdate(engine.takeUpdate(), baked.atlas, drawn, states);
+        applyUpdate(engine.drainUpdate(), baked.atlas, drawn, states);
         // Invalid texels and those without a chart may keep what they had.
         size_t different = 0;
         for (size_t i = 0; i < drawn.indirect[0].texels.size(); ++i)
@@ -194,44 +194,44 @@ TEST(Live, UpdatesAreComplete) {
         expectEqualBytes(drawn.tilePlaces, engine.phatexture().tilePlaces, "places");
         expectEqualBytes(states, engine.scene().points().state, "covered texels");
     }
-    EXPECT_TRUE(engine.takeUpdate().empty());
+    EXPECT_TRUE(engine.drainUpdate().empty());
 }
 
 // What PHATexels saw before a change must not hold down the irradiance after it.
-TEST(Live, OnlyPresentPhatexelsBoundLight) {
+TEST(IncrementalBaker, OnlyPresentPhatexelsBoundLight) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
-    ASSERT_TRUE(engine.setPose(boxMoved(scene, {0.3f, 0, 0.25f}, 30)));
-    const std::vector<glm::vec4> atOnce = engine.takeUpdate().tileLight;
+    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    ASSERT_TRUE(engine.setSceneState(boxMoved(scene, {0.3f, 0, 0.25f}, 30)));
+    const std::vector<glm::vec4> atOnce = engine.drainUpdate().tileLight;
     ASSERT_EQ(atOnce.size(), baked.atlas.tileChart.size());
     for (size_t tile = 0; tile < atOnce.size(); ++tile) {
         if (baked.atlas.tileChart[tile] == kNoChart) continue;
         ASSERT_EQ(glm::vec3(atOnce[tile]), glm::vec3(kUnbounded));
     }
 
-    settle(engine);
-    const std::vector<glm::vec4> settled = engine.takeUpdate().tileLight;
-    EXPECT_EQ(settled, tileLight(engine.scene().scene(), baked.atlas, engine.phatexture()));
+    converge(engine);
+    const std::vector<glm::vec4> converged = engine.drainUpdate().tileLight;
+    EXPECT_EQ(converged, tileLight(engine.scene().scene(), baked.atlas, engine.phatexture()));
     size_t bounded = 0;
-    for (const glm::vec4& light : settled) bounded += light.r > 0 && light.r < kUnbounded;
-    EXPECT_GT(bounded, settled.size() / 4);
+    for (const glm::vec4& light : converged) bounded += light.r > 0 && light.r < kUnbounded;
+    EXPECT_GT(bounded, converged.size() / 4);
 }
 
-// With a new scene at every step nothing ever settles, but nothing is forgotten either.
-TEST(Live, NoPieceGetsOldWhileEverythingMoves) {
+// With a new scene at every step nothing ever converges, but nothing is forgotten either.
+TEST(IncrementalBaker, NoPieceGetsOldWhileEverythingMoves) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
     SilentProgress progress;
     std::vector<int> seen(baked.atlas.blockCount, 0);
     int oldest = 0;
     constexpr int kSteps = 60;
     for (int step = 1; step <= kSteps; ++step) {
-        engine.setPose(
+        engine.setSceneState(
             boxMoved(scene, {0.2f + 0.2f * std::sin(0.3f * float(step)), 0, 0}, 5.0f * float(step)));
         engine.advance(600'000, progress);
-        for (const LiveUpdate::Guides& guides : engine.takeUpdate().guides) {
+        for (const LightUpdate::Guides& guides : engine.drainUpdate().guides) {
             oldest = std::max(oldest, step - seen[guides.block]);
             seen[guides.block] = step;
         }
@@ -241,34 +241,34 @@ TEST(Live, NoPieceGetsOldWhileEverythingMoves) {
     // Maps of all, and those of the box alone.
     EXPECT_GE(engine.stats().indirectMaps.items, 3u);
     EXPECT_GT(engine.stats().areaMaps.items, 15u);
-    EXPECT_GT(engine.stats().tasks[size_t(LiveTask::moved)].items, uint64_t(kSteps) / 2);
+    EXPECT_GT(engine.stats().tasks[size_t(BakerTask::moved)].items, uint64_t(kSteps) / 2);
 }
 
 // Moves, removals to the far end, lamps switched, paint: whatever was begun and not finished, nothing of it
 // is left.
-TEST(Live, RandomChangesLeaveNothingBehind) {
+TEST(IncrementalBaker, RandomChangesLeaveNothingBehind) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
     SilentProgress progress;
     Rng rng(7);
     constexpr int kChanges = 40;
     for (int i = 0; i < kChanges; ++i) {
-        engine.setPose(randomPose(scene, rng));
+        engine.setSceneState(randomState(scene, rng));
         engine.advance(uint64_t(300'000 * rng.uniform()), progress);
-        if (rng.uniform() < 0.5f) engine.takeUpdate();
+        if (rng.uniform() < 0.5f) engine.drainUpdate();
     }
-    engine.setPose(poseOf(scene));
-    settle(engine);
+    engine.setSceneState(stateOf(scene));
+    converge(engine);
     expectEqual(engine.phatexture(), baked.phatexture);
 }
 
-TEST(Live, SinglePhotonsCannotBeRenewed) {
+TEST(IncrementalBaker, SinglePhotonsCannotBeUpdated) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
     BakeSettings settings = smallBake();
     settings.directions = Directions::photons;
-    EXPECT_THROW(LiveEngine(scene, baked.atlas, baked.points, baked.phatexture, settings),
+    EXPECT_THROW(IncrementalBaker(scene, baked.atlas, baked.points, baked.phatexture, settings),
                  std::invalid_argument);
 }
 

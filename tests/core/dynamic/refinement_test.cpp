@@ -10,9 +10,9 @@ namespace {
 
 using namespace test;
 
-void settle(LiveEngine& engine) {
+void converge(IncrementalBaker& engine) {
     SilentProgress progress;
-    for (int rounds = 0; !engine.settled(); ++rounds) {
+    for (int rounds = 0; !engine.converged(); ++rounds) {
         engine.advance(1'000'000, progress);
         ASSERT_LT(rounds, 1000);
     }
@@ -21,11 +21,11 @@ void settle(LiveEngine& engine) {
 Phatexture refined(const Scene& scene, const Bake& baked, uint64_t seed, int passes) {
     BakeSettings settings = smallBake();
     settings.seed = settings.photons.seed = seed;
-    LiveEngine engine(scene, baked.atlas, baked.points, {}, settings);
-    settle(engine);
+    IncrementalBaker engine(scene, baked.atlas, baked.points, {}, settings);
+    converge(engine);
     for (int i = 0; i < passes; ++i) {
         engine.refine();
-        settle(engine);
+        converge(engine);
     }
     EXPECT_EQ(engine.passes(), uint32_t(passes));
     return engine.phatexture();
@@ -42,7 +42,7 @@ double meanDifference(const Bake& baked, const std::vector<uint32_t>& a, const s
 }
 
 // What two bakes of other seeds disagree about is noise, and it falls.
-TEST(LiveRefinement, IrradianceOfAllPassesHasLessNoiseThanABake) {
+TEST(Refinement, IrradianceOfAllPassesHasLessNoiseThanABake) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
     const Phatexture a1 = refined(scene, baked, 1, 0), b1 = refined(scene, baked, 2, 0);
@@ -54,19 +54,19 @@ TEST(LiveRefinement, IrradianceOfAllPassesHasLessNoiseThanABake) {
               0.65 * meanDifference(baked, a1.areaIrradiance, b1.areaIrradiance));
 }
 
-TEST(LiveRefinement, EveryPassHasOtherDirectionsInALayoutOfTheirOwn) {
+TEST(Refinement, EveryPassHasOtherDirectionsInALayoutOfTheirOwn) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
-    settle(engine);
+    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    converge(engine);
     Phatexture drawn = baked.phatexture;
     std::vector<TexelState> states = baked.points.state;
-    const LiveUpdate first = engine.takeUpdate();
+    const LightUpdate first = engine.drainUpdate();
     EXPECT_FALSE(first.refined);
     applyUpdate(first, baked.atlas, drawn, states);
     engine.refine();
-    settle(engine);
-    const LiveUpdate update = engine.takeUpdate();
+    converge(engine);
+    const LightUpdate update = engine.drainUpdate();
     EXPECT_TRUE(update.refined);
     applyUpdate(update, baked.atlas, drawn, states);
     expectEqual(drawn, engine.phatexture());
@@ -87,32 +87,32 @@ TEST(LiveRefinement, EveryPassHasOtherDirectionsInALayoutOfTheirOwn) {
 }
 
 // A change in the middle of a pass, whose answer is in the layouts of both passes.
-TEST(LiveRefinement, AChangeEndsItAndNothingIsLeftOfIt) {
+TEST(Refinement, AChangeEndsItAndNothingIsLeftOfIt) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    LiveEngine engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
-    settle(engine);
+    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    converge(engine);
     SilentProgress progress;
     for (const uint64_t work : {500'000u, 2'000'000u, 4'000'000u}) {
         engine.refine();
         engine.advance(work, progress);
-        ASSERT_TRUE(engine.setPose(boxMoved(scene, {0.2f, 0, 0.1f}, 20)));
+        ASSERT_TRUE(engine.setSceneState(boxMoved(scene, {0.2f, 0, 0.1f}, 20)));
         EXPECT_EQ(engine.passes(), 0u);
         engine.advance(work, progress);
-        ASSERT_TRUE(engine.setPose(poseOf(scene)));
-        EXPECT_FALSE(engine.takeUpdate().refined);
-        settle(engine);
-        engine.takeUpdate();
+        ASSERT_TRUE(engine.setSceneState(stateOf(scene)));
+        EXPECT_FALSE(engine.drainUpdate().refined);
+        converge(engine);
+        engine.drainUpdate();
         expectEqual(engine.phatexture(), baked.phatexture);
         expectEqualBytes(engine.phatexture().indirect[0].scrambles, baked.phatexture.indirect[0].scrambles,
                          "scrambles");
     }
 }
 
-TEST(LiveRefinement, GoesOnWhileSomebodyWantsIt) {
+TEST(Refinement, GoesOnWhileSomebodyWantsIt) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    LiveLight light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0, [] {});
+    BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0, [] {});
     const auto takeUntil = [&](const auto& reached) {
         for (int i = 0; i < 60'000 && !reached(light.report()); ++i) {
             light.take();
@@ -120,17 +120,17 @@ TEST(LiveRefinement, GoesOnWhileSomebodyWantsIt) {
         }
         EXPECT_TRUE(reached(light.report()));
     };
-    light.follow(poseOf(scene), defaultCamera(scene), true, true);
-    takeUntil([](const LiveLight::Report& report) { return report.refinements >= 2; });
-    EXPECT_FALSE(light.report().settled);
+    light.follow(stateOf(scene), defaultCamera(scene), true, true);
+    takeUntil([](const BakerThread::Report& report) { return report.refinements >= 2; });
+    EXPECT_FALSE(light.report().converged);
     // Nobody looks: it rests at once, in the middle of a pass.
-    light.follow(poseOf(scene), defaultCamera(scene), true, false);
-    takeUntil([](const LiveLight::Report& report) { return report.settled; });
+    light.follow(stateOf(scene), defaultCamera(scene), true, false);
+    takeUntil([](const BakerThread::Report& report) { return report.converged; });
     const double before = light.report().seconds;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     EXPECT_EQ(light.report().seconds, before);
     light.follow(boxMoved(scene, {0.2f, 0, 0.1f}, 20), defaultCamera(scene), true, false);
-    takeUntil([](const LiveLight::Report& report) { return report.settled; });
+    takeUntil([](const BakerThread::Report& report) { return report.converged; });
     EXPECT_EQ(light.report().refinements, 0u);
 }
 
