@@ -6,7 +6,7 @@ usage: check_docs.py [ROOT]     default: the folder above this script's
 - Links between files, and paths in backticks, lead to files of the repository.
 - Every flag after `phat COMMAND`, and every flag in backticks, is an option of the program.
 - Constants: a table row that begins with `kName` and a number gives the value that the source gives; for names that
-  have several values in the source, the value in the file that HOMES names.
+  have several values in the source, the value in the file that the row names.
 - A `twin:` comment names files that exist, and identifiers that these files hold.
 
 Prints each offending line as FILE:LINE: REASON; exit code 1 when there is one.
@@ -27,25 +27,10 @@ LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
 CODE = re.compile(r"`([^`]+)`")
 PATH = re.compile(r"^[\w.\-]+(/[\w.\-*]+)+/?$")
 FLAG = re.compile(r"(?<![\w-])(--[a-z][a-z_-]*)")
-CONSTANT_ROW = re.compile(r"^\| `(k\w+)`[^|]*\| ([^|]+) \|")
+CONSTANT_ROW = re.compile(r"^\| `(k\w+)`([^|]*)\| ([^|]+) \|")
+HOME = re.compile(r"`(\w+\.\w+)`")
 DEFINITION = re.compile(r"\b(k[A-Z]\w*)(?:\[[^\]]*\])?\s*(?:=|\{)\s*([^;,{}]+?)\s*[;,}]")
 
-
-# For constants of one name in several files with different values: the files that the rows speak of, in the rows' order.
-HOMES = {
-    "kLeastCosine": ["brdf.cpp"],
-    "kMinGain": ["unwrap.cpp"],
-    "kUniformShare": ["directions.cpp", "path_guide.cpp"],
-    "kLeastNormalCosine": ["directions.cpp", "area_irradiance.cpp", "irradiance_levels.cpp"],
-    "kLeastRelativeError": ["area_irradiance.cpp", "irradiance_levels.cpp"],
-    "kNearTexels": ["gather.cpp", "lookup.glsl"],
-    "kFewestTexels": ["lookup.glsl"],
-    "kWantedSamples": ["lookup.glsl", "radius.frag"],
-    "kLeastSamples": ["radius.frag", "phat_gather.cpp"],
-    "kMostPhotons": ["path_guide.cpp"],
-    "kLeastPhotons": ["path_guide.cpp"],
-    "kMostRefinements": ["baker_thread.h"],
-}
 
 SOURCES = {".h", ".cpp", ".glsl", ".frag", ".vert", ".js"}
 NAME = r"[A-Za-z_]\w*(?:::\w+)*"
@@ -111,14 +96,16 @@ def twin_complaints(root):
                         yield path.relative_to(root), index + 1, f"{file} has no {name}"
 
 
-def value_complaint(name, value, row, files):
-    """Why the row-th row of `name` may not say `value`; None if it may. files: {file's name: {values}}."""
+def value_complaint(name, value, home, files):
+    """Why a row may not say that `name` of the file `home` (None: not said) is `value`; None if it may.
+    files: {file's name: {values}}."""
     known = {one for values in files.values() for one in values if one is not None}
-    if len(known) > 1:
-        homes = HOMES.get(name, [])
-        if row >= len(homes) or homes[row] not in files:
-            return f"{name} is {sorted(known)}, and HOMES in tools/check_docs.py names no file of it for this row"
-        known = {one for one in files[homes[row]] if one is not None}
+    if home and home not in files:
+        return f"there is no {name} in {home}"
+    if home:
+        known = {one for one in files[home] if one is not None}
+    elif len(known) > 1:
+        return f"{name} is {sorted(known)} in {sorted(files)}: name the file after the constant"
     if value is None or None in set().union(*files.values()) or any(abs(one - value) <= 1e-9 * abs(value) for one in known):
         return None
     return f"{name} is {sorted(known)}, not {value:g}"
@@ -133,7 +120,6 @@ def exists(root, document, name):
 
 def complaints(root, document, constants, flags):
     in_block = False
-    rows = {}  # how many rows each constant had so far
     for number_of_line, line in enumerate(document.read_text(encoding="utf-8").splitlines(), 1):
         if line.startswith("```"):
             in_block = not in_block
@@ -155,14 +141,14 @@ def complaints(root, document, constants, flags):
         row = CONSTANT_ROW.match(line)
         if row:
             # A row of several constants gives their values in the same order: the first's is checked.
-            name, value = row.group(1), number(row.group(2).split(", ")[0].strip())
+            name, value = row.group(1), number(row.group(3).split(", ")[0].strip())
+            home = HOME.search(row.group(2))
             if name not in constants:
                 yield number_of_line, f"there is no constant {name}"
-            else:
-                reason = value_complaint(name, value, rows.get(name, 0), constants[name])
-                if reason:
-                    yield number_of_line, reason
-            rows[name] = rows.get(name, 0) + 1
+                continue
+            reason = value_complaint(name, value, home and home.group(1), constants[name])
+            if reason:
+                yield number_of_line, reason
 
 
 def main():
