@@ -3,7 +3,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include <chrono>
 #include <map>
 #include <string>
 
@@ -30,19 +29,17 @@ class StageClock : public Progress {
   public:
     void begin(const char* stage, uint64_t) override {
         stage_ = stage;
-        start_ = std::chrono::steady_clock::now();
+        start_ = Stopwatch();
     }
     void advance(uint64_t) override {}
-    void end() override {
-        seconds[stage_] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    }
+    void end() override { seconds[stage_] += start_.seconds(); }
     bool stopRequested() const override { return false; }
 
     std::map<std::string, double> seconds;
 
   private:
     std::string stage_;
-    std::chrono::steady_clock::time_point start_;
+    Stopwatch start_;
 };
 
 }  // namespace phat

@@ -18,6 +18,7 @@ namespace phat {
 namespace {
 
 using nlohmann::json;
+
 // Rays between two looks at the clock: some milliseconds.
 constexpr uint64_t kWorkAtOnce = 20'000;
 

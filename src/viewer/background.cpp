@@ -22,9 +22,7 @@ void SharedProgress::begin(const char* stage, uint64_t total) {
 
 void SharedProgress::advance(uint64_t done) {
     done_ += done;
-    const int64_t now =
-        std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - start_)
-            .count();
+    const int64_t now = int64_t(1e3 * start_.seconds());
     int64_t last = lastWakeMs_;
     if (now - last >= kWakeEveryMs && lastWakeMs_.compare_exchange_strong(last, now)) wake_();
 }
@@ -37,7 +35,7 @@ SharedProgress::Report SharedProgress::report() const {
     const std::lock_guard lock(mutex_);
     const uint64_t total = total_;
     return {stage_, total > 0 ? std::min(float(double(done_) / double(total)), 1.0f) : 0.0f,
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count()};
+            start_.seconds()};
 }
 
 }  // namespace phat

@@ -1,12 +1,12 @@
 #pragma once
 // Work beside the window's own thread.
 
-#include <chrono>
 #include <functional>
 #include <mutex>
 #include <string>
 
 #include "core/base/progress.h"
+#include "core/base/stopwatch.h"
 
 namespace phat {
 
@@ -39,7 +39,7 @@ class SharedProgress : public Progress {
     std::atomic<int64_t> lastWakeMs_ = 0;
     mutable std::mutex mutex_;
     std::string stage_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    const Stopwatch start_;
 };
 
 }  // namespace phat

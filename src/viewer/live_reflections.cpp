@@ -14,7 +14,7 @@ const TracedReflections& LiveReflections::within(double seconds) {
 }
 
 bool LiveReflections::Limit::stopRequested() const {
-    return seconds > 0 && std::chrono::steady_clock::now() - start_ > std::chrono::duration<double>(seconds);
+    return seconds > 0 && start_.seconds() > seconds;
 }
 
 }  // namespace phat

@@ -1,8 +1,7 @@
 #pragma once
 // Reflections by rays in the window: while the picture is at rest, as long as they are quick enough.
 
-#include <chrono>
-
+#include "core/base/stopwatch.h"
 #include "core/scene/lights.h"
 #include "gl/renderer.h"
 #include "viewer/document.h"
@@ -22,12 +21,12 @@ class LiveReflections {
   private:
     class Limit : public SilentProgress {
       public:
-        void begin(const char*, uint64_t) override { start_ = std::chrono::steady_clock::now(); }
+        void begin(const char*, uint64_t) override { start_ = Stopwatch(); }
         bool stopRequested() const override;
         double seconds = 0;
 
       private:
-        std::chrono::steady_clock::time_point start_{};
+        Stopwatch start_;
     };
     LightSampler lights_;
     ReflectionScene scene_;

@@ -97,7 +97,7 @@ ResumableTask filterAreaIrradiance(const std::vector<IrradianceEstimate>& estima
                 forValid(begin, end, filter);
             else
                 forValid(begin, end, findGuide);
-            co_yield kFilterWork*(end - begin);
+            co_yield (kFilterWork * (end - begin));
         }
     for (size_t i = 0; i < known.size() && !charts.empty(); ++i)
         if (isOther(i)) known[i] = 1;  // nothing to fill

@@ -275,7 +275,7 @@ ResumableTask interpolateLevels(const std::vector<IrradianceLevel>& levels, cons
             for (size_t begin = 0, end = 0; begin < count; begin = end) {
                 end = begin + std::min(most, count - begin);
                 (interpolator.*step)(level, begin, end);
-                co_yield itemWork*(end - begin);
+                co_yield (itemWork * (end - begin));
             }
         }
     };
@@ -301,7 +301,7 @@ ResumableTask interpolateLevels(const std::vector<IrradianceLevel>& levels, cons
                 known[i] = 1;
             }
         });
-        co_yield kTexelWork*(last - first);
+        co_yield (kTexelWork * (last - first));
     }
     fillWithinCharts(map, known, atlas);
 }

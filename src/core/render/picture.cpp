@@ -1,7 +1,6 @@
 #include "core/render/picture.h"
 
 #include <atomic>
-#include <chrono>
 
 #include "core/base/parallel.h"
 #include "core/base/stopwatch.h"
@@ -34,9 +33,7 @@ class ClockProgress : public Progress {
     void end() override { progress_.end(); }
     bool stopRequested() const override { return progress_.stopRequested(); }
     void advance(uint64_t) override {
-        const auto passed = std::chrono::steady_clock::now() - start_;
-        const uint64_t ms = std::min<uint64_t>(
-            totalMs_, uint64_t(std::chrono::duration_cast<std::chrono::milliseconds>(passed).count()));
+        const uint64_t ms = std::min(totalMs_, uint64_t(1e3 * start_.seconds()));
         uint64_t shown = shownMs_.load();
         while (shown < ms)
             if (shownMs_.compare_exchange_weak(shown, ms)) return progress_.advance(ms - shown);
@@ -45,7 +42,7 @@ class ClockProgress : public Progress {
   private:
     Progress& progress_;
     const uint64_t totalMs_;
-    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    const Stopwatch start_;
     std::atomic<uint64_t> shownMs_{0};
 };
 
@@ -125,7 +122,6 @@ Hit visibleHit(const RayScene& rays, const CameraRay& ray, uint64_t& rayCount) {
 TracedPicture tracePicture(const PictureSettings& settings, const Integrator& integrator,
                            Progress& callersProgress) {
     const Stopwatch start;
-    const auto secondsSinceStart = [&] { return start.seconds(); };
     const size_t pixelCount = size_t(settings.width) * size_t(settings.height);
     const bool all = settings.pixels.empty();
     std::vector<PixelSums> sums(all ? pixelCount : settings.pixels.size());
@@ -141,7 +137,7 @@ TracedPicture tracePicture(const PictureSettings& settings, const Integrator& in
 
     progress.begin("trace", uint64_t(sums.size()) * uint64_t(passes));
     int done = 0;
-    while (timed ? done == 0 || secondsSinceStart() < settings.seconds : done < settings.samplesPerPixel) {
+    while (timed ? done == 0 || start.seconds() < settings.seconds : done < settings.samplesPerPixel) {
         const int end = timed ? done + 1 : std::min(done + perPass, settings.samplesPerPixel);
         parallelRanges(sums.size(), kRangePixels, progress, [&](size_t first, size_t last) {
             uint64_t rangeRays = 0;

@@ -332,18 +332,17 @@ BakedScene readBakedFile(const std::string& path) {
 }
 
 BakedScene readBakedFile(GltfSource& source) {
-    const std::string& path = source.path;
     BakedScene baked;
     baked.loaded = loadGltf(source);
     try {
         readExtension(source, baked);
     } catch (const std::bad_alloc&) {
-        throw FileError(path, "needs more memory than there is");
+        throw FileError(source.path, "needs more memory than there is");
     } catch (const json::exception& error) {
-        throw FileError(path,
+        throw FileError(source.path,
                         fmt::format("its extension {} is malformed ({})", kPhatExtension, error.what()));
     } catch (const std::runtime_error& error) {
-        throw FileError(path, error.what());
+        throw FileError(source.path, error.what());
     }
     return baked;
 }

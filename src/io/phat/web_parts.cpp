@@ -80,9 +80,4 @@ WebParts splitForWeb(GltfSource& source, const std::string& stem) {
     }
 }
 
-WebParts splitForWeb(const std::string& path, const std::string& stem) {
-    GltfSource source = openGltf(path);
-    return splitForWeb(source, stem);
-}
-
 }  // namespace phat

@@ -21,9 +21,8 @@ struct WebParts {
 };
 
 /// `stem`: of the parts' names beside the room, STEM.lamps.bin, STEM.reflections.bin, STEM.reflections-2.bin
-/// ... Together they are the same baked file. Throws FileError.
-WebParts splitForWeb(const std::string& path, const std::string& stem);
-/// The same of a file that is open; reads its buffers. pre: they are not read yet.
+/// ... Together they are the same baked file. Reads the buffers of `source`.
+/// Throws FileError. pre: they are not read yet.
 WebParts splitForWeb(GltfSource& source, const std::string& stem);
 
 }  // namespace phat
