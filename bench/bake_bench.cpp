@@ -32,10 +32,10 @@ struct GatherSetup {
     std::vector<uint8_t> wanted = irradianceTexels(atlas, points);
     GatherInput input{rays, lights, atlas, points, frames, photons, index, wanted};
     std::vector<Guide> guides =
-        buildGuides(atlas, points, frames, photons, index, isIndirectPhoton, progress);
+        buildGuides({atlas, points, frames}, {photons, index}, isIndirectPhoton, progress);
     ChosenDirections chosen =
-        chooseDirections(atlas, points, frames, guides, photons, index, isIndirectPhoton,
-                         {Directions::guided, settings.density, settings.seed, 0}, progress);
+        chooseGuidedDirections({atlas, points, frames}, guides,
+                               {Directions::guided, settings.density, settings.seed, 0}, progress);
 };
 
 // `count` rays in the order of gathering: each texel's own, then diffuse bounces from its hit in chains as

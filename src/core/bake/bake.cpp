@@ -9,6 +9,7 @@
 #include "core/base/stopwatch.h"
 #include "core/phatexel/directions.h"
 #include "core/phatexel/lookup_tables.h"
+#include "core/phatexel/photon_directions.h"
 #include "core/scene/lights.h"
 
 namespace phat {
@@ -33,6 +34,10 @@ std::vector<Sides> litSides(const Scene& scene, const PhotonMap& map) {
     return sides;
 }
 
+BlockGeometry blocksOf(const GatherInput& input) {
+    return {input.atlas, input.points, input.frames};
+}
+
 std::vector<Guide> guidesFor(const GatherInput& input, Directions strategy, PhotonFilter keep,
                              Progress& progress) {
     if (input.atlas.blockCount == 0) return {uniformGuide()};  // no surface has an area
@@ -43,31 +48,34 @@ std::vector<Guide> guidesFor(const GatherInput& input, Directions strategy, Phot
             return {cosineGuide()};
         default: {
             ProgressStage stage(progress, "guides", input.atlas.blockCount);
-            return buildGuides(input.atlas, input.points, input.frames, input.photons, input.index, keep,
-                               progress);
+            return buildGuides(blocksOf(input), {input.photons, input.index}, keep, progress);
         }
     }
 }
 
 ChosenDirections directionsFor(const GatherInput& input, const std::vector<Guide>& guides, PhotonFilter keep,
                                const DirectionSettings& settings, Progress& progress) {
-    ProgressStage stage(progress, "directions", input.atlas.texelCount());
-    return chooseDirections(input.atlas, input.points, input.frames, guides, input.photons, input.index, keep,
-                            settings, progress);
+    ProgressStage stage(
+        progress, "directions",
+        choosesPhotons(settings.strategy) ? input.atlas.blockCount : input.atlas.texelCount());
+    if (choosesPhotons(settings.strategy))
+        return choosePhotonDirections(blocksOf(input), {input.photons, input.index}, keep, settings,
+                                      progress);
+    return chooseGuidedDirections(blocksOf(input), guides, settings, progress);
 }
 
 void bakeIndirect(const GatherInput& input, const BakeSettings& settings, Progress& progress,
                   BakeJournal* journal, std::atomic<uint64_t>& rays, Phatexture& out) {
     out.indirectGuides = guidesFor(input, settings.directions, isIndirectPhoton, progress);
     for (int layer = 0; layer < settings.layers; ++layer) {
-        ChosenDirections chosen =
-            directionsFor(input, out.indirectGuides, isIndirectPhoton,
-                          {settings.directions, settings.density, settings.seed, layer}, progress);
+        ChosenDirections chosen = directionsFor(input, out.indirectGuides, isIndirectPhoton,
+                                                {settings.directions, settings.density, settings.seed, layer,
+                                                 settings.radiance == RadianceSource::splat},
+                                                progress);
         ProgressStage stage(progress, "indirect light", input.atlas.texelCount());
         out.indirect.push_back(gatherIndirect(input, chosen, {out.indirectIrradiance, out.areaIrradiance},
                                               layer, settings, progress, journal, rays));
-        const bool densityFromPhotons = !chosen.splatRadiance.empty();
-        if (densityFromPhotons) out.indirect.back().pdf = std::move(chosen.pdf);
+        if (choosesPhotons(settings.directions)) out.indirect.back().pdf = std::move(chosen.pdf);
         out.indirect.back().scrambles = std::move(chosen.scrambles);
     }
 }

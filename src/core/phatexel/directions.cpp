@@ -1,7 +1,10 @@
 #include "core/phatexel/directions.h"
 
+#include <cassert>
+
 #include "core/base/parallel.h"
 #include "core/base/random.h"
+#include "core/phatexel/direction_cells.h"
 
 namespace phat {
 namespace {
@@ -14,32 +17,9 @@ constexpr float kUniformShare = 0.3f;
 // With few photons their histogram is noise: a prior of so many uniform ones joins them.
 constexpr float kPriorPhotons = 8;
 // flux / cos of a grazing photon would outweigh the rest of the block.
-constexpr float kLeastGuideCosine = 0.05f;
-// Photons on surfaces facing elsewhere are not of this block.
-constexpr float kLeastNormalCosine = 0.5f;
+constexpr float kMinGuideCosine = 0.05f;
 
 using Cells = std::array<float, kGuideCells>;
-
-int cellOfDirection(glm::vec3 direction) {
-    const glm::vec2 square = hemisphereToSquare(direction) * float(kGuideSize);
-    const glm::ivec2 cell = glm::clamp(glm::ivec2(square), 0, kGuideSize - 1);
-    return cell.y * kGuideSize + cell.x;
-}
-
-// The direction that the 8 bytes can hold, near enough to `direction` to keep clear of its histogram cell's
-// border: the density is read back from the cell, and a neighbour's may be a hundred times less.
-glm::vec3 storableDirection(glm::vec3 direction) {
-    constexpr float kMargin = 0.01f;  // of a cell; twice what rounding moves
-    const auto round = [](glm::vec3 d) { return unpackOctahedral24(packOctahedral24(d)); };
-    const glm::vec2 exact = hemisphereToSquare(direction) * float(kGuideSize);
-    const glm::vec2 cell = glm::min(glm::floor(exact), float(kGuideSize - 1));
-    glm::vec3 rounded = round(direction);
-    rounded.z = std::max(rounded.z, 0.0f);
-    const glm::vec2 square = hemisphereToSquare(rounded) * float(kGuideSize);
-    const glm::vec2 inside = glm::clamp(square, cell + kMargin, cell + 1.0f - kMargin);
-    if (inside == square) return rounded;
-    return round(squareToHemisphere(inside / float(kGuideSize)));
-}
 
 Cells blur3x3(const Cells& cells) {
     Cells blurred{};
@@ -55,71 +35,6 @@ Cells blur3x3(const Cells& cells) {
         }
     }
     return blurred;
-}
-
-struct Candidates {
-    std::vector<PhotonIndex::Neighbor> neighbors;
-    std::vector<float> weights;
-    std::vector<int> cells;
-};
-
-/// A photon and the cell density that stands for the choice.
-struct Choice {
-    int photon = -1;
-    int cell = 0;
-    float pdf = 0;
-    glm::vec3 estimate{0};  // so that the mean of f * estimate over choices is the density estimate of f
-};
-
-Choice choosePhoton(const PhotonMap& map, const PhotonIndex& index, glm::vec3 position, const Frame& frame,
-                    const DirectionSettings& settings, PhotonFilter keep, uint64_t stream,
-                    Candidates& candidates) {
-    Choice choice;
-    index.nearest(position, settings.density.neighbors, settings.density.maxRadiusMeters,
-                  candidates.neighbors);
-    if (candidates.neighbors.empty()) return choice;
-    const float radius = std::sqrt(candidates.neighbors.back().distanceSquared);
-    const bool cone = settings.strategy == Directions::photons;
-
-    candidates.weights.assign(candidates.neighbors.size(), 0.0f);
-    candidates.cells.assign(candidates.neighbors.size(), 0);
-    float sum = 0, least = std::numeric_limits<float>::infinity();
-    size_t winner = candidates.neighbors.size();
-    for (size_t i = 0; i < candidates.neighbors.size(); ++i) {
-        const Photon& photon = map.photons[candidates.neighbors[i].photon];
-        const glm::vec3 direction = frame.toLocal(photon.towardOrigin);
-        if (!keep(photon) || direction.z <= 0.0f ||
-            glm::dot(photon.normal, frame.normal) < kLeastNormalCosine)
-            continue;
-        const float distance = std::sqrt(candidates.neighbors[i].distanceSquared);
-        const float weight = cone ? 1.0f - distance / std::max(radius, 1e-12f) : 1.0f;
-        if (weight <= 0.0f) continue;
-        candidates.weights[i] = weight;
-        candidates.cells[i] = cellOfDirection(direction);
-        sum += weight;
-        // Weighted reservoir of one, as a race of exponential clocks: the outcome does not depend on the
-        // order of the photons (Efraimidis and Spirakis 2006).
-        const float u = Rng(hashOf(stream, candidates.neighbors[i].photon)).uniform();
-        const float clock = cone ? -std::log(1.0f - u) / weight : distance;
-        if (clock < least) {
-            least = clock;
-            winner = i;
-        }
-    }
-    if (winner == candidates.neighbors.size()) return choice;
-
-    choice.photon = int(candidates.neighbors[winner].photon);
-    choice.cell = candidates.cells[winner];
-    float cellWeight = 0;
-    for (size_t i = 0; i < candidates.weights.size(); ++i)
-        if (candidates.weights[i] > 0.0f && candidates.cells[i] == choice.cell)
-            cellWeight += candidates.weights[i];
-    choice.pdf = cellWeight / sum * float(kGuideCells) / (2.0f * kPi);
-    // E[f Phi W / A] over choices with chance w / W is sum(w f Phi) / A: the cone-filtered estimate, whose
-    // kernel has volume pi r^2 / 3 (a disc for equal weights).
-    const float kernelArea = kPi * radius * radius / (cone ? 3.0f : 1.0f);
-    choice.estimate = map.photons[choice.photon].fluxWatts * (sum / std::max(kernelArea, 1e-12f));
-    return choice;
 }
 
 // Of 32 x 32 cells.
@@ -162,10 +77,10 @@ Guide buildGuide(const Bounds& bounds, const Frame& frame, std::span<const Photo
         set.index.within(bounds.center(), radius, near);
         for (const PhotonIndex::Neighbor& neighbor : near) {
             const Photon& photon = set.photons.photons[neighbor.photon];
-            if (!keep(photon) || glm::dot(photon.normal, frame.normal) < kLeastNormalCosine) continue;
+            if (!keep(photon) || glm::dot(photon.normal, frame.normal) < kMinNormalCosine) continue;
             const glm::vec3 direction = frame.toLocal(photon.towardOrigin);
             if (direction.z <= 0.0f) continue;
-            const float weight = luminance(photon.fluxWatts) / std::max(direction.z, kLeastGuideCosine);
+            const float weight = luminance(photon.fluxWatts) / std::max(direction.z, kMinGuideCosine);
             cells[cellOfDirection(direction)] += weight;
             sum += weight;
             count += 1;
@@ -176,17 +91,15 @@ Guide buildGuide(const Bounds& bounds, const Frame& frame, std::span<const Photo
     return makeGuide(blur3x3(cells), 1.0f - (1.0f - kUniformShare) * trust);
 }
 
-std::vector<Guide> buildGuides(const Atlas& atlas, const TexelPoints& points,
-                               const std::vector<Frame>& frames, const PhotonMap& photons,
-                               const PhotonIndex& index, PhotonFilter keep, Progress& progress) {
-    const std::vector<BlockPlace> places = blockPlaces(atlas);
-    const PhotonSet all{photons, index};
-    std::vector<Guide> guides(atlas.blockCount);
-    parallelRanges(atlas.blockCount, 16, progress, [&](size_t begin, size_t end) {
+std::vector<Guide> buildGuides(const BlockGeometry& blocks, const PhotonSet& photons, PhotonFilter keep,
+                               Progress& progress) {
+    const std::vector<BlockPlace> places = blockPlaces(blocks.atlas);
+    std::vector<Guide> guides(blocks.atlas.blockCount);
+    parallelRanges(blocks.atlas.blockCount, 16, progress, [&](size_t begin, size_t end) {
         std::vector<PhotonIndex::Neighbor> near;
         for (size_t block = begin; block < end; ++block)
-            guides[block] = buildGuide(blockBounds(atlas, points, places[block]), frames[block],
-                                       std::span(&all, 1), keep, near);
+            guides[block] = buildGuide(blockBounds(blocks.atlas, blocks.points, places[block]),
+                                       blocks.frames[block], std::span(&photons, 1), keep, near);
     });
     return guides;
 }
@@ -206,43 +119,24 @@ TexelDirection chooseDirection(const Atlas& atlas, const Guide& guide, glm::uvec
     return {direction, squareToGuidePdf(guide, direction), glm::vec3(0)};
 }
 
-ChosenDirections chooseDirections(const Atlas& atlas, const TexelPoints& points,
-                                  const std::vector<Frame>& frames, const std::vector<Guide>& guides,
-                                  const PhotonMap& photons, const PhotonIndex& index, PhotonFilter keep,
-                                  const DirectionSettings& settings, Progress& progress) {
-    const bool fromPhotons = choosesPhotons(settings.strategy);
+ChosenDirections chooseGuidedDirections(const BlockGeometry& blocks, const std::vector<Guide>& guides,
+                                        const DirectionSettings& settings, Progress& progress) {
+    assert(!choosesPhotons(settings.strategy) && !guides.empty());
+    const Atlas& atlas = blocks.atlas;
     ChosenDirections chosen;
     chosen.directionBlock.assign(atlas.texelCount(), glm::vec3(0));
     chosen.pdf.assign(atlas.texelCount(), 0.0f);
-    if (fromPhotons) chosen.splatRadiance.assign(atlas.texelCount(), glm::vec3(0));
-    for (uint32_t block = 0; !fromPhotons && block < atlas.blockCount; ++block)
+    for (uint32_t block = 0; block < atlas.blockCount; ++block)
         chosen.scrambles.push_back(scrambleOf(settings, block));
 
     parallelRanges(atlas.texelCount(), 4096, progress, [&](size_t begin, size_t end) {
-        Candidates candidates;
         for (size_t texel = begin; texel < end; ++texel) {
-            if (!points.valid(texel)) continue;
+            if (!blocks.points.valid(texel)) continue;
             const glm::uvec2 xy(texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x);
-            const uint32_t block = atlas.blockAt(xy);
-            if (!fromPhotons) {
-                const Guide& guide = guides.size() == 1 ? guides[0] : guides[block];
-                const TexelDirection direction = chooseDirection(atlas, guide, xy, settings);
-                chosen.directionBlock[texel] = direction.directionBlock;
-                chosen.pdf[texel] = direction.pdf;
-                continue;
-            }
-            const uint64_t stream = hashOf(settings.seed, uint64_t(settings.layer), texel);
-            const glm::vec2 jitter = Rng(stream).uniform2();
-            const Choice choice = choosePhoton(photons, index, points.position[texel], frames[block],
-                                               settings, keep, stream, candidates);
-            if (choice.photon < 0) continue;
-            const glm::vec2 cell(choice.cell % kGuideSize, choice.cell / kGuideSize);
-            const glm::vec3 direction =
-                storableDirection(squareToHemisphere((cell + jitter) / float(kGuideSize)));
-            chosen.directionBlock[texel] = direction;
-            chosen.pdf[texel] = choice.pdf;
-            chosen.splatRadiance[texel] =
-                choice.estimate * (choice.pdf / std::max(direction.z, kLeastGuideCosine));
+            const Guide& guide = guides.size() == 1 ? guides[0] : guides[atlas.blockAt(xy)];
+            const TexelDirection direction = chooseDirection(atlas, guide, xy, settings);
+            chosen.directionBlock[texel] = direction.directionBlock;
+            chosen.pdf[texel] = direction.pdf;
         }
     });
     return chosen;

@@ -39,11 +39,17 @@ struct PhotonSet {
     const PhotonIndex& index;
 };
 
+/// The texels of an atlas and the frames of its blocks, as blockFrames makes them.
+struct BlockGeometry {
+    const Atlas& atlas;
+    const TexelPoints& points;
+    const std::vector<Frame>& frames;  // [block]
+};
+
 /// One guide a block: the density of incident radiance (flux / cos) of the photons around the block, 3x3
 /// blurred, mixed with the uniform density. Proportional to L, not L cos: a GGX integrand has no cosine left.
-std::vector<Guide> buildGuides(const Atlas& atlas, const TexelPoints& points,
-                               const std::vector<Frame>& frames, const PhotonMap& photons,
-                               const PhotonIndex& index, PhotonFilter keep, Progress& progress);
+std::vector<Guide> buildGuides(const BlockGeometry& blocks, const PhotonSet& photons, PhotonFilter keep,
+                               Progress& progress);
 
 /// The guide of one block. `bounds`: of its valid texels; empty: uniform. `near` is scratch.
 Guide buildGuide(const Bounds& bounds, const Frame& frame, std::span<const PhotonSet> photons,
@@ -56,7 +62,7 @@ Bounds blockBounds(const Atlas& atlas, const TexelPoints& points, const BlockPla
 struct TexelDirection {
     glm::vec3 directionBlock{0};
     float pdf = 0;               // 1/sr; 0: nothing was chosen
-    glm::vec3 splatRadiance{0};  // only for the photon strategies
+    glm::vec3 splatRadiance{0};  // W/(m2 sr), only with DirectionSettings::splatsRadiance
 };
 
 /// A direction for every valid texel, and what the choice already knows about it. Directions are exactly
@@ -64,8 +70,8 @@ struct TexelDirection {
 struct ChosenDirections {
     std::vector<glm::vec3> directionBlock;  // [y][x]; zero where nothing was chosen
     std::vector<float> pdf;                 // [y][x], 1/sr
-    std::vector<glm::vec3> splatRadiance;   // [y][x], only for the photon strategies
-    std::vector<uint16_t> scrambles;        // [block], for all others: see PhatexelLayer
+    std::vector<glm::vec3> splatRadiance;   // [y][x], only with DirectionSettings::splatsRadiance
+    std::vector<uint16_t> scrambles;        // [block], not of photon strategies: see PhatexelLayer
 
     TexelDirection at(size_t texel) const {
         return {directionBlock[texel], pdf[texel],
@@ -78,6 +84,7 @@ struct DirectionSettings {
     DensityEstimate density;  // the photon strategies' neighbourhood
     uint64_t seed = 1;
     int layer = 0;
+    bool splatsRadiance = false;  // the chosen photon's own light is the radiance
 };
 
 /// Which permutation a block's texels follow: see PhatexelLayer.
@@ -87,14 +94,9 @@ uint16_t scrambleOf(const DirectionSettings& settings, uint32_t block);
 TexelDirection chooseDirection(const Atlas& atlas, const Guide& guide, glm::uvec2 texel,
                                const DirectionSettings& settings);
 
-/// `guides`: one a block, or a single one for all. The photon strategies ignore them and read the photons:
-/// - photons: one of the k nearest by weighted reservoir, the weight a cone to the k-th's distance;
-/// - nearestPhoton: the nearest, the paper's naive strategy.
-/// Both jitter the direction within the chosen photon's histogram cell, which gives it a density: the cell's
-/// share of the weights. nearestPhoton has no density of its own and uses that of the k photons.
-ChosenDirections chooseDirections(const Atlas& atlas, const TexelPoints& points,
-                                  const std::vector<Frame>& frames, const std::vector<Guide>& guides,
-                                  const PhotonMap& photons, const PhotonIndex& index, PhotonFilter keep,
-                                  const DirectionSettings& settings, Progress& progress);
+/// A direction for every valid texel. `guides`: one a block, or a single one for all.
+/// pre: not a photon strategy: see choosePhotonDirections.
+ChosenDirections chooseGuidedDirections(const BlockGeometry& blocks, const std::vector<Guide>& guides,
+                                        const DirectionSettings& settings, Progress& progress);
 
 }  // namespace phat

@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <map>
+
 #include "core/base/random.h"
 #include "core/phatexel/directions.h"
+#include "core/phatexel/photon_directions.h"
+#include "core/render/lobe_gather.h"
 #include "support/chi_squared.h"
 #include "support/scene_builder.h"
 
@@ -75,17 +79,27 @@ struct World {
 
     std::vector<Guide> guides(PhotonFilter keep = isIndirectPhoton) const {
         SilentProgress progress;
-        return buildGuides(atlas, points, frames, photons, index, keep, progress);
+        return buildGuides({atlas, points, frames}, {photons, index}, keep, progress);
     }
-    ChosenDirections choose(Directions strategy, const std::vector<Guide>& with, uint64_t seed,
-                            int layer = 0) const {
+    ChosenDirections choose(Directions strategy, const std::vector<Guide>& with, uint64_t seed, int layer = 0,
+                            bool splatsRadiance = false) const {
         SilentProgress progress;
-        return chooseDirections(atlas, points, frames, with, photons, index, isIndirectPhoton,
-                                {strategy, {100, 0.25f}, seed, layer}, progress);
+        const DirectionSettings settings{strategy, {100, 0.25f}, seed, layer, splatsRadiance};
+        return choosesPhotons(strategy)
+                   ? choosePhotonDirections({atlas, points, frames}, {photons, index}, isIndirectPhoton,
+                                            settings, progress)
+                   : chooseGuidedDirections({atlas, points, frames}, with, settings, progress);
     }
     glm::uvec2 place(size_t texel) const { return {texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x}; }
     glm::vec3 toWorld(size_t texel, glm::vec3 direction) const {
         return frames[atlas.blockAt(place(texel))].toWorld(direction);
+    }
+    /// Leaves nothing but texels whose neighbourhood lies on the floor: at its rim a density estimate is too
+    /// dark.
+    void keepInner() {
+        const std::vector<size_t> kept = inner();
+        points.state.assign(atlas.texelCount(), TexelState::unused);
+        for (const size_t texel : kept) points.state[texel] = TexelState::surface;
     }
     // Texels whose neighbourhood lies on the floor.
     std::vector<size_t> inner() const {
@@ -204,6 +218,7 @@ TEST(ChosenDirections, NearestPhotonTakesTheNearest) {
     for (const size_t texel : world.inner()) {
         std::vector<PhotonIndex::Neighbor> neighbors;
         world.index.nearest(world.points.position[texel], 100, 0.25f, neighbors);
+        neighbors.pop_back();  // the 100th marks the rim
         const Frame& frame = world.frames[world.atlas.blockAt(world.place(texel))];
         const auto cellOf = [&](uint32_t photon) {
             const glm::vec3 local = frame.toLocal(world.photons.photons[photon].towardOrigin);
@@ -219,21 +234,64 @@ TEST(ChosenDirections, NearestPhotonTakesTheNearest) {
     }
 }
 
-// The splats are the cone-filtered density estimate: they carry the irradiance, cos L / p on average. The
-// estimate of k = 100 photons is 1 / k too bright at most; the rest is the noise of 50,000 photons.
+// The splats are the filtered density estimate: they carry the irradiance as a mean of cos L / p and as the
+// ratio of that to the mean of cos / p, which is what estimators form. The rest is the noise of 50,000
+// photons.
 TEST(ChosenDirections, SplatsCarryTheIrradiance) {
-    const World world(photonsOfField(50'000));
+    World world(photonsOfField(50'000));
+    world.keepInner();
     for (const Directions strategy : {Directions::photons, Directions::nearestPhoton}) {
-        double sum = 0, count = 0;
+        double light = 0, weight = 0, count = 0;
         for (uint64_t seed = 0; seed < 4; ++seed) {
-            const ChosenDirections chosen = world.choose(strategy, {}, seed);
+            const ChosenDirections chosen = world.choose(strategy, {}, seed, 0, true);
             for (const size_t texel : world.inner()) {
-                const float cosine = std::max(chosen.directionBlock[texel].z, 0.05f);
-                sum += double(chosen.splatRadiance[texel].x * cosine / chosen.pdf[texel]);
+                const float a = chosen.directionBlock[texel].z / chosen.pdf[texel];
+                light += double(chosen.splatRadiance[texel].x * a);
+                weight += double(a);
                 count += 1;
             }
         }
-        EXPECT_NEAR(sum / count, irradianceOfField(), 0.02 * irradianceOfField()) << int(strategy);
+        EXPECT_NEAR(light / count, irradianceOfField(), 0.02 * irradianceOfField()) << int(strategy);
+        EXPECT_NEAR(weight / count, kPi, 0.02 * kPi) << int(strategy);
+    }
+}
+
+// What a lobe sees by the ratio of sums over the texels of one block, as the renderers form it, is the
+// field's mean under the lobe. Few texels and a heavy-tailed density would make the ratio too bright, and
+// directions that leave out the cells without photons many times so: 13 to 17 times here.
+TEST(ChosenDirections, SplatsHoldTheRadianceUnderLobes) {
+    World world(photonsOfField(50'000));
+    world.keepInner();
+    std::map<uint32_t, std::vector<size_t>> blocks;
+    for (const size_t texel : world.inner()) blocks[world.atlas.blockAt(world.place(texel))].push_back(texel);
+    for (const Directions strategy : {Directions::photons, Directions::nearestPhoton}) {
+        const ChosenDirections chosen = world.choose(strategy, {}, 1, 0, true);
+        for (const float alpha : {1.0f, 0.4f, 0.2f}) {
+            double ratios = 0, expected = 0, count = 0;
+            for (const auto& [block, texels] : blocks) {
+                if (texels.size() < 256) continue;
+                const Frame& frame = world.frames[block];
+                const GatherLobe lobe{.towardEye = {0.36f, 0.48f, 0.8f}, .alpha = alpha};
+                double light = 0, weight = 0, fieldLight = 0, fieldWeight = 0;
+                for (const size_t texel : texels) {
+                    const glm::vec3 direction = chosen.directionBlock[texel];
+                    const double a = lobe.value(direction) / chosen.pdf[texel];
+                    light += a * chosen.splatRadiance[texel].x;
+                    weight += a;
+                }
+                Rng rng(1);
+                for (int i = 0; i < 100'000; ++i) {
+                    const glm::vec3 direction = squareToHemisphere(rng.uniform2());
+                    fieldLight += lobe.value(direction) * field(frame.toWorld(direction));
+                    fieldWeight += lobe.value(direction);
+                }
+                ratios += light / weight;
+                expected += fieldLight / fieldWeight;
+                count += 1;
+            }
+            ASSERT_GT(count, 3);
+            EXPECT_NEAR(ratios, expected, 0.05 * expected) << int(strategy) << ' ' << alpha;
+        }
     }
 }
 
