@@ -10,11 +10,6 @@
 namespace phat {
 namespace {
 
-struct Ray {
-    glm::vec3 origin;
-    glm::vec3 direction;
-};
-
 // Everything that gathering reads, kept alive together.
 struct GatherSetup {
     explicit GatherSetup(const BakeSettings& bakeSettings) : settings(bakeSettings) {}
@@ -33,9 +28,8 @@ struct GatherSetup {
     GatherInput input{rays, lights, atlas, points, frames, photons, index, wanted};
     std::vector<Guide> guides =
         buildGuides({atlas, points, frames}, {photons, index}, isIndirectPhoton, progress);
-    ChosenDirections chosen =
-        chooseGuidedDirections({atlas, points, frames}, guides,
-                               {Directions::guided, settings.density, settings.seed, 0}, progress);
+    ChosenDirections chosen = chooseGuidedDirections(
+        {atlas, points, frames}, guides, {Directions::guided, settings.density, settings.seed, 0}, progress);
 };
 
 // `count` rays in the order of gathering: each texel's own, then diffuse bounces from its hit in chains as
@@ -85,8 +79,9 @@ void gatherAgainstEmbree(benchmark::State& state) {
     for (auto _ : state) {
         std::atomic<uint64_t> rayCount = 0;
         gatherSeconds += secondsOf([&] {
-            benchmark::DoNotOptimize(gatherIndirect(setup.input, setup.chosen, {noIrradiance, noIrradiance},
-                                                    0, settings, setup.progress, nullptr, rayCount));
+            benchmark::DoNotOptimize(
+                gatherIndirect({setup.input, settings, setup.progress, nullptr, rayCount}, setup.chosen,
+                               {noIrradiance, noIrradiance}, 0));
         });
         rays += rayCount;
         const std::vector<Ray> recorded = recordRays(setup, rayCount);

@@ -103,7 +103,8 @@ void BM_NearestPhotons(benchmark::State& state) {
     for (auto _ : state) {
         const Photon& at = map.photons[rng.bits() % map.photons.size()];
         if (estimate) {
-            benchmark::DoNotOptimize(photonIrradiance(map, index, at.position, at.normal, {k, 0.25f}, keep));
+            benchmark::DoNotOptimize(
+                photonIrradiance({map, index}, at.position, at.normal, {k, 0.25f}, keep));
         } else {
             index.nearest(at.position, k, 0.25f, found);
             benchmark::DoNotOptimize(found.data());

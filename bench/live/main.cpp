@@ -59,8 +59,11 @@ double bakeProcessorSeconds(const BakedScene& baked, const BakeSettings& setting
     const PhotonMap photons = tracePhotons(rays, lights, settings.photons, progress);
     const PhotonIndex index(photons.photons);
     std::atomic<uint64_t> rayCount = 0;
-    gatherLight({rays, lights, baked.atlas, baked.points, frames, photons, index, wanted}, settings, progress,
-                nullptr, rayCount);
+    gatherLight({{rays, lights, baked.atlas, baked.points, frames, photons, index, wanted},
+                 settings,
+                 progress,
+                 nullptr,
+                 rayCount});
     return threadProcessorSeconds() - start;
 }
 

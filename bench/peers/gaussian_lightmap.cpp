@@ -119,7 +119,7 @@ Amplitudes bakeTexel(const RayScene& rays, const LightSampler& lights, const Gau
     for (int i = 0; i < settings.raysPerTexel; ++i) {
         const glm::vec3 local = squareToHemisphere(r2Point(i, shift));
         const glm::vec3 radiance =
-            traceIncident(rays, lights, origin, glm::normalize(frame.toWorld(local)), settings.paths,
+            traceIncident({rays, lights}, {origin, glm::normalize(frame.toWorld(local))}, settings.paths,
                           Rng(hashOf(settings.seed, texel, uint64_t(i))))
                 .reflected;
         for (int g = 0; g < kGaussians; ++g) moments[size_t(g)] += gaussianAt(basis, g, local) * radiance;

@@ -81,9 +81,10 @@ ReflectionProbe bakeProbe(const RayScene& rays, const LightSampler& lights, cons
             glm::vec3 sum(0);
             for (int path = 0; path < settings.paths.pathsPerHit; ++path) {
                 const glm::vec2 uv = (texel + rng.uniform2()) / float(settings.faceSize) * 2.0f - 1.0f;
-                sum += traceIncident(rays, lights, settings.position, cubeDirection(int(i / faceTexels), uv),
-                                     paths, Rng(hashOf(settings.seed, i, uint64_t(path))))
-                           .reflected;
+                sum +=
+                    traceIncident({rays, lights}, {settings.position, cubeDirection(int(i / faceTexels), uv)},
+                                  paths, Rng(hashOf(settings.seed, i, uint64_t(path))))
+                        .reflected;
             }
             probe.radiance[i] = unpackRgb9e5(packRgb9e5(sum / float(settings.paths.pathsPerHit)));
         }

@@ -35,6 +35,13 @@ const Animation& animationOf(const RenderOptions& options, const Scene& scene) {
     throw CLI::ValidationError("--animation", fmt::format("there is no animation \"{}\"", wanted));
 }
 
+template <typename Body>
+double secondsOf(const Body& body) {
+    const Stopwatch start;
+    body();
+    return start.seconds();
+}
+
 /// Lets the light follow for a frame; returns the work that was done.
 uint64_t follow(IncrementalBaker& engine, const AnimatedFrames& frames, Progress& progress) {
     if (frames.secondsPerFrame <= 0) return engine.advance(uint64_t(frames.workPerFrame), progress);
@@ -75,17 +82,16 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
     for (int i = 0; i < count; ++i) {
         progress.throwIfStopped();
         const double seconds = frames.start + double(i) / frames.perSecond;
-        const Stopwatch begin;
-        if (engine.setSceneState(poseAt(seconds)))
-            renderer.moveScene(engine.scene().scene(), baked.atlas, engine.scene().points());
-        const double moving = begin.seconds();
-        const Stopwatch following;
-        const uint64_t work = follow(engine, frames, progress);
-        const double followed = following.seconds();
-        const Stopwatch uploading;
-        LightUpdate update = engine.drainUpdate();
-        renderer.takeUpdate(update, std::numeric_limits<double>::infinity());
-        const double uploaded = uploading.seconds();
+        const double moving = secondsOf([&] {
+            if (engine.setSceneState(poseAt(seconds)))
+                renderer.moveScene(engine.scene().scene(), baked.atlas, engine.scene().points());
+        });
+        uint64_t work = 0;
+        const double followed = secondsOf([&] { work = follow(engine, frames, progress); });
+        const double uploaded = secondsOf([&] {
+            LightUpdate update = engine.drainUpdate();
+            renderer.takeUpdate(update, std::numeric_limits<double>::infinity());
+        });
 
         const ReflectionScene reflectionScene(engine.rays(), engine.lights(), baked.atlas,
                                               engine.scene().points(), engine.phatexture());

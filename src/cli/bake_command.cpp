@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -10,13 +9,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "cli/bake_arguments.h"
 #include "cli/bake_report.h"
 #include "cli/bake_stages.h"
 #include "cli/commands.h"
-#include "cli/count_option.h"
 #include "cli/interrupt.h"
 #include "cli/progress_bar.h"
-#include "core/atlas/glossy_density.h"
 #include "core/scene/lights.h"
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
@@ -29,42 +27,6 @@ namespace phat {
 namespace {
 
 using nlohmann::json;
-
-constexpr uint64_t kFewestTexels = 64;
-
-struct BakeOptions {
-    std::string input;
-    std::string output;
-    std::string environment;  // empty: none
-    BakeSettings settings;
-    std::optional<int> threads;
-    double memoryLimitBytes = 0;
-    std::optional<uint64_t> mostBytes;  // of the file
-    bool resume = false;
-    bool quiet = false;
-    bool json = false;
-};
-
-// Texels of a size that was asked for are of that size, unless the densities were asked for as well.
-float glossyDensityOf(const CLI::Option& option, bool texelSizeGiven) {
-    if (!option) return texelSizeGiven ? 1.0f : AtlasSettings().glossyDensity;
-    const auto density = option.as<float>();
-    if (!(density >= 1 && density <= kMostGlossyDensity))  // CLI::Range lets nan pass
-        throw CLI::ValidationError(
-            option.get_name(), fmt::format("{} is not a density from 1 to {}", density, kMostGlossyDensity));
-    return density;
-}
-
-std::string defaultOutput(const std::string& input) {
-    std::filesystem::path path(input);
-    path.replace_extension();
-    if (path.extension() == ".phat") path.replace_extension();
-    return path.string() + ".phat.glb";
-}
-
-double physicalMemoryBytes() {
-    return double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
-}
 
 LoadedScene loadInput(const BakeOptions& options, GltfSource& source) {
     LoadedScene loaded;
@@ -126,7 +88,7 @@ void bakeOnce(const BakeOptions& options, const GltfSource& source, const Loaded
         const Bake result = bake(loaded.scene, options.settings, progress, &journal);
         std::vector<std::string> notes = loaded.notes;
         for (std::string& note : writeBakedFile(options.output, source, loaded.scene, result, record,
-                                                {&progress, options.mostBytes.value_or(~uint64_t(0))}))
+                                                {&progress, options.maxBytes.value_or(~uint64_t(0))}))
             notes.push_back(std::move(note));
         report = reportOf(options.output, result, journal.resumedRecords(), progress.stageTimes(), notes);
     } catch (const std::exception& error) {
@@ -153,11 +115,11 @@ void runBake(BakeOptions options) {
     const LoadedScene loaded = loadInput(options, source);
     checkOutput(options);
     uint64_t& texels = options.settings.atlas.texelBudget;
-    if (options.mostBytes)
+    if (options.maxBytes)
         texels =
-            std::min(texels, texelsThatFit(*options.mostBytes, std::filesystem::file_size(options.input),
+            std::min(texels, texelsThatFit(*options.maxBytes, std::filesystem::file_size(options.input),
                                            options.settings.layers, LightSampler(loaded.scene).hasArea()));
-    if (texels < kFewestTexels) throw FileError(options.output, "would not fit into --max-megabytes");
+    if (texels < kMinTexels) throw FileError(options.output, "would not fit into --max-megabytes");
     refuseTooLarge(options, loaded.scene);
     // How well light is compressed shows when it is there.
     constexpr int kAttempts = 3;
@@ -165,8 +127,8 @@ void runBake(BakeOptions options) {
         try {
             return bakeOnce(options, source, loaded);
         } catch (const FileTooLarge& error) {
-            texels = uint64_t(0.97 * double(texels) * double(*options.mostBytes) / double(error.bytes));
-            if (attempt == kAttempts || texels < kFewestTexels)
+            texels = uint64_t(0.97 * double(texels) * double(*options.maxBytes) / double(error.bytes));
+            if (attempt == kAttempts || texels < kMinTexels)
                 throw FileError(error.path, error.reason + ", more than --max-megabytes");
             if (!options.quiet) fmt::print(stderr, "{}; once more with {} texels\n", error.what(), texels);
         }
@@ -176,94 +138,16 @@ void runBake(BakeOptions options) {
 }  // namespace
 
 void addBakeCommand(CLI::App& app) {
-    const BakeSettings defaults;
     CLI::App* command = app.add_subcommand("bake", "Bake a scene's indirect light into a file");
-    const auto option = [&](const char* name, const char* type, const std::string& help) {
-        return command->add_option(name, help)->type_name(type);
-    };
-    CLI::Option* input = option("IN", "FILE", "The scene: .glb or .gltf")->required();
-    CLI::Option* output = option("-o,--output", "FILE", "Default: IN with the extension .phat.glb");
-    CLI::Option* texelSize =
-        option("--texel-size", "METERS", "Side of a PHATexel on the surface")->check(CLI::Range(1e-5, 1e3));
-    CLI::Option* resolution = option("--resolution", "N", "About so many texels in the whole atlas")
-                                  ->default_str("1048576")
-                                  ->excludes(texelSize);
-    CLI::Option* glossyDensity = option("--glossy-density", "F",
-                                        "Texels of glossy surfaces may be up to F times finer, 1 to 8; "
-                                        "default: 3, with --texel-size 1");
-    CLI::Option* samples = option("--samples", "K", "PHATexels per texel")
-                               ->check(CLI::Range(1, 64))
-                               ->default_val(defaults.layers);
-    CLI::Option* photons = option("--photons", "N", "Photons to emit")->default_str("500k");
-    CLI::Option* neighbors = option("--gather-neighbors", "K", "Photons in a density estimate")
-                                 ->check(CLI::Range(1, 10'000))
-                                 ->default_val(defaults.density.neighbors);
-    CLI::Option* directions =
-        option("--directions", "NAME", "guided, photons, nearest-photon, uniform or cosine")
-            ->check(CLI::IsMember(directionNames()))
-            ->default_val("guided");
-    CLI::Option* radiance = option("--radiance", "NAME", "texels, path, photons or splat")
-                                ->check(CLI::IsMember(radianceNames()))
-                                ->default_val("texels");
-    CLI::Option* bounces = option("--bounces,--max-bounces", "N", "Longest path, in reflections")
-                               ->check(CLI::Range(1, 1000))
-                               ->default_val(defaults.maxBounces);
-    CLI::Option* paths =
-        option("--paths", "N", "Paths per PHATexel (--radiance texels: through glossy reflections; path)")
-            ->check(CLI::Range(1, 65'536))
-            ->default_val(defaults.pathsPerPhatexel);
-    CLI::Option* environment = option("--environment", "FILE", "Sky: latitude-longitude .hdr or .exr");
-    CLI::Option* useUv = option("--use-uv", "N", "Take the charts of TEXCOORD_N instead of unwrapping")
-                             ->check(CLI::Range(0, 1));
-    CLI::Option* gutter = option("--gutter", "N", "Texels around every chart at least")
-                              ->check(CLI::Range(1, 64))
-                              ->default_val(defaults.atlas.gutterTexels);
-    CLI::Option* seed = option("--seed", "S", "Of all random numbers")
-                            ->check(CLI::NonNegativeNumber)
-                            ->default_val(defaults.seed);
-    CLI::Option* threads = option("--threads", "T", "Default: all cores")->check(CLI::Range(1, 1024));
-    CLI::Option* memory =
-        option("--memory-limit", "GB", "Refuse to start a larger bake; default: the machine's")
-            ->check(CLI::Range(0.001, 1e6));
-    CLI::Option* megabytes = option("--max-megabytes", "MB", "Fewer texels, so that the file is no larger")
-                                 ->check(CLI::Range(0.01, 4e3))
-                                 ->excludes(texelSize);
-    CLI::Option* resume = command->add_flag("--resume")->description("Go on where a stopped bake was");
-    CLI::Option* quiet = command->add_flag("--quiet")->description("Print errors only");
-    CLI::Option* asJson = command->add_flag("--json")->description("Print the result as JSON");
+    const auto options = std::make_shared<BakeOptions>();
+    declareBakeOptions(*command, *options);
     command->footer(
         "Counts may end in k or M. The same input, flags and seed give the same bytes on any number of "
         "threads.\n"
         "Example: phat bake room.glb --texel-size 0.005 --samples 2");
-    command->callback([=] {
-        BakeOptions options;
-        options.input = input->as<std::string>();
-        options.output = *output ? output->as<std::string>() : defaultOutput(options.input);
-        if (*environment) options.environment = environment->as<std::string>();
-        BakeSettings& settings = options.settings;
-        if (*texelSize) settings.atlas.texelSizeMeters = texelSize->as<float>();
-        settings.atlas.glossyDensity = glossyDensityOf(*glossyDensity, texelSize->count() > 0);
-        if (*resolution) settings.atlas.texelBudget = parseCount(resolution, kFewestTexels, 0x1p32);
-        if (*photons) settings.photons.count = parseCount(photons, 1, 0x1p32);
-        if (*useUv) settings.atlas.useUvSet = useUv->as<int>();
-        settings.atlas.gutterTexels = gutter->as<uint32_t>();
-        settings.layers = samples->as<int>();
-        settings.density.neighbors = neighbors->as<uint32_t>();
-        settings.directions = directionNames().at(directions->as<std::string>());
-        settings.radiance = radianceNames().at(radiance->as<std::string>());
-        if (settings.radiance == RadianceSource::splat && !choosesPhotons(settings.directions))
-            throw CLI::ValidationError("--radiance", "splat needs --directions photons or nearest-photon");
-        settings.maxBounces = bounces->as<int>();
-        if (*bounces) settings.photons.maxBounces = settings.maxBounces;
-        settings.pathsPerPhatexel = paths->as<int>();
-        settings.seed = settings.photons.seed = seed->as<uint64_t>();
-        if (*megabytes) options.mostBytes = uint64_t(megabytes->as<double>() * 1e6);
-        if (*threads) options.threads = threads->as<int>();
-        options.memoryLimitBytes = *memory ? memory->as<double>() * 1e9 : physicalMemoryBytes();
-        options.resume = resume->count() > 0;
-        options.quiet = quiet->count() > 0;
-        options.json = asJson->count() > 0;
-        runBake(options);
+    command->callback([command, options] {
+        finishBakeOptions(*command, *options);
+        runBake(*options);
     });
 }
 

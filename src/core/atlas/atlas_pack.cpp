@@ -139,34 +139,50 @@ Packing packTiles(std::span<const PackBox> boxes, const std::vector<Fit>& fits, 
                              std::to_string(settings.maxSizeTexels) + " texels; ask for larger texels");
 }
 
-}  // namespace
+// About a second for any number of charts.
+constexpr uint64_t kEffort = 200000;
 
-Packing packCharts(std::span<const PackBox> boxes, const AtlasSettings& settings, Progress& progress) {
-    const uint32_t maxTiles = std::max(1u, settings.maxSizeTexels / kTileSize);
-    // About a second for any number of charts.
-    constexpr uint64_t kEffort = 200000;
+uint32_t maxTilesOf(const AtlasSettings& settings) {
+    return std::max(1u, settings.maxSizeTexels / kTileSize);
+}
 
-    if (boxes.empty()) return {};
-    if (settings.texelSizeMeters > 0) {
-        const auto fits = fitsOf(boxes, settings.texelSizeMeters, settings.gutterTexels, 1);
-        Packing packing;
-        if (std::all_of(fits.begin(), fits.end(), [&](const Fit& fit) { return fit.tiles.x <= maxTiles; }))
-            packing = packTiles(boxes, fits, maxTiles, kEffort, progress);
-        if (packing.originTile.empty()) throwTooLarge(settings);
-        packing.texelSizeMeters = settings.texelSizeMeters;
-        return packing;
-    }
+Packing packAtTexelSize(std::span<const PackBox> boxes, const AtlasSettings& settings, Progress& progress) {
+    const uint32_t maxTiles = maxTilesOf(settings);
+    const auto fits = fitsOf(boxes, settings.texelSizeMeters, settings.gutterTexels, 1);
+    Packing packing;
+    if (std::all_of(fits.begin(), fits.end(), [&](const Fit& fit) { return fit.tiles.x <= maxTiles; }))
+        packing = packTiles(boxes, fits, maxTiles, kEffort, progress);
+    if (packing.originTile.empty()) throwTooLarge(settings);
+    packing.texelSizeMeters = settings.texelSizeMeters;
+    return packing;
+}
 
+/// Texel sizes between which the atlas of a budget lies.
+struct TexelSizes {
+    double finest;    // no gutters, no gaps
+    double coarsest;  // coarser ones save nothing
+};
+
+TexelSizes texelSizesFor(std::span<const PackBox> boxes, const AtlasSettings& settings, double budget) {
     double area = 0, longest = 0;
     for (const PackBox& box : boxes) {
         area += box.sizeMeters.x * box.sizeMeters.y;
         longest = std::max(longest, box.sizeMeters.x);
     }
-    const double budget = double(std::max<uint64_t>(settings.texelBudget, kTileSize * kTileSize));
-    const double roomTexels = double(maxTiles) * kTileSize - 2.0 * settings.gutterTexels;
-    // Between "no gutters, no gaps" and texels so coarse that coarser ones save nothing.
+    const double roomTexels = double(maxTilesOf(settings)) * kTileSize - 2.0 * settings.gutterTexels;
     const double finest = std::max(std::sqrt(area / budget), longest / std::max(roomTexels, 1.0));
-    const double coarsest = 32 * finest;
+    return {finest, 32 * finest};
+}
+
+}  // namespace
+
+Packing packCharts(std::span<const PackBox> boxes, const AtlasSettings& settings, Progress& progress) {
+    if (boxes.empty()) return {};
+    if (settings.texelSizeMeters > 0) return packAtTexelSize(boxes, settings, progress);
+
+    const uint32_t maxTiles = maxTilesOf(settings);
+    const double budget = double(std::max<uint64_t>(settings.texelBudget, kTileSize * kTileSize));
+    const auto [finest, coarsest] = texelSizesFor(boxes, settings, budget);
 
     // Bisection of the logarithm, first on the boxes' sum (cheap) with the share of the atlas that the last
     // packing could fill, then packed. The share hardly depends on the texel size: two or three packings do.

@@ -162,16 +162,23 @@ glm::vec3 normalAt(const Scene& scene, uint32_t triangle, glm::vec2 clamped, glm
     return n / length;
 }
 
-// Everything about one texel of a chart once its triangle is known. `frontTexel` is its centre in the layout
-// of the triangle's own chart.
+/// Where a texel lies.
+struct TexelOrigin {
+    uint32_t triangle;
+    glm::dvec2 frontTexel;  // its centre in the layout of the triangle's own chart
+};
+
+// Everything about texel `i`, one of `chart`.
 void fillPoint(TexelPoints& points, size_t i, const Scene& scene, const Atlas& atlas, const Chart& chart,
-               uint32_t triangle, glm::dvec2 frontTexel) {
+               TexelOrigin origin) {
+    const auto [triangle, frontTexel] = origin;
     const TexelTriangle flat = texelTriangle(scene, atlas, triangle);
     glm::dvec2 barycentric = flat.barycentricAt(frontTexel);
     const glm::dvec2 clamped = nearestBarycentric(flat, frontTexel);
     glm::dvec3 position = flat.positionAt(barycentric);
     // Clamp: triangles of a hundredth of a texel carry the rounding of their corners; extrapolating one over
-    // several texels can go anywhere. The map is near-isometric (stretch 1.5), so twice the way is too far.
+    // several texels can go anywhere. The map is near-isometric (stretch 1.5), so twice the distance is too
+    // far.
     const double reach = 2 * chart.texelSizeMeters * glm::distance(flat.texelAt(clamped), frontTexel);
     if (!(glm::distance(position, flat.positionAt(clamped)) <= reach + 1e-4 * chart.texelSizeMeters)) {
         barycentric = clamped;
@@ -236,8 +243,9 @@ TexelPoints buildTexelPoints(const Scene& scene, const Atlas& atlas) {
                     const glm::uvec2 texel = target.originTexel() + glm::uvec2(x, y);
                     const size_t i = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
                     points.state[i] = claims.distance[claim] == 0 ? TexelState::surface : TexelState::gutter;
-                    fillPoint(points, i, scene, atlas, target, claims.triangle[claim],
-                              glm::dvec2(claims.origin) + glm::dvec2(x + 0.5, y + 0.5));
+                    fillPoint(
+                        points, i, scene, atlas, target,
+                        {claims.triangle[claim], glm::dvec2(claims.origin) + glm::dvec2(x + 0.5, y + 0.5)});
                 }
             }
         };

@@ -164,18 +164,22 @@ class Grower {
                 break;
             }
         }
+        renumber(members);
+    }
+
+    const std::vector<uint32_t>& chartOf() const { return chartOf_; }
+
+  private:
+    /// Numbers the charts that still have triangles.
+    void renumber(const std::vector<std::vector<uint32_t>>& members) {
         uint32_t next = 0;
-        for (uint32_t c = 0; c < count; ++c) {
+        for (uint32_t c = 0; c < members.size(); ++c) {
             if (members[c].empty()) continue;
             for (const uint32_t t : members[c]) chartOf_[t] = next;
             axis_[next++] = axis_[c];
         }
         axis_.resize(next);
     }
-
-    const std::vector<uint32_t>& chartOf() const { return chartOf_; }
-
-  private:
     void pushNeighbors(std::priority_queue<Candidate>& queue, uint32_t t, uint32_t chart) {
         for (const uint32_t n : patch_.neighbors[t]) {
             if (n == kNone || chartOf_[n] != kNone) continue;

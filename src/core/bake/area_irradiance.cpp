@@ -48,25 +48,25 @@ std::vector<uint8_t> irradianceTexels(const Atlas& atlas, const TexelPoints& poi
     return wanted;
 }
 
-ResumableTask filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
-                                   const TexelPoints& points, const std::vector<uint8_t>& wanted,
-                                   const ChartSet& charts, IrradianceMap& filtered, uint64_t pieceWork) {
+ResumableTask filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, ReceiverTexels texels,
+                                   const ChartSet& charts, IrradianceMap& filtered, uint64_t sliceWork) {
+    const auto& [atlas, points, receives] = texels;
     const size_t width = atlas.sizeTexels.x;
     filtered.assign(estimates.size(), glm::vec3(0));
     std::vector<Guide3x3> guide(estimates.size());
     std::vector<uint8_t> known(estimates.size(), 0);
     const auto isOther = [&](size_t i) { return !hasChart(charts, atlas.chartAt(i)); };
     SilentProgress silent;
-    const size_t most = itemsPerSlice(pieceWork, kFilterWork);
+    const size_t most = itemsPerSlice(sliceWork, kFilterWork);
     const auto forValid = [&](size_t first, size_t last, const auto& body) {
         parallelRanges(last - first, 8192, silent, [&](size_t begin, size_t end) {
             for (size_t i = first + begin; i < first + end; ++i)
-                if (wanted[i] && !isOther(i)) body(i, glm::ivec2(i % width, i / width));
+                if (receives[i] && !isOther(i)) body(i, glm::ivec2(i % width, i / width));
         });
     };
     const auto findGuide = [&](size_t i, glm::ivec2 texel) {
         float sum = 0, variance = 0, count = 0;
-        forNeighbors(atlas, wanted, texel, 1, [&](glm::ivec2, size_t j) {
+        forNeighbors(atlas, receives, texel, 1, [&](glm::ivec2, size_t j) {
             sum += luminance(estimates[j].value);
             variance += estimates[j].variance;
             count += 1;
@@ -77,7 +77,7 @@ ResumableTask filterAreaIrradiance(const std::vector<IrradianceEstimate>& estima
     const auto filter = [&](size_t i, glm::ivec2 texel) {
         glm::vec3 sum(0);
         float weights = 0;
-        forNeighbors(atlas, wanted, texel, kReach, [&](glm::ivec2 offset, size_t j) {
+        forNeighbors(atlas, receives, texel, kReach, [&](glm::ivec2 offset, size_t j) {
             if (glm::dot(points.normal[i], points.normal[j]) < kLeastNormalCosine) return;
             const float difference = guide[i].luminance - guide[j].luminance;
             const float noise = square(kNoiseSigmas) * (guide[i].variance + guide[j].variance);

@@ -64,59 +64,58 @@ ChosenDirections directionsFor(const GatherInput& input, const std::vector<Guide
     return chooseGuidedDirections(blocksOf(input), guides, settings, progress);
 }
 
-void bakeIndirect(const GatherInput& input, const BakeSettings& settings, Progress& progress,
-                  BakeJournal* journal, std::atomic<uint64_t>& rays, Phatexture& out) {
-    out.indirectGuides = guidesFor(input, settings.directions, isIndirectPhoton, progress);
+void bakeIndirect(const GatherContext& context, Phatexture& out) {
+    const GatherInput& input = context.input;
+    const BakeSettings& settings = context.settings;
+    out.indirectGuides = guidesFor(input, settings.directions, isIndirectPhoton, context.progress);
     for (int layer = 0; layer < settings.layers; ++layer) {
         ChosenDirections chosen = directionsFor(input, out.indirectGuides, isIndirectPhoton,
                                                 {settings.directions, settings.density, settings.seed, layer,
                                                  settings.radiance == RadianceSource::splat},
-                                                progress);
-        ProgressStage stage(progress, "indirect light", input.atlas.texelCount());
-        out.indirect.push_back(gatherIndirect(input, chosen, {out.indirectIrradiance, out.areaIrradiance},
-                                              layer, settings, progress, journal, rays));
+                                                context.progress);
+        ProgressStage stage(context.progress, "indirect light", input.atlas.texelCount());
+        out.indirect.push_back(
+            gatherIndirect(context, chosen, {out.indirectIrradiance, out.areaIrradiance}, layer));
         if (choosesPhotons(settings.directions)) out.indirect.back().pdf = std::move(chosen.pdf);
         out.indirect.back().scrambles = std::move(chosen.scrambles);
     }
 }
 
-void bakeAreaLight(const GatherInput& input, const std::vector<SeamPoint>& seams,
-                   const BakeSettings& settings, Progress& progress, BakeJournal* journal,
-                   std::atomic<uint64_t>& rays, Phatexture& out) {
+void bakeAreaLight(const GatherContext& context, const std::vector<SeamPoint>& seams, Phatexture& out) {
+    const GatherInput& input = context.input;
+    const BakeSettings& settings = context.settings;
     if (!input.lights.hasArea()) return;
-    out.areaGuides = guidesFor(input, Directions::guided, isAreaPhoton, progress);
+    out.areaGuides = guidesFor(input, Directions::guided, isAreaPhoton, context.progress);
     // Layer -1: a stream of its own, whatever the number of indirect layers.
     ChosenDirections chosen =
         directionsFor(input, out.areaGuides, isAreaPhoton,
-                      {Directions::guided, settings.density, settings.seed, -1}, progress);
+                      {Directions::guided, settings.density, settings.seed, -1}, context.progress);
     {
-        ProgressStage stage(progress, "area light", input.atlas.texelCount());
-        out.area.push_back(gatherArea(input, chosen, progress, journal, rays));
+        ProgressStage stage(context.progress, "area light", input.atlas.texelCount());
+        out.area.push_back(gatherArea(context, chosen));
         out.area.back().scrambles = std::move(chosen.scrambles);
     }
-    ProgressStage stage(progress, "soft shadows",
+    ProgressStage stage(context.progress, "soft shadows",
                         2 * input.atlas.texelCount());  // all texels, then the hard ones
-    const std::vector<IrradianceEstimate> estimates =
-        gatherAreaIrradiance(input, settings, progress, journal, rays);
+    const std::vector<IrradianceEstimate> estimates = gatherAreaIrradiance(context);
     IrradianceMap filtered;
     const ChartSet all;
-    finish(filterAreaIrradiance(estimates, input.atlas, input.points, input.irradianceTexels, all, filtered,
+    finish(filterAreaIrradiance(estimates, {input.atlas, input.points, input.irradianceTexels}, all, filtered,
                                 kNoSlicing));
-    out.areaIrradiance = finishAreaIrradiance(std::move(filtered), input, seams, progress);
+    out.areaIrradiance = finishAreaIrradiance(std::move(filtered), input, seams, context.progress);
 }
 
 }  // namespace
 
-Phatexture gatherLight(const GatherInput& input, const BakeSettings& settings, Progress& progress,
-                       BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
+Phatexture gatherLight(const GatherContext& context) {
+    const GatherInput& input = context.input;
     Phatexture result;
     const std::vector<SeamPoint> seams = findSeams(input.rays.scene(), input.atlas);
-    bakeAreaLight(input, seams, settings, progress, journal, rayCount, result);
+    bakeAreaLight(context, seams, result);
     result.indirectIrradiance = finishIndirectIrradiance(
-        gatherIndirectIrradiance(input, result.areaIrradiance, settings, progress, journal, rayCount), input,
-        seams, progress);
-    bakeIndirect(input, settings, progress, journal, rayCount, result);
-    prepareLookup(result, input.atlas, input.points, input.frames, input.rays, progress);
+        gatherIndirectIrradiance(context, result.areaIrradiance), input, seams, context.progress);
+    bakeIndirect(context, result);
+    prepareLookup(result, input.atlas, input.points, input.frames, input.rays, context.progress);
     return result;
 }
 
@@ -134,11 +133,11 @@ Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, 
     result.points = buildTexelPoints(scene, result.atlas);
     markCoveredTexels(result.points, result.atlas, rays, progress);
     const std::vector<Frame> frames = blockFrames(result.atlas, result.points);
-    const std::vector<uint8_t> wanted = irradianceTexels(result.atlas, result.points);
-    const GatherInput input{rays, lights, result.atlas, result.points, frames, photons, index, wanted};
+    const std::vector<uint8_t> receivers = irradianceTexels(result.atlas, result.points);
+    const GatherInput input{rays, lights, result.atlas, result.points, frames, photons, index, receivers};
 
     std::atomic<uint64_t> rayCount = 0;
-    result.phatexture = gatherLight(input, settings, progress, journal, rayCount);
+    result.phatexture = gatherLight({input, settings, progress, journal, rayCount});
 
     result.stats.photons = photons.stats;
     result.stats.texels = result.atlas.texelCount();

@@ -1,5 +1,7 @@
 #include "core/bake/gather.h"
 
+#include <optional>
+
 #include "core/bake/gather_parts.h"
 #include "core/bake/irradiance_ray.h"
 
@@ -15,52 +17,44 @@ constexpr int kFirstRounds = 2, kFurtherRounds = 6;
 // Standard errors below this share need no further rounds: the filter removes them.
 constexpr float kQuietRelativeError = 0.02f;
 
-/// A texel's ray: where it starts and its direction in the world; invalid below the texel's horizon.
-struct TexelRay {
-    glm::vec3 origin{0};
-    glm::vec3 direction{0};
-    bool valid = false;
-};
-
-TexelRay texelRay(const GatherInput& input, const TexelDirection& chosen, size_t texel) {
-    TexelRay ray;
-    if (!input.points.valid(texel) || chosen.pdf <= 0.0f) return ray;
+/// A texel's ray; nothing below the texel's horizon.
+std::optional<Ray> texelRay(const GatherInput& input, const TexelDirection& chosen, size_t texel) {
+    if (!input.points.valid(texel) || chosen.pdf <= 0.0f) return {};
     const glm::uvec2 xy(texel % input.atlas.sizeTexels.x, texel / input.atlas.sizeTexels.x);
     const Frame& frame = input.frames[input.atlas.blockAt(xy)];
 
-    ray.direction = glm::normalize(frame.toWorld(chosen.directionBlock));
+    const glm::vec3 direction = glm::normalize(frame.toWorld(chosen.directionBlock));
     const glm::vec3 flatNormal = flatNormalOf(input, texel);
-    ray.valid = glm::dot(ray.direction, input.points.normal[texel]) > 0.0f &&
-                glm::dot(ray.direction, flatNormal) > 0.0f;
-    ray.origin = offsetOrigin(input.points.position[texel], flatNormal);
-    return ray;
+    if (glm::dot(direction, input.points.normal[texel]) <= 0.0f || glm::dot(direction, flatNormal) <= 0.0f)
+        return {};
+    return Ray{offsetOrigin(input.points.position[texel], flatNormal), direction};
 }
 
 /// Radiance by the photons at the ray's hit: the paper's exact-solution analogue (section 5.1.2).
-IncidentRadiance photonIncident(const GatherInput& input, const TexelRay& ray,
-                                const DensityEstimate& density) {
+IncidentRadiance photonIncident(const GatherInput& input, const Ray& ray, const DensityEstimate& density) {
     IncidentRadiance incident;
     incident.rays = 1;
     const Hit hit = input.rays.closestHit(ray.origin, ray.direction);
     if (!hit) return incident;
     incident.distance = hit.distance;
     const SurfacePoint point = surfaceAt(input.rays.scene(), hit, ray.direction);
-    incident.reflected = photonRadiance(input.photons, input.index, point, -ray.direction, density,
+    incident.reflected = photonRadiance({input.photons, input.index}, point, -ray.direction, density,
                                         [](const Photon&) { return true; });
     return incident;
 }
 
-IncidentRadiance incidentAt(const GatherInput& input, const TexelDirection& chosen,
-                            const TexelIrradiance& irradiance, const TexelRay& ray, size_t texel, int layer,
-                            const BakeSettings& settings) {
+IncidentRadiance incidentAt(const IndirectLayer& of, const TexelDirection& chosen, const Ray& ray,
+                            size_t texel) {
+    const GatherInput& input = of.input;
+    const BakeSettings& settings = of.settings;
     const PathSettings path{settings.pathsPerPhatexel, settings.maxBounces};
-    const Rng rng(hashOf(settings.seed + 0x9a7, uint64_t(layer), texel));
+    const Rng rng(hashOf(settings.seed + 0x9a7, uint64_t(of.layer), texel));
     switch (settings.radiance) {
         case RadianceSource::texels:
-            return incidentFromTexels(input, irradiance, ray.origin, ray.direction, path,
+            return incidentFromTexels(input, of.irradiance, ray, path,
                                       kNearTexels * input.atlas.texelMetersAt(texel), rng);
         case RadianceSource::path:
-            return traceIncident(input.rays, input.lights, ray.origin, ray.direction, path, rng);
+            return traceIncident({input.rays, input.lights}, ray, path, rng);
         case RadianceSource::photons:
             return photonIncident(input, ray, settings.density);
         case RadianceSource::splat:
@@ -103,9 +97,10 @@ bool isHardTexel(const GatherInput& input, glm::ivec2 texel, const FirstEstimate
 IrradianceEstimate estimateArea(const GatherInput& input, const BakeSettings& settings, GatherStage stage,
                                 size_t texel, uint64_t& rays) {
     const int samplesPerRound = std::max(settings.irradianceSamples / kFirstRounds, 1);
-    return areaIrradiance(input.rays, input.lights, input.points.position[texel], input.points.normal[texel],
-                          samplesPerRound,
-                          stage == GatherStage::areaIrradiance ? kFirstRounds : kFurtherRounds,
+    const IrradianceSampling sampling{samplesPerRound,
+                                      stage == GatherStage::areaIrradiance ? kFirstRounds : kFurtherRounds};
+    return areaIrradiance({input.rays, input.lights}, input.points.position[texel],
+                          input.points.normal[texel], sampling,
                           Rng(hashOf(settings.seed + 0x17, uint64_t(stage), texel)), rays);
 }
 
@@ -129,59 +124,53 @@ glm::vec3 flatNormalOf(const GatherInput& input, size_t texel) {
     return glm::normalize(back ? -normal : normal);
 }
 
-PackedPhatexel indirectPhatexel(const GatherInput& input, const TexelDirection& direction,
-                                const TexelIrradiance& irradiance, size_t texel, int layer,
-                                const BakeSettings& settings, uint64_t& rays) {
-    const TexelRay ray = texelRay(input, direction, texel);
-    if (!ray.valid) return {};
-    const IncidentRadiance incident = incidentAt(input, direction, irradiance, ray, texel, layer, settings);
+PackedPhatexel indirectPhatexel(const IndirectLayer& layer, const TexelDirection& direction, size_t texel,
+                                uint64_t& rays) {
+    const std::optional<Ray> ray = texelRay(layer.input, direction, texel);
+    if (!ray) return {};
+    const IncidentRadiance incident = incidentAt(layer, direction, *ray, texel);
     rays += incident.rays;
     return packed(direction, incident.reflected, incident.distance);
 }
 
 PackedPhatexel areaPhatexel(const GatherInput& input, const TexelDirection& direction, size_t texel,
                             uint64_t& rays) {
-    const TexelRay ray = texelRay(input, direction, texel);
-    if (!ray.valid) return {};
+    const std::optional<Ray> ray = texelRay(input, direction, texel);
+    if (!ray) return {};
     const PathSettings emissionOnly{.pathsPerHit = 0, .maxBounces = 0};
-    const IncidentRadiance incident =
-        traceIncident(input.rays, input.lights, ray.origin, ray.direction, emissionOnly, Rng(0));
+    const IncidentRadiance incident = traceIncident({input.rays, input.lights}, *ray, emissionOnly, Rng(0));
     rays += incident.rays;
     return packed(direction, incident.emitted, incident.distance);
 }
 
-PhatexelLayer gatherIndirect(const GatherInput& input, const ChosenDirections& chosen,
-                             const TexelIrradiance& irradiance, int layer, const BakeSettings& settings,
-                             Progress& progress, BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
+PhatexelLayer gatherIndirect(const GatherContext& context, const ChosenDirections& chosen,
+                             const TexelIrradiance& irradiance, int layer) {
+    const IndirectLayer of{context.input, irradiance, context.settings, layer};
     PhatexelLayer result;
-    result.texels.resize(input.atlas.texelCount());
-    fillParts(result.texels, hashOf(uint64_t(GatherStage::indirect), uint64_t(layer)), progress, journal,
-              rayCount, [&](size_t texel, uint64_t& rays) {
-                  result.texels[texel] =
-                      indirectPhatexel(input, chosen.at(texel), irradiance, texel, layer, settings, rays);
-              });
-    return result;
-}
-
-PhatexelLayer gatherArea(const GatherInput& input, const ChosenDirections& chosen, Progress& progress,
-                         BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
-    PhatexelLayer result;
-    result.texels.resize(input.atlas.texelCount());
-    fillParts(result.texels, uint64_t(GatherStage::area), progress, journal, rayCount,
+    result.texels.resize(context.input.atlas.texelCount());
+    fillParts(result.texels, hashOf(uint64_t(GatherStage::indirect), uint64_t(layer)), context,
               [&](size_t texel, uint64_t& rays) {
-                  result.texels[texel] = areaPhatexel(input, chosen.at(texel), texel, rays);
+                  result.texels[texel] = indirectPhatexel(of, chosen.at(texel), texel, rays);
               });
     return result;
 }
 
-std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, const BakeSettings& settings,
-                                                     Progress& progress, BakeJournal* journal,
-                                                     std::atomic<uint64_t>& rayCount) {
+PhatexelLayer gatherArea(const GatherContext& context, const ChosenDirections& chosen) {
+    PhatexelLayer result;
+    result.texels.resize(context.input.atlas.texelCount());
+    fillParts(result.texels, uint64_t(GatherStage::area), context, [&](size_t texel, uint64_t& rays) {
+        result.texels[texel] = areaPhatexel(context.input, chosen.at(texel), texel, rays);
+    });
+    return result;
+}
+
+std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherContext& context) {
+    const GatherInput& input = context.input;
     const auto estimate = [&](GatherStage stage, const auto& wanted) {
         std::vector<IrradianceEstimate> estimates(input.atlas.texelCount());
-        fillParts(estimates, uint64_t(stage), progress, journal, rayCount, [&](size_t texel, uint64_t& rays) {
+        fillParts(estimates, uint64_t(stage), context, [&](size_t texel, uint64_t& rays) {
             if (!input.irradianceTexels[texel] || !wanted(texel)) return;
-            estimates[texel] = estimateArea(input, settings, stage, texel, rays);
+            estimates[texel] = estimateArea(input, context.settings, stage, texel, rays);
         });
         return estimates;
     };

@@ -24,17 +24,33 @@ struct GatherInput {
     const std::vector<uint8_t>& irradianceTexels;  // [y][x], as the function of that name
 };
 
+/// A run of the gathering stages: what they read, report to and are taken up again from.
+struct GatherContext {
+    GatherInput input;
+    const BakeSettings& settings;
+    Progress& progress;
+    BakeJournal* journal;  // null: an interrupted run begins anew
+    std::atomic<uint64_t>& rayCount;
+    uint64_t sliceWork = kNoSlicing;  // rays between two yields of a ResumableTask
+};
+
 /// Unit normal of a valid texel's flat triangle, on the chart's side.
 glm::vec3 flatNormalOf(const GatherInput& input, size_t texel);
 
 /// All that a bake gathers for the texels of an atlas, whatever they are in the scene by now.
-Phatexture gatherLight(const GatherInput& input, const BakeSettings& settings, Progress& progress,
-                       BakeJournal* journal, std::atomic<uint64_t>& rayCount);
+Phatexture gatherLight(const GatherContext& context);
 
-/// PHATexel `texel` of light that was reflected at least once, as gatherIndirect makes it.
-PackedPhatexel indirectPhatexel(const GatherInput& input, const TexelDirection& direction,
-                                const TexelIrradiance& irradiance, size_t texel, int layer,
-                                const BakeSettings& settings, uint64_t& rays);
+/// A layer of PHATexels of light that was reflected at least once.
+struct IndirectLayer {
+    const GatherInput& input;
+    const TexelIrradiance& irradiance;  // read by RadianceSource::texels
+    const BakeSettings& settings;
+    int layer;
+};
+
+/// One PHATexel of the layer, as gatherIndirect makes it.
+PackedPhatexel indirectPhatexel(const IndirectLayer& layer, const TexelDirection& direction, size_t texel,
+                                uint64_t& rays);
 /// The same of light straight from emissive surfaces and the environment.
 PackedPhatexel areaPhatexel(const GatherInput& input, const TexelDirection& direction, size_t texel,
                             uint64_t& rays);
@@ -42,28 +58,23 @@ PackedPhatexel areaPhatexel(const GatherInput& input, const TexelDirection& dire
 /// PHATexels of light that was reflected at least once: one ray each, its value by `settings.radiance`.
 /// A direction below its own texel's horizon (the block's frame is a mean) gives an invalid PHATexel.
 /// `irradiance` is what RadianceSource::texels reads.
-PhatexelLayer gatherIndirect(const GatherInput& input, const ChosenDirections& chosen,
-                             const TexelIrradiance& irradiance, int layer, const BakeSettings& settings,
-                             Progress& progress, BakeJournal* journal, std::atomic<uint64_t>& rayCount);
+PhatexelLayer gatherIndirect(const GatherContext& context, const ChosenDirections& chosen,
+                             const TexelIrradiance& irradiance, int layer);
 
 /// PHATexels of light straight from emissive surfaces and the environment.
-PhatexelLayer gatherArea(const GatherInput& input, const ChosenDirections& chosen, Progress& progress,
-                         BakeJournal* journal, std::atomic<uint64_t>& rayCount);
+PhatexelLayer gatherArea(const GatherContext& context, const ChosenDirections& chosen);
 
 /// Estimates of the irradiance of emissive surfaces and the environment, [y][x].
-std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherInput& input, const BakeSettings& settings,
-                                                     Progress& progress, BakeJournal* journal,
-                                                     std::atomic<uint64_t>& rayCount);
+std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherContext& context);
 
-/// The same for a rectangle of texels inside the atlas, into their places of `estimates`.
+/// The same for a rectangle of texels inside the atlas, into their elements of `estimates`.
 void renewAreaIrradiance(const GatherInput& input, const BakeSettings& settings, glm::uvec2 corner,
                          glm::uvec2 size, std::vector<IrradianceEstimate>& estimates, uint64_t& rays);
 
 /// Irradiance of all light that was reflected at least once, [y][x], everywhere in the charts, by rays of its
-/// own and smooth: the PHATexels have no part in it. `areaIrradiance`: as Phatexture's, what the walls are
+/// own and smooth: the PHATexels have no part in it. `areaIrradiance`: as Phatexture's, what surfaces are
 /// lit by.
-IrradianceMap gatherIndirectIrradiance(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
-                                       const BakeSettings& settings, Progress& progress, BakeJournal* journal,
-                                       std::atomic<uint64_t>& rayCount);
+IrradianceMap gatherIndirectIrradiance(const GatherContext& context,
+                                       const std::vector<uint32_t>& areaIrradiance);
 
 }  // namespace phat

@@ -23,11 +23,12 @@ inline constexpr size_t kPartBytes = 32 << 10;
 /// Fills `values` by fillOne(index, rays) in parts; parts that the journal has are not computed again. With
 /// many paths a part takes seconds: a stop is noticed between texels, and the unfinished part is dropped.
 template <typename Value, typename FillOne>
-void fillParts(std::vector<Value>& values, uint64_t key, Progress& progress, BakeJournal* journal,
-               std::atomic<uint64_t>& rayCount, const FillOne& fillOne) {
+void fillParts(std::vector<Value>& values, uint64_t key, const GatherContext& context,
+               const FillOne& fillOne) {
     static_assert(std::is_trivially_copyable_v<Value>);
     constexpr size_t kPartValues = std::max<size_t>(kPartBytes / sizeof(Value), 1);
-    parallelRanges(values.size(), kPartValues, progress, [&](size_t begin, size_t end) {
+    BakeJournal* journal = context.journal;
+    parallelRanges(values.size(), kPartValues, context.progress, [&](size_t begin, size_t end) {
         const size_t byteCount = (end - begin) * sizeof(Value);
         const uint64_t partKey = hashOf(key, begin);
         if (journal) {
@@ -39,10 +40,10 @@ void fillParts(std::vector<Value>& values, uint64_t key, Progress& progress, Bak
         }
         uint64_t rays = 0;
         for (size_t index = begin; index < end; ++index) {
-            progress.throwIfStopped();
+            context.progress.throwIfStopped();
             fillOne(index, rays);
         }
-        rayCount += rays;
+        context.rayCount += rays;
         if (journal) {
             const auto* bytes = reinterpret_cast<const uint8_t*>(&values[begin]);
             journal->store(partKey, {bytes, bytes + byteCount});

@@ -58,7 +58,7 @@ struct Gatherer {
             const glm::vec3 direction = glm::normalize(frame.toWorld(squareToCosineHemisphere(square)));
             if (glm::dot(direction, flatNormal) <= 0.0f) continue;
             visit(count++,
-                  traceToTexels(input, areaIrradiance, origin, direction, settings.maxBounces, rng, rays));
+                  traceToTexels(input, areaIrradiance, {origin, direction}, settings.maxBounces, rng, rays));
         }
         return count;
     }
@@ -160,14 +160,14 @@ std::vector<uint8_t> groupsToSplit(const IrradianceLevel& level, const Atlas& at
 }
 
 /// Appends a finer level to `levels`, gathered in the light of `map`.
-ResumableTask refine(const Gatherer& gatherer, std::vector<IrradianceLevel>& levels, uint32_t step,
-                     const IrradianceMap& map, const ChartSet& charts, uint64_t pieceWork, Progress& progress,
-                     BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
-    const Atlas& atlas = gatherer.input.atlas;
+ResumableTask refine(const GatherContext& context, const Gatherer& gatherer,
+                     std::vector<IrradianceLevel>& levels, uint32_t step, const IrradianceMap& map,
+                     const ChartSet& charts) {
+    const Atlas& atlas = context.input.atlas;
     const IrradianceLevel& coarse = levels.back();
     const std::vector<uint8_t> split = groupsToSplit(coarse, atlas);
     const uint32_t ratio = coarse.step / step;
-    IrradianceLevel level = makeLevel(atlas, gatherer.input.irradianceTexels, step, [&](glm::uvec2 group) {
+    IrradianceLevel level = makeLevel(atlas, context.input.irradianceTexels, step, [&](glm::uvec2 group) {
         const glm::uvec2 around = group / ratio;
         const size_t index = size_t(around.y) * coarse.size.x + around.x;
         return coarse.node[index] != kNoNode && split[index] != 0 &&
@@ -177,25 +177,24 @@ ResumableTask refine(const Gatherer& gatherer, std::vector<IrradianceLevel>& lev
     const auto sumOf = [&](size_t node, uint64_t& rays) {
         sums[node] = gatherer.sumRays(level, node, map, rays);
     };
-    const size_t most = itemsPerSlice(pieceWork, kFineRays);
+    const size_t most = itemsPerSlice(context.sliceWork, kFineRays);
     if (sums.size() <= most) {
-        const ProgressStage stage(progress, "diffuse contacts", sums.size());
-        const uint64_t before = rayCount;
-        fillParts(sums, hashOf(uint64_t(GatherStage::indirectIrradiance), step), progress, journal, rayCount,
-                  sumOf);
-        co_yield rayCount - before;
+        const ProgressStage stage(context.progress, "diffuse contacts", sums.size());
+        const uint64_t before = context.rayCount;
+        fillParts(sums, hashOf(uint64_t(GatherStage::indirectIrradiance), step), context, sumOf);
+        co_yield context.rayCount - before;
     } else {
         SilentProgress silent;
         for (size_t first = 0, last = 0; first < sums.size(); first = last) {
             last = first + std::min(most, sums.size() - first);
-            std::atomic<uint64_t> pieceRays = 0;
+            std::atomic<uint64_t> sliceRays = 0;
             parallelRanges(last - first, 32, silent, [&](size_t begin, size_t end) {
                 uint64_t rays = 0;
                 for (size_t node = first + begin; node < first + end; ++node) sumOf(node, rays);
-                pieceRays += rays;
+                sliceRays += rays;
             });
-            rayCount += pieceRays;
-            co_yield pieceRays.load();
+            context.rayCount += sliceRays;
+            co_yield sliceRays.load();
         }
     }
     std::vector<float> nearness;
@@ -218,91 +217,86 @@ NodeRays traceNode(const GatherInput& input, const std::vector<uint32_t>& areaIr
     return Gatherer{input, areaIrradiance, settings}.keepRays(level, node, rays);
 }
 
-ResumableTask irradianceFromNodes(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
-                                  const BakeSettings& settings, IrradianceLevel coarse,
-                                  std::vector<NodeRays> nodes, IrradianceMap& map, uint64_t pieceWork,
-                                  Progress& progress, BakeJournal* journal, std::atomic<uint64_t>& rayCount) {
-    const Gatherer gatherer{input, areaIrradiance, settings};
+ResumableTask irradianceFromNodes(GatherContext context, const std::vector<uint32_t>& areaIrradiance,
+                                  IrradianceLevel coarse, std::vector<NodeRays> nodes, IrradianceMap& map) {
+    const Atlas& atlas = context.input.atlas;
+    const TexelPoints& points = context.input.points;
+    const Gatherer gatherer{context.input, areaIrradiance, context.settings};
     const ChartSet all;
     std::vector<float> nearness;
     for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
-    setDistances(coarse, input.atlas, nearness);
-    for (ResumableTask p = solve(coarse, nodes, input.atlas.sizeTexels.x, settings.maxBounces - 1, progress);
-         p.next();)
-        co_yield p.work();
+    setDistances(coarse, atlas, nearness);
+    for (ResumableTask task =
+             solve(coarse, nodes, atlas.sizeTexels.x, context.settings.maxBounces - 1, context.progress);
+         task.next();)
+        co_yield task.work();
 
     std::vector<IrradianceLevel> levels;
     levels.push_back(std::move(coarse));
     IrradianceMap lit;
-    for (ResumableTask p = interpolateLevels(levels, input.atlas, input.points, all, lit, pieceWork);
-         p.next();)
-        co_yield p.work();
+    for (ResumableTask task = interpolateLevels(levels, atlas, points, all, lit, context.sliceWork);
+         task.next();)
+        co_yield task.work();
     // The last bounce takes the irradiance of the very texel that is hit.
-    levels[0].value = bounce(nodes, progress, [&](uint32_t texel) { return lit[texel]; });
+    levels[0].value = bounce(nodes, context.progress, [&](uint32_t texel) { return lit[texel]; });
     nodes = {};
-    for (ResumableTask p = interpolateLevels(levels, input.atlas, input.points, all, lit, pieceWork);
-         p.next();)
-        co_yield p.work();
+    for (ResumableTask task = interpolateLevels(levels, atlas, points, all, lit, context.sliceWork);
+         task.next();)
+        co_yield task.work();
     for (size_t i = 1; i < std::size(kLevelSteps); ++i)
-        for (ResumableTask p =
-                 refine(gatherer, levels, kLevelSteps[i], lit, all, pieceWork, progress, journal, rayCount);
-             p.next();)
-            co_yield p.work();
-    for (ResumableTask p = interpolateLevels(levels, input.atlas, input.points, all, map, pieceWork);
-         p.next();)
-        co_yield p.work();
+        for (ResumableTask task = refine(context, gatherer, levels, kLevelSteps[i], lit, all); task.next();)
+            co_yield task.work();
+    for (ResumableTask task = interpolateLevels(levels, atlas, points, all, map, context.sliceWork);
+         task.next();)
+        co_yield task.work();
 }
 
-ResumableTask irradianceOfCharts(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
-                                 const std::vector<uint32_t>& indirectIrradiance,
-                                 const BakeSettings& settings, IrradianceLevel coarse,
+ResumableTask irradianceOfCharts(GatherContext context, TexelIrradiance irradiance, IrradianceLevel coarse,
                                  const std::vector<NodeRays>& nodes, const ChartSet& charts,
-                                 IrradianceMap& map, uint64_t pieceWork, Progress& progress,
-                                 std::atomic<uint64_t>& rayCount) {
-    const Gatherer gatherer{input, areaIrradiance, settings};
+                                 IrradianceMap& map) {
+    const Atlas& atlas = context.input.atlas;
+    const TexelPoints& points = context.input.points;
+    const Gatherer gatherer{context.input, irradiance.area, context.settings};
+    const auto before = [&](size_t texel) { return unpackRgb9e5(irradiance.indirect[texel]); };
     std::vector<float> nearness;
     for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
-    setDistances(coarse, input.atlas, nearness);
+    setDistances(coarse, atlas, nearness);
     coarse.value.assign(nodes.size(), glm::vec3(0));
     for (size_t n = 0; n < nodes.size(); ++n)
-        if (hasChart(charts, input.atlas.chartAt(size_t(coarse.texel[n]))))
-            coarse.value[n] =
-                bounced(nodes[n], [&](uint32_t texel) { return unpackRgb9e5(indirectIrradiance[texel]); });
+        if (hasChart(charts, atlas.chartAt(size_t(coarse.texel[n]))))
+            coarse.value[n] = bounced(nodes[n], before);
 
     std::vector<IrradianceLevel> levels;
     levels.push_back(std::move(coarse));
     IrradianceMap lit;
-    for (ResumableTask p = interpolateLevels(levels, input.atlas, input.points, charts, lit, pieceWork);
-         p.next();)
-        co_yield p.work();
+    for (ResumableTask task = interpolateLevels(levels, atlas, points, charts, lit, context.sliceWork);
+         task.next();)
+        co_yield task.work();
     for (size_t texel = 0; texel < lit.size(); ++texel)
-        if (!hasChart(charts, input.atlas.chartAt(texel)))
-            lit[texel] = unpackRgb9e5(indirectIrradiance[texel]);
+        if (!hasChart(charts, atlas.chartAt(texel))) lit[texel] = before(texel);
     for (size_t i = 1; i < std::size(kLevelSteps); ++i)
-        for (ResumableTask p = refine(gatherer, levels, kLevelSteps[i], lit, charts, pieceWork, progress,
-                                      nullptr, rayCount);
-             p.next();)
-            co_yield p.work();
-    for (ResumableTask p = interpolateLevels(levels, input.atlas, input.points, charts, map, pieceWork);
-         p.next();)
-        co_yield p.work();
+        for (ResumableTask task = refine(context, gatherer, levels, kLevelSteps[i], lit, charts);
+             task.next();)
+            co_yield task.work();
+    for (ResumableTask task = interpolateLevels(levels, atlas, points, charts, map, context.sliceWork);
+         task.next();)
+        co_yield task.work();
 }
 
-IrradianceMap gatherIndirectIrradiance(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
-                                       const BakeSettings& settings, Progress& progress, BakeJournal* journal,
-                                       std::atomic<uint64_t>& rayCount) {
-    IrradianceLevel coarse = coarseLevel(input);
+IrradianceMap gatherIndirectIrradiance(const GatherContext& context,
+                                       const std::vector<uint32_t>& areaIrradiance) {
+    IrradianceLevel coarse = coarseLevel(context.input);
     std::vector<NodeRays> nodes(coarse.texel.size());
     {
-        const ProgressStage stage(progress, "diffuse light", nodes.size());
-        fillParts(nodes, hashOf(uint64_t(GatherStage::indirectIrradiance), coarse.step), progress, journal,
-                  rayCount, [&](size_t node, uint64_t& rays) {
-                      nodes[node] = traceNode(input, areaIrradiance, settings, coarse, node, rays);
+        const ProgressStage stage(context.progress, "diffuse light", nodes.size());
+        fillParts(nodes, hashOf(uint64_t(GatherStage::indirectIrradiance), coarse.step), context,
+                  [&](size_t node, uint64_t& rays) {
+                      nodes[node] =
+                          traceNode(context.input, areaIrradiance, context.settings, coarse, node, rays);
                   });
     }
     IrradianceMap map;
-    finish(irradianceFromNodes(input, areaIrradiance, settings, std::move(coarse), std::move(nodes), map,
-                               kNoSlicing, progress, journal, rayCount));
+    finish(irradianceFromNodes(context, areaIrradiance, std::move(coarse), std::move(nodes), map));
     return map;
 }
 

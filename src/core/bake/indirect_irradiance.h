@@ -6,6 +6,7 @@
 
 #include "core/bake/gather.h"
 #include "core/bake/irradiance_levels.h"
+#include "core/bake/irradiance_ray.h"
 #include "core/base/resumable_task.h"
 
 namespace phat {
@@ -31,18 +32,13 @@ NodeRays traceNode(const GatherInput& input, const std::vector<uint32_t>& areaIr
 
 /// The map that follows from the rays of the coarsest level's `nodes`: light bounces between them, finer
 /// nodes are added where something is near, and everything between is interpolated. `map` becomes it.
-ResumableTask irradianceFromNodes(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
-                                  const BakeSettings& settings, IrradianceLevel coarse,
-                                  std::vector<NodeRays> nodes, IrradianceMap& map, uint64_t pieceWork,
-                                  Progress& progress, BakeJournal* journal, std::atomic<uint64_t>& rayCount);
+ResumableTask irradianceFromNodes(GatherContext context, const std::vector<uint32_t>& areaIrradiance,
+                                  IrradianceLevel coarse, std::vector<NodeRays> nodes, IrradianceMap& map);
 
-/// The map of some charts alone, in the light of `indirectIrradiance` as it is: one bounce further than that.
-/// Other charts are zero. Nodes elsewhere need no rays.
-ResumableTask irradianceOfCharts(GatherInput input, const std::vector<uint32_t>& areaIrradiance,
-                                 const std::vector<uint32_t>& indirectIrradiance,
-                                 const BakeSettings& settings, IrradianceLevel coarse,
+/// The map of some charts alone, in the light of `irradiance` as it is: one bounce further than that. Other
+/// charts are zero. Nodes elsewhere need no rays.
+ResumableTask irradianceOfCharts(GatherContext context, TexelIrradiance irradiance, IrradianceLevel coarse,
                                  const std::vector<NodeRays>& nodes, const ChartSet& charts,
-                                 IrradianceMap& map, uint64_t pieceWork, Progress& progress,
-                                 std::atomic<uint64_t>& rayCount);
+                                 IrradianceMap& map);
 
 }  // namespace phat

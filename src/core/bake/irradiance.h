@@ -19,16 +19,22 @@ inline bool hasChart(const ChartSet& set, uint32_t chart) {
     return set.empty() || (chart != kNoChart && set[chart] != 0);
 }
 
-/// 1 for the texels that stand for their place: those on the surface, and in charts that have none of them
-/// the gutters. Other gutters float past an edge, often behind a wall, and take their irradiance from these.
+/// 1 for the texels that receive light for their surroundings: those on the surface, and in charts that have
+/// none of them the gutters. Other gutters float past an edge, often behind a wall, and take their irradiance
+/// from these.
 std::vector<uint8_t> irradianceTexels(const Atlas& atlas, const TexelPoints& points);
+
+/// The texels that irradiance is known at.
+struct ReceiverTexels {
+    const Atlas& atlas;
+    const TexelPoints& points;
+    const std::vector<uint8_t>& receives;  // [y][x], of irradianceTexels; the others are filled from these
+};
 
 /// Removes the noise of area-light estimates and keeps their shadow edges: each texel averages those of its
 /// 7x7 neighbours in the chart that differ from it by no more than both estimates' standard errors explain.
-/// `wanted`: irradianceTexels; the others are filled from them. Other charts than `charts` are zero.
-/// `filtered` becomes the result.
-ResumableTask filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, const Atlas& atlas,
-                                   const TexelPoints& points, const std::vector<uint8_t>& wanted,
-                                   const ChartSet& charts, IrradianceMap& filtered, uint64_t pieceWork);
+/// Other charts than `charts` are zero. `filtered` becomes the result.
+ResumableTask filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, ReceiverTexels texels,
+                                   const ChartSet& charts, IrradianceMap& filtered, uint64_t sliceWork);
 
 }  // namespace phat

@@ -266,10 +266,10 @@ IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradi
 
 ResumableTask interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
                                 const TexelPoints& points, const ChartSet& charts, IrradianceMap& map,
-                                uint64_t pieceWork) {
+                                uint64_t sliceWork) {
     Interpolator interpolator(levels, atlas, points, charts);
     const auto forAll = [&](auto step, uint64_t itemWork) -> ResumableTask {
-        const size_t most = itemsPerSlice(pieceWork, itemWork);
+        const size_t most = itemsPerSlice(sliceWork, itemWork);
         for (size_t level = 0; level < levels.size(); ++level) {
             const size_t count = levels[level].texel.size();
             for (size_t begin = 0, end = 0; begin < count; begin = end) {
@@ -287,7 +287,7 @@ ResumableTask interpolateLevels(const std::vector<IrradianceLevel>& levels, cons
     map.assign(atlas.texelCount(), glm::vec3(0));
     std::vector<uint8_t> known(map.size(), 0);
     SilentProgress silent;
-    const size_t most = itemsPerSlice(pieceWork, kTexelWork);
+    const size_t most = itemsPerSlice(sliceWork, kTexelWork);
     for (size_t first = 0, last = 0; first < map.size(); first = last) {
         last = first + std::min(most, map.size() - first);
         parallelRanges(last - first, 4096, silent, [&](size_t begin, size_t end) {

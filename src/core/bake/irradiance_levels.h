@@ -37,6 +37,6 @@ IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradi
 /// Other charts than `charts` are zero. `map` becomes the result.
 ResumableTask interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
                                 const TexelPoints& points, const ChartSet& charts, IrradianceMap& map,
-                                uint64_t pieceWork);
+                                uint64_t sliceWork);
 
 }  // namespace phat

@@ -85,11 +85,11 @@ bool Walk::ends(int bouncesLeft) {
     if (maxComponent(reflectance(point.brdf, eyeLocal())) <= 0.0f) return true;
     const std::optional<uint32_t> texel = texelOfHit(world.atlas, world.irradianceTexels, hit);
     if (!texel) {
-        found.light += throughput *
-                       traceReflected(world.rays, world.lights, point, towardEye, bouncesLeft, rng, rayCount);
+        found.light +=
+            throughput * traceReflected(world.scene, {point, towardEye}, bouncesLeft, rng, rayCount);
         return true;
     }
-    found.light += throughput * punctualLight(world.rays, world.lights, point, towardEye, rng, rayCount);
+    found.light += throughput * punctualLight(world.scene, point, towardEye, rng, rayCount);
     const glm::vec3 diffuse = diffuseAlbedo(point.brdf, eyeLocal());
     if (!areaIrradiance.empty())
         found.light += throughput * diffuse / kPi * unpackRgb9e5(areaIrradiance[*texel]);
@@ -106,11 +106,10 @@ bool Walk::ends(int bouncesLeft) {
 }
 
 bool Walk::reflectsGlossily(int bounce, const StepNumbers& numbers) {
-    const RayScene& rays = world.rays;
     const SurfacePoint glossy = withoutDiffuse(point);
-    if (world.lights.hasArea())
-        found.light += throughput *
-                       areaLight(rays, world.lights, PathVertex(glossy, towardEye), numbers.light, rayCount);
+    if (world.scene.lights.hasArea())
+        found.light +=
+            throughput * areaLight(world.scene, PathVertex(glossy, towardEye), numbers.light, rayCount);
     const glm::vec4 u = numbers.reflection;
     const BrdfSample sample = sampleBrdf(glossy.brdf, eyeLocal(), u.x, {u.y, u.z});
     if (sample.pdf <= 0.0f) return false;
@@ -122,13 +121,14 @@ bool Walk::reflectsGlossily(int bounce, const StepNumbers& numbers) {
     throughput /= survival;
 
     ++rayCount;
-    hit = rays.closestHit(originOn(point, direction), direction);
-    const float weight = sample.pdf / (sample.pdf + areaPdf(world.lights, point.position, hit, direction));
+    hit = world.scene.rays.closestHit(originOn(point, direction), direction);
+    const float weight =
+        sample.pdf / (sample.pdf + areaPdf(world.scene.lights, point.position, hit, direction));
     if (!hit) {
-        found.light += throughput * weight * world.lights.environmentRadiance(direction);
+        found.light += throughput * weight * world.scene.lights.environmentRadiance(direction);
         return false;
     }
-    point = surfaceAt(rays.scene(), hit, direction);
+    point = surfaceAt(world.scene.rays.scene(), hit, direction);
     found.light += throughput * weight * point.emission;
     towardEye = -direction;
     return true;
@@ -137,23 +137,24 @@ bool Walk::reflectsGlossily(int bounce, const StepNumbers& numbers) {
 }  // namespace
 
 IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
-                            glm::vec3 origin, glm::vec3 direction, int maxBounces, Rng& rng,
-                            uint64_t& rayCount) {
+                            const Ray& ray, int maxBounces, Rng& rng, uint64_t& rayCount) {
     ++rayCount;
-    const Hit hit = input.rays.closestHit(origin, direction);
+    const Hit hit = input.rays.closestHit(ray.origin, ray.direction);
     if (!hit) return {};
-    const TexelWorld world{input.rays, input.lights, input.atlas, input.irradianceTexels};
-    Walk walk{world,      areaIrradiance, rng, rayCount, hit, surfaceAt(input.rays.scene(), hit, direction),
-              -direction, glm::vec3(1),   {}};
+    const TexelWorld world{{input.rays, input.lights}, input.atlas, input.irradianceTexels};
+    Walk walk{
+        world,          areaIrradiance, rng, rayCount, hit, surfaceAt(input.rays.scene(), hit, ray.direction),
+        -ray.direction, glm::vec3(1),   {}};
     walk.found.distance = hit.distance;
     for (int bounce = 0; bounce < maxBounces; ++bounce)
         if (walk.ends(maxBounces - bounce) || !walk.reflectsGlossily(bounce, stepNumbers(rng))) break;
     return walk.found;
 }
 
-glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance, const Hit& hit,
-                              const SurfacePoint& point, glm::vec3 towardEye, const PathSettings& settings,
-                              Rng& rng, uint64_t& rayCount) {
+glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance,
+                              const VisibleHit& visible, const PathSettings& settings, Rng& rng,
+                              uint64_t& rayCount) {
+    const auto& [hit, point, towardEye] = visible;
     const glm::vec3 eyeLocal = point.shading.toLocal(towardEye);
     if (maxComponent(reflectance(point.brdf, eyeLocal)) <= 0.0f) return glm::vec3(0);
 
@@ -162,8 +163,7 @@ glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& ir
     if (!texel) {
         glm::vec3 reflected(0);
         for (int i = 0; i < paths; ++i)
-            reflected += traceReflected(world.rays, world.lights, point, towardEye, settings.maxBounces, rng,
-                                        rayCount);
+            reflected += traceReflected(world.scene, {point, towardEye}, settings.maxBounces, rng, rayCount);
         return reflected / float(paths);
     }
     const auto arriving = [&](const std::vector<uint32_t>& map) {
@@ -174,7 +174,7 @@ glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& ir
     };
     const glm::vec3 diffuse = diffuseAlbedo(point.brdf, eyeLocal) / kPi *
                               (arriving(irradiance.indirect) + arriving(irradiance.area));
-    const glm::vec3 punctual = punctualLight(world.rays, world.lights, point, towardEye, rng, rayCount);
+    const glm::vec3 punctual = punctualLight(world.scene, point, towardEye, rng, rayCount);
     const float glossyAlbedo = maxComponent(reflectance(withoutDiffuse(point).brdf, eyeLocal));
     if (glossyAlbedo <= 0.0f) return punctual + diffuse;
 
@@ -197,19 +197,18 @@ glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& ir
 }
 
 IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradiance& irradiance,
-                                    glm::vec3 origin, glm::vec3 direction, const PathSettings& settings,
-                                    float nearMeters, Rng rng) {
+                                    const Ray& ray, const PathSettings& settings, float nearMeters, Rng rng) {
     IncidentRadiance incident;
     incident.rays = 1;
-    const Hit hit = input.rays.closestHit(origin, direction);
+    const Hit hit = input.rays.closestHit(ray.origin, ray.direction);
     if (!hit) return incident;
     incident.distance = hit.distance;
-    const TexelWorld world{input.rays, input.lights, input.atlas, input.irradianceTexels};
+    const TexelWorld world{{input.rays, input.lights}, input.atlas, input.irradianceTexels};
     PathSettings paths = settings;
     paths.pathsPerHit *= int(std::clamp(nearMeters / hit.distance, 1.0f, kMostNear));
-    incident.reflected =
-        reflectedFromTexels(world, irradiance, hit, surfaceAt(input.rays.scene(), hit, direction), -direction,
-                            paths, rng, incident.rays);
+    incident.reflected = reflectedFromTexels(
+        world, irradiance, {hit, surfaceAt(input.rays.scene(), hit, ray.direction), -ray.direction}, paths,
+        rng, incident.rays);
     return incident;
 }
 

@@ -15,13 +15,12 @@ std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t
 
 /// What a ray that ends in texels reads.
 struct TexelWorld {
-    const RayScene& rays;
-    const LightSampler& lights;
+    LitScene scene;
     const Atlas& atlas;
     const std::vector<uint8_t>& irradianceTexels;  // as GatherInput's
 };
 
-/// Radiance that a ray brings back, without what lamps send straight along it:
+/// Radiance that a ray brings back, without what emitters send straight along it:
 /// light + weight * indirect irradiance of `texel`.
 struct IrradianceRay {
     glm::vec3 light{0};         // W/(m2 sr)
@@ -33,10 +32,9 @@ struct IrradianceRay {
 /// Traces one ray. The diffuse part of what it meets ends there: shadow rays bring the punctual lights'
 /// light, `areaIrradiance` (RGB9E5 [y][x] or empty) the area lights', and the texel the rest. The specular
 /// part is followed, chosen in proportion to the albedos, through at most `maxBounces` reflections. Where a
-/// hit has no texel, an ordinary path goes on. pre: |direction| = 1.
+/// hit has no texel, an ordinary path goes on.
 IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
-                            glm::vec3 origin, glm::vec3 direction, int maxBounces, Rng& rng,
-                            uint64_t& rayCount);
+                            const Ray& ray, int maxBounces, Rng& rng, uint64_t& rayCount);
 
 /// What arrives at the texels, RGB9E5 [y][x], W/m2.
 struct TexelIrradiance {
@@ -46,19 +44,24 @@ struct TexelIrradiance {
     bool interpolated = false;
 };
 
+/// The surface that a ray met.
+struct VisibleHit {
+    const Hit& hit;
+    const SurfacePoint& point;  // at `hit`
+    glm::vec3 towardEye;        // back along the ray
+};
+
 /// What the surface under a ray's hit reflects back along the ray: its diffuse part lit by the irradiance of
 /// the texel there and by shadow rays to the punctual lights, its glossy part by `pathsPerHit` walks through
 /// further glossy reflections until they end in a texel. Where there is no texel, ordinary paths.
-/// `point`: the surface at `hit`.
-glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance, const Hit& hit,
-                              const SurfacePoint& point, glm::vec3 towardEye, const PathSettings& settings,
-                              Rng& rng, uint64_t& rayCount);
+glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance,
+                              const VisibleHit& visible, const PathSettings& settings, Rng& rng,
+                              uint64_t& rayCount);
 
 /// What arrives along a ray, as traceIncident finds it, but with the irradiance of the texel that the ray
 /// hits in place of diffuse paths (reflectedFromTexels). Emission is not looked for. What is nearer than
-/// `nearMeters` gets more walks: fewer PHATexels share in the picture of it. pre: |direction| = 1.
+/// `nearMeters` gets more walks: fewer PHATexels contribute to the picture of it.
 IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradiance& irradiance,
-                                    glm::vec3 origin, glm::vec3 direction, const PathSettings& settings,
-                                    float nearMeters, Rng rng);
+                                    const Ray& ray, const PathSettings& settings, float nearMeters, Rng rng);
 
 }  // namespace phat

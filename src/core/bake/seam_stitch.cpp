@@ -158,9 +158,10 @@ void forNeighbors(const Atlas& atlas, uint32_t texel, std::span<const glm::ivec2
     }
 }
 
-System makeSystem(const IrradianceMap& map, const std::vector<SeamPoint>& seams, const Atlas& atlas,
-                  const TexelPoints& points, const std::vector<uint8_t>& wanted, float spreadTexels) {
-    const std::vector<uint8_t> known = knownCharts(atlas, wanted);
+System makeSystem(const IrradianceMap& map, const std::vector<SeamPoint>& seams, const ReceiverTexels& texels,
+                  float spreadTexels) {
+    const auto& [atlas, points, receives] = texels;
+    const std::vector<uint8_t> known = knownCharts(atlas, receives);
     System system;
     constexpr uint32_t kNone = ~0u;
     std::vector<uint32_t> unknownOf(map.size(), kNone);
@@ -168,17 +169,17 @@ System makeSystem(const IrradianceMap& map, const std::vector<SeamPoint>& seams,
         if (unknownOf[texel] == kNone) {
             unknownOf[texel] = uint32_t(system.texel.size());
             system.texel.push_back(texel);
-            system.keep.push_back(spreadTexels > 0 ? kSpreadWeight
-                                  : wanted[texel]  ? kSurfaceWeight
-                                                   : kGutterWeight);
+            system.keep.push_back(spreadTexels > 0  ? kSpreadWeight
+                                  : receives[texel] ? kSurfaceWeight
+                                                    : kGutterWeight);
         }
         return unknownOf[texel];
     };
     for (const SeamPoint& seam : seams) {
         const std::array<Tap, 4> sides[2] = {bilinearTaps(atlas, seam.chart[0], seam.place[0]),
                                              bilinearTaps(atlas, seam.chart[1], seam.place[1])};
-        if (!known[seam.chart[0]] || !known[seam.chart[1]] || isHidden(sides[0], points, wanted) ||
-            isHidden(sides[1], points, wanted))
+        if (!known[seam.chart[0]] || !known[seam.chart[1]] || isHidden(sides[0], points, receives) ||
+            isHidden(sides[1], points, receives))
             continue;
         Equation equation;
         equation.weight = seam.weight;
@@ -198,7 +199,7 @@ System makeSystem(const IrradianceMap& map, const std::vector<SeamPoint>& seams,
     for (int ring = 0; ring < int(std::ceil(kSpreads * spreadTexels)); ++ring)
         for (const size_t outer = system.size(); inner < outer; ++inner)
             forNeighbors(atlas, system.texel[inner], kAround, [&](uint32_t texel) {
-                if (wanted[texel]) unknown(texel);
+                if (receives[texel]) unknown(texel);
             });
     for (uint32_t u = 0; u < system.size(); ++u)
         forNeighbors(atlas, system.texel[u], std::span(kAround).first(2), [&](uint32_t texel) {
@@ -298,10 +299,9 @@ glm::vec3 irradianceAt(const IrradianceMap& map, const Atlas& atlas, uint32_t ch
     return sum;
 }
 
-void stitchSeams(IrradianceMap& map, const std::vector<SeamPoint>& seams, const Atlas& atlas,
-                 const TexelPoints& points, const std::vector<uint8_t>& wanted, float spreadTexels,
-                 const Progress& progress) {
-    const System system = makeSystem(map, seams, atlas, points, wanted, spreadTexels);
+void stitchSeams(IrradianceMap& map, const std::vector<SeamPoint>& seams, const ReceiverTexels& texels,
+                 float spreadTexels, const Progress& progress) {
+    const System system = makeSystem(map, seams, texels, spreadTexels);
     const Values change = solve(system, progress);
     for (size_t u = 0; u < system.size(); ++u) {
         glm::vec3& value = map[system.texel[u]];

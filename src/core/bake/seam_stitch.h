@@ -25,11 +25,10 @@ std::vector<SeamPoint> findSeams(const Scene& scene, const Atlas& atlas);
 glm::vec3 irradianceAt(const IrradianceMap& map, const Atlas& atlas, uint32_t chart, glm::vec2 place);
 
 /// Changes the texels around the seams as little as makes both sides' bilinear values equal there: linear
-/// least squares, by conjugate gradients. `map` is filled, `wanted`: irradianceTexels; the others are freer
-/// to change. No value falls below 0. Throws Interrupted when asked to stop. source: Iwanicki 2013, "Lighting
-/// Technology of The Last of Us".
-void stitchSeams(IrradianceMap& map, const std::vector<SeamPoint>& seams, const Atlas& atlas,
-                 const TexelPoints& points, const std::vector<uint8_t>& wanted, float spreadTexels,
-                 const Progress& progress);
+/// least squares, by conjugate gradients. `map` is filled; texels that do not receive light are freer to
+/// change, those within `spreadTexels` of a seam take part. No value falls below 0. Throws Interrupted when
+/// asked to stop. source: Iwanicki 2013, "Lighting Technology of The Last of Us".
+void stitchSeams(IrradianceMap& map, const std::vector<SeamPoint>& seams, const ReceiverTexels& texels,
+                 float spreadTexels, const Progress& progress);
 
 }  // namespace phat

@@ -60,17 +60,17 @@ void IncrementalBaker::beginMap(std::optional<MapJob>& slot, bool area, ChartSet
     job.charts = std::move(charts);
     const GatherInput input = state_.input();
     const Phatexture& now = state_.phatexture;
+    const GatherContext context{input, state_.settings, job.progress, nullptr, job.rays, kMapSliceWork};
     if (area)
-        job.pieces.emplace(filterAreaIrradiance(state_.areaEstimates, input.atlas, input.points,
-                                                input.irradianceTexels, job.charts, job.map, kMapSliceWork));
+        job.pieces.emplace(filterAreaIrradiance(state_.areaEstimates,
+                                                {input.atlas, input.points, input.irradianceTexels},
+                                                job.charts, job.map, kMapSliceWork));
     else if (job.charts.empty())
-        job.pieces.emplace(irradianceFromNodes(input, now.areaIrradiance, state_.settings, state_.level,
-                                               state_.nodes, job.map, kMapSliceWork, job.progress, nullptr,
-                                               job.rays));
+        job.pieces.emplace(
+            irradianceFromNodes(context, now.areaIrradiance, state_.level, state_.nodes, job.map));
     else
-        job.pieces.emplace(irradianceOfCharts(input, now.areaIrradiance, now.indirectIrradiance,
-                                              state_.settings, state_.level, state_.nodes, job.charts,
-                                              job.map, kMapSliceWork, job.progress, job.rays));
+        job.pieces.emplace(irradianceOfCharts(context, {now.indirectIrradiance, now.areaIrradiance},
+                                              state_.level, state_.nodes, job.charts, job.map));
 }
 
 uint64_t IncrementalBaker::advanceMap(std::optional<MapJob>& slot) {

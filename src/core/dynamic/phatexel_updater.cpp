@@ -75,7 +75,7 @@ struct Updater {
     PackedPhatexel indirect(const Guide& guide, size_t texel, int layer, uint64_t& work) const {
         const TexelDirection direction = directionOf(guide, texel, layer);
         work += kDirectionWork;
-        return indirectPhatexel(input, direction, irradiance, texel, layer, state.settings, work);
+        return indirectPhatexel({input, irradiance, state.settings, layer}, direction, texel, work);
     }
     PackedPhatexel area(const Guide& guide, size_t texel, uint64_t& work) const {
         work += kDirectionWork;

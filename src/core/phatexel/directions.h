@@ -33,12 +33,6 @@ bool isIndirectPhoton(const Photon& photon);
 /// Light straight from an emissive surface or the environment.
 bool isAreaPhoton(const Photon& photon);
 
-/// Photons and their index: a whole map, or one of the parts that make it together.
-struct PhotonSet {
-    const PhotonMap& photons;
-    const PhotonIndex& index;
-};
-
 /// The texels of an atlas and the frames of its blocks, as blockFrames makes them.
 struct BlockGeometry {
     const Atlas& atlas;

@@ -51,8 +51,8 @@ Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Componen
         const Hit hit = visibleHit(rays, ray, sample.rays);
         if (!hit) return showsLights ? lights.environmentRadiance(ray.direction) : glm::vec3(0);
         const SurfacePoint point = surfaceAt(seen, hit, ray.direction);
-        const ReflectedRadiance reflected = tracePath(rays, lights, point, -ray.direction, maxBounces,
-                                                      sample.numbers, sample.rays, first, guide);
+        const ReflectedRadiance reflected = tracePath({rays, lights}, {point, -ray.direction, first, guide},
+                                                      maxBounces, sample.numbers, sample.rays);
         return (showsLights ? point.emission : glm::vec3(0)) + partOf(reflected, component);
     };
 }

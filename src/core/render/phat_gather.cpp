@@ -208,8 +208,8 @@ glm::vec3 PhatGather::radianceAlong(const CameraRay& ray, PixelSample& sample) c
     const SurfacePoint point = surfaceAt(scene_.rays.scene(), hit, ray.direction);
     glm::vec3 radiance(0);
     if (showsDirect())
-        radiance += point.emission +
-                    punctualLight(scene_.rays, scene_.lights, point, -ray.direction, sample.rng, sample.rays);
+        radiance += point.emission + punctualLight({scene_.rays, scene_.lights}, point, -ray.direction,
+                                                   sample.rng, sample.rays);
     Visible visible{point, -ray.direction, atlasPlaceOf(scene_.atlas, hit), sample.rays, {}};
     if (visible.place.chart == kNoChart || !reflects(point.brdf)) return radiance;
     return radiance + diffuse(visible) + glossy(visible);

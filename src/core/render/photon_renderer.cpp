@@ -14,12 +14,12 @@ using IndirectLight = glm::vec3 (*)(const PhotonScene& scene, const PhotonRender
 // Light that reaches the point straight from lamps, in shadow or not: a path of one reflection.
 glm::vec3 directLight(const PhotonScene& scene, const SurfacePoint& point, glm::vec3 towardEye,
                       PixelSample& sample) {
-    return traceReflected(scene.rays, scene.lights, point, towardEye, 1, sample.rng, sample.rays);
+    return traceReflected({scene.rays, scene.lights}, {point, towardEye}, 1, sample.rng, sample.rays);
 }
 
 glm::vec3 indirectByPhotons(const PhotonScene& scene, const PhotonRendererSettings& settings,
                             const SurfacePoint& point, glm::vec3 towardEye, PixelSample&) {
-    return photonRadiance(scene.photons, scene.index, point, towardEye, settings.density, isIndirectPhoton);
+    return photonRadiance({scene.photons, scene.index}, point, towardEye, settings.density, isIndirectPhoton);
 }
 
 // What a gather ray brings back. Emission is left out: it is direct light of the visible point.

@@ -89,7 +89,7 @@ glm::vec3 LobeRays::seenByLightSample(Rng& rng) const {
 }
 
 PooledLight LobeRays::trace(int count, int walks, const RayNumbers& numbers, uint64_t stream) const {
-    const TexelWorld world{scene.rays, scene.lights, scene.atlas, scene.texels};
+    const TexelWorld world{{scene.rays, scene.lights}, scene.atlas, scene.texels};
     const TexelIrradiance irradiance{scene.phatexture.indirectIrradiance, scene.phatexture.areaIrradiance,
                                      true};
     const PathSettings atHits{walks, kMostBounces};
@@ -116,8 +116,8 @@ PooledLight LobeRays::trace(int count, int walks, const RayNumbers& numbers, uin
         const SurfacePoint far = surfaceAt(scene.rays.scene(), hit, direction);
         seen.area += emissionWeight * far.emission;
         if (view.indirect)
-            seen.indirect +=
-                weight * reflectedFromTexels(world, irradiance, hit, far, -direction, atHits, rng, rayCount);
+            seen.indirect += weight * reflectedFromTexels(world, irradiance, {hit, far, -direction}, atHits,
+                                                          rng, rayCount);
     }
     if (seen.weight <= 0.0f) return {};
     seen.indirect /= seen.weight;

@@ -19,6 +19,11 @@ struct Hit {
     explicit operator bool() const { return triangle != kNoTriangle; }
 };
 
+struct Ray {
+    glm::vec3 origin{0};
+    glm::vec3 direction{0};  // unit
+};
+
 /// Embree scene over all triangles, robust mode. Alpha-masked texels are passed through; blended ones are
 /// passed with probability 1 - alpha, decided by a hash of the ray, so a ray always gets the same answer.
 /// Safe to share between threads. `scene` must outlive it.

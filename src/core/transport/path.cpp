@@ -1,5 +1,7 @@
 #include "core/transport/path.h"
 
+#include <cassert>
+
 #include "core/scene/brdf.h"
 #include "core/transport/path_vertex.h"
 
@@ -10,7 +12,7 @@ namespace {
 constexpr int kFirstRouletteBounce = 2;
 // Survival is this times the root of the throughput. Of 1, 2, 3 and 5, 2 took the fewest rays to a relMSE of
 // .01 on the Cornell box and the tabletop: 0.84 and 0.69 times those of 1, whose survivors are fireflies
-// where a metal shows them the lamp.
+// where a metal reflects a light.
 constexpr float kRouletteScale = 2.0f;
 
 // Of the Lambert lobe's samples.
@@ -21,10 +23,9 @@ constexpr float kGuidedShare = 0.85f;
 // rays of a bounce then cost a few times the path's own.
 constexpr size_t kMaxLightsEach = 4;
 
-glm::vec3 emissionToward(const RayScene& rays, const LightSampler& lights, const Hit& hit,
-                         glm::vec3 direction) {
-    if (!hit) return lights.environmentRadiance(direction);
-    return surfaceAt(rays.scene(), hit, direction).emission;
+glm::vec3 emissionToward(const LitScene& scene, const Hit& hit, glm::vec3 direction) {
+    if (!hit) return scene.lights.environmentRadiance(direction);
+    return surfaceAt(scene.rays.scene(), hit, direction).emission;
 }
 
 }  // namespace
@@ -36,13 +37,13 @@ glm::vec3 originOn(const SurfacePoint& point, glm::vec3 direction) {
 
 bool seesLight(const RayScene& rays, glm::vec3 position, glm::vec3 origin, const LightSample& light) {
     // Points of light may lie on the surface of their bulb.
-    constexpr float kShortOfLamp = 1.0f - 1e-4f;
+    constexpr float kShortOfLight = 1.0f - 1e-4f;
     if (light.triangle == kNoTriangle)
-        return !rays.anyHit(origin, light.towardLight, light.distance * kShortOfLamp);
+        return !rays.anyHit(origin, light.towardLight, light.distance * kShortOfLight);
     // Toward the very place: a parallel ray from the origin off the surface would pass a rim by that offset.
     const glm::vec3 toward = position + light.distance * light.towardLight - origin;
     const float distance = glm::length(toward);
-    // Another triangle in the lamp's plane is met as early as the lamp, but for rounding.
+    // Another triangle in the emitter's plane is met as early as the emitter, but for rounding.
     constexpr float kRounding = 2e-6f;
     const Hit hit = rays.closestHit(origin, toward / distance, distance * (1.0f + kRounding));
     return !hit || hit.triangle == light.triangle || hit.distance >= distance * (1.0f - kRounding);
@@ -80,12 +81,11 @@ glm::vec3 shadowed(const RayScene& rays, const SurfacePoint& point, const Unshad
 
 // One of the lights in proportion to what it would bring without shadows, by a weighted reservoir. One number
 // decides for all lights: what is left of it after a decision is uniform again.
-glm::vec3 oneOfManyLights(const RayScene& rays, const LightSampler& lights, const PathVertex& vertex,
-                          float choice, uint64_t& rayCount) {
+glm::vec3 oneOfManyLights(const LitScene& scene, const PathVertex& vertex, float choice, uint64_t& rayCount) {
     UnshadowedLight chosen;
     double sum = 0, chosenWeight = 0, left = double(choice);
-    for (size_t i = 0; i < rays.scene().lights.size(); ++i) {
-        const UnshadowedLight candidate = unshadowed(lights, i, vertex);
+    for (size_t i = 0; i < scene.rays.scene().lights.size(); ++i) {
+        const UnshadowedLight candidate = unshadowed(scene.lights, i, vertex);
         const double weight = double(maxComponent(candidate.reflected));
         if (!(weight > 0)) continue;
         sum += weight;
@@ -98,33 +98,32 @@ glm::vec3 oneOfManyLights(const RayScene& rays, const LightSampler& lights, cons
         chosen = candidate;
         chosenWeight = weight;
     }
-    return chosenWeight > 0 ? shadowed(rays, vertex.point, chosen, rayCount) * float(sum / chosenWeight)
+    return chosenWeight > 0 ? shadowed(scene.rays, vertex.point, chosen, rayCount) * float(sum / chosenWeight)
                             : glm::vec3(0);
 }
 
 }  // namespace
 
-glm::vec3 punctualLight(const RayScene& rays, const LightSampler& lights, const PathVertex& vertex,
-                        float choice, uint64_t& rayCount) {
-    const size_t count = rays.scene().lights.size();
-    if (count > kMaxLightsEach) return oneOfManyLights(rays, lights, vertex, choice, rayCount);
+glm::vec3 punctualLight(const LitScene& scene, const PathVertex& vertex, float choice, uint64_t& rayCount) {
+    const size_t count = scene.rays.scene().lights.size();
+    if (count > kMaxLightsEach) return oneOfManyLights(scene, vertex, choice, rayCount);
     glm::vec3 sum(0);
     for (size_t i = 0; i < count; ++i)
-        sum += shadowed(rays, vertex.point, unshadowed(lights, i, vertex), rayCount);
+        sum += shadowed(scene.rays, vertex.point, unshadowed(scene.lights, i, vertex), rayCount);
     return sum;
 }
 
-glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const PathVertex& vertex,
-                    glm::vec3 numbers, uint64_t& rayCount) {
+glm::vec3 areaLight(const LitScene& scene, const PathVertex& vertex, glm::vec3 numbers, uint64_t& rayCount) {
     const SurfacePoint& point = vertex.point;
-    const LightSample light = lights.sampleArea(point.position, numbers.x, {numbers.y, numbers.z});
+    const LightSample light = scene.lights.sampleArea(point.position, numbers.x, {numbers.y, numbers.z});
     if (light.pdf <= 0.0f || maxComponent(light.radiance) <= 0.0f || !leavesSurface(point, light.towardLight))
         return glm::vec3(0);
     const glm::vec3 lightLocal = point.shading.toLocal(light.towardLight);
     const glm::vec3 value = evaluateBrdf(vertex.brdf, lightLocal);
     if (maxComponent(value) <= 0.0f) return glm::vec3(0);
     ++rayCount;
-    if (!seesLight(rays, point.position, originOn(point, light.towardLight), light)) return glm::vec3(0);
+    if (!seesLight(scene.rays, point.position, originOn(point, light.towardLight), light))
+        return glm::vec3(0);
     return value * light.radiance / (light.pdf + sampleDirectionPdf(vertex, lightLocal));
 }
 
@@ -173,9 +172,9 @@ struct IrradianceRound {
     int visible = 0;     // and were not in shadow
 };
 
-IrradianceRound irradianceRound(const RayScene& rays, const LightSampler& lights, glm::vec3 position,
-                                const Frame& frame, int lightSamples, int cosineSamples, Rng& rng,
-                                uint64_t& rayCount) {
+IrradianceRound irradianceRound(const LitScene& scene, glm::vec3 position, const Frame& frame,
+                                int lightSamples, Rng& rng, uint64_t& rayCount) {
+    const int cosineSamples = std::max(lightSamples / 2, 1);
     // Golden-ratio (R2) points with a random shift: stratified for any count (Roberts 2018).
     constexpr glm::vec2 kR2(0.7548776662f, 0.5698402910f);
     IrradianceRound round;
@@ -186,7 +185,7 @@ IrradianceRound irradianceRound(const RayScene& rays, const LightSampler& lights
     for (int i = 0; i < lightSamples; ++i) {
         const float choice = (float(i) + choiceShift) / float(lightSamples);
         const LightSample light =
-            lights.sampleArea(position, choice, glm::fract(squareShift + float(i) * kR2));
+            scene.lights.sampleArea(position, choice, glm::fract(squareShift + float(i) * kR2));
         const float cosine = glm::dot(light.towardLight, frame.normal);
         if (light.pdf <= 0.0f || cosine <= 0.0f) continue;
         // Both strategies' samples share one sum: value / (n_1 p_1 + n_2 p_2).
@@ -194,7 +193,7 @@ IrradianceRound irradianceRound(const RayScene& rays, const LightSampler& lights
         if (maxComponent(light.radiance) <= 0.0f) continue;
         ++round.seen;
         ++rayCount;
-        if (!seesLight(rays, position, origin, light)) continue;
+        if (!seesLight(scene.rays, position, origin, light)) continue;
         ++round.visible;
         round.light += weight * light.radiance;
     }
@@ -204,35 +203,36 @@ IrradianceRound irradianceRound(const RayScene& rays, const LightSampler& lights
         if (local.z <= 0.0f) continue;
         const glm::vec3 direction = frame.toWorld(local);
         ++rayCount;
-        const Hit hit = rays.closestHit(origin, direction);
-        const float pdf = areaPdf(lights, position, hit, direction);
+        const Hit hit = scene.rays.closestHit(origin, direction);
+        const float pdf = areaPdf(scene.lights, position, hit, direction);
         if (pdf <= 0.0f) continue;
         const float weight = local.z / (float(lightSamples) * pdf + float(cosineSamples) * local.z / kPi);
-        round.light += weight * emissionToward(rays, lights, hit, direction);
+        round.light += weight * emissionToward(scene, hit, direction);
     }
     return round;
 }
 
 }  // namespace
 
-ReflectedRadiance tracePath(const RayScene& rays, const LightSampler& lights, const SurfacePoint& start,
-                            glm::vec3 towardEye, int maxBounces, PathNumbers& numbers, uint64_t& rayCount,
-                            FirstReflection first, const PathGuide* guide) {
-    SurfacePoint point = start;
+ReflectedRadiance tracePath(const LitScene& scene, const PathStart& start, int maxBounces,
+                            PathNumbers& numbers, uint64_t& rayCount) {
+    SurfacePoint point = start.point;
+    glm::vec3 towardEye = start.towardEye;
     ReflectedRadiance reflected;
     glm::vec3 indirect(0), throughput(1), diffuseShare(0);
     for (int bounce = 0; bounce < maxBounces; ++bounce) {
         const glm::vec4 lightNumbers = numbers.next4(), brdfNumbers = numbers.next4();
         PathVertex vertex(point, towardEye);
-        if (bounce == 0 && first.lobes != Lobes::all) vertex.brdf = only(first.lobes, vertex.brdf);
+        if (bounce == 0 && start.first.lobes != Lobes::all)
+            vertex.brdf = only(start.first.lobes, vertex.brdf);
         if (!reflects(vertex.brdf)) break;
-        if (guide && vertex.brdf.chances.x > 0.0f)
-            vertex.guide = guide->at(point.position, point.normalGeometric);
+        if (start.guide && vertex.brdf.chances.x > 0.0f)
+            vertex.guide = start.guide->at(point.position, point.normalGeometric);
         glm::vec3& radiance = bounce == 0 ? reflected.direct : indirect;
-        if (bounce > 0 || first.direct) {
-            radiance += throughput * punctualLight(rays, lights, vertex, lightNumbers.w, rayCount);
-            if (lights.hasArea())
-                radiance += throughput * areaLight(rays, lights, vertex, glm::vec3(lightNumbers), rayCount);
+        if (bounce > 0 || start.first.direct) {
+            radiance += throughput * punctualLight(scene, vertex, lightNumbers.w, rayCount);
+            if (scene.lights.hasArea())
+                radiance += throughput * areaLight(scene, vertex, glm::vec3(lightNumbers), rayCount);
         }
 
         const BrdfSample sample = sampleDirection(vertex, brdfNumbers.x, {brdfNumbers.y, brdfNumbers.z});
@@ -246,14 +246,14 @@ ReflectedRadiance tracePath(const RayScene& rays, const LightSampler& lights, co
         throughput /= survival;
 
         ++rayCount;
-        const Hit hit = rays.closestHit(originOn(point, direction), direction);
-        const float lightPdf = areaPdf(lights, point.position, hit, direction);
+        const Hit hit = scene.rays.closestHit(originOn(point, direction), direction);
+        const float lightPdf = areaPdf(scene.lights, point.position, hit, direction);
         const float weight = sample.pdf / (sample.pdf + lightPdf);
         if (!hit) {
-            radiance += throughput * weight * lights.environmentRadiance(direction);
+            radiance += throughput * weight * scene.lights.environmentRadiance(direction);
             break;
         }
-        point = surfaceAt(rays.scene(), hit, direction);
+        point = surfaceAt(scene.rays.scene(), hit, direction);
         radiance += throughput * weight * point.emission;
         towardEye = -direction;
     }
@@ -262,23 +262,22 @@ ReflectedRadiance tracePath(const RayScene& rays, const LightSampler& lights, co
     return reflected;
 }
 
-glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
-                         glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount) {
+glm::vec3 traceReflected(const LitScene& scene, const PathStart& start, int maxBounces, Rng& rng,
+                         uint64_t& rayCount) {
     PathNumbers numbers{Rng(rng.bits64())};
-    return tracePath(rays, lights, point, towardEye, maxBounces, numbers, rayCount).sum();
+    return tracePath(scene, start, maxBounces, numbers, rayCount).sum();
 }
 
-IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights, glm::vec3 origin,
-                               glm::vec3 direction, const PathSettings& settings, Rng rng) {
+IncidentRadiance traceIncident(const LitScene& scene, const Ray& ray, const PathSettings& settings, Rng rng) {
     IncidentRadiance incident;
     incident.rays = 1;
-    const Hit hit = rays.closestHit(origin, direction);
+    const Hit hit = scene.rays.closestHit(ray.origin, ray.direction);
     if (!hit) {
-        incident.emitted = lights.environmentRadiance(direction);
+        incident.emitted = scene.lights.environmentRadiance(ray.direction);
         return incident;
     }
     incident.distance = hit.distance;
-    const SurfacePoint point = surfaceAt(rays.scene(), hit, direction);
+    const SurfacePoint point = surfaceAt(scene.rays.scene(), hit, ray.direction);
     incident.emitted = point.emission;
     if (maxComponent(point.brdf.diffuseColor + point.brdf.f0 + point.brdf.f90 + point.brdf.clearcoat) <= 0.0f)
         return incident;
@@ -286,23 +285,23 @@ IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights,
     for (int i = 0; i < settings.pathsPerHit; ++i) {
         PathNumbers numbers(seed, uint32_t(i) % kMostShuffled);
         incident.reflected +=
-            tracePath(rays, lights, point, -direction, settings.maxBounces, numbers, incident.rays).sum();
+            tracePath(scene, {point, -ray.direction}, settings.maxBounces, numbers, incident.rays).sum();
     }
     incident.reflected /= float(std::max(settings.pathsPerHit, 1));
     return incident;
 }
 
-IrradianceEstimate areaIrradiance(const RayScene& rays, const LightSampler& lights, glm::vec3 position,
-                                  glm::vec3 normal, int lightSamplesPerRound, int rounds, Rng rng,
-                                  uint64_t& rayCount) {
+IrradianceEstimate areaIrradiance(const LitScene& scene, glm::vec3 position, glm::vec3 normal,
+                                  const IrradianceSampling& sampling, Rng rng, uint64_t& rayCount) {
+    assert(sampling.rounds >= 2);
+    const int rounds = sampling.rounds;
     const Frame frame = frameFromNormal(normal);
-    const int cosineSamples = std::max(lightSamplesPerRound / 2, 1);
     glm::vec3 sum(0);
     double luminances = 0, squares = 0;
     int seen = 0, visible = 0;
     for (int i = 0; i < rounds; ++i) {
-        const IrradianceRound round = irradianceRound(rays, lights, position, frame, lightSamplesPerRound,
-                                                      cosineSamples, rng, rayCount);
+        const IrradianceRound round =
+            irradianceRound(scene, position, frame, sampling.lightSamplesPerRound, rng, rayCount);
         const double value = luminance(round.light);
         sum += round.light;
         luminances += value;

@@ -2,8 +2,7 @@
 // Path tracing: the radiance that a PHATexel's ray brings back, and irradiance of area lights.
 
 #include "core/base/random.h"
-#include "core/scene/lights.h"
-#include "core/scene/rays.h"
+#include "core/scene/lit_scene.h"
 #include "core/transport/path_guide.h"
 #include "core/transport/path_numbers.h"
 
@@ -19,15 +18,14 @@ struct IncidentRadiance {
 
 struct PathSettings {
     int pathsPerHit = 4;  // continuations of the one ray, stratified together
-    int maxBounces = 12;  // reflections between the lamp and the receiver
+    int maxBounces = 12;  // reflections between the light and the receiver
 };
 
 /// Traces one ray and, from what it meets, `pathsPerHit` paths: next-event estimation of every punctual light
-/// (of one by its contribution, where there are more than four) and of one place on the area lights, multiple
+/// (of one by its contribution, where there are more than four) and of one point on the area lights, multiple
 /// importance sampling (balance heuristic, Veach 1997), Russian roulette by the root of the throughput from
-/// the third bounce. Unbiased but for `maxBounces`. pre: |direction| = 1.
-IncidentRadiance traceIncident(const RayScene& rays, const LightSampler& lights, glm::vec3 origin,
-                               glm::vec3 direction, const PathSettings& settings, Rng rng);
+/// the third bounce. Unbiased but for `maxBounces`.
+IncidentRadiance traceIncident(const LitScene& scene, const Ray& ray, const PathSettings& settings, Rng rng);
 
 /// Light that a surface reflects, in parts.
 struct ReflectedRadiance {
@@ -44,15 +42,22 @@ struct FirstReflection {
     Lobes lobes = Lobes::all;
 };
 
-/// One path that starts at `point` and leaves toward `towardEye`, in at most `maxBounces` reflections.
-/// `guide`: directions of most of what diffuse surfaces reflect; null: by the cosine.
-ReflectedRadiance tracePath(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
-                            glm::vec3 towardEye, int maxBounces, PathNumbers& numbers, uint64_t& rayCount,
-                            FirstReflection first = {}, const PathGuide* guide = nullptr);
+/// The surface whose reflection a path estimates.
+struct PathStart {
+    const SurfacePoint& point;
+    glm::vec3 towardEye;  // world
+    FirstReflection first = {};
+    /// Directions of most of what diffuse surfaces reflect; null: by the cosine.
+    const PathGuide* guide = nullptr;
+};
+
+/// One path of at most `maxBounces` reflections.
+ReflectedRadiance tracePath(const LitScene& scene, const PathStart& start, int maxBounces,
+                            PathNumbers& numbers, uint64_t& rayCount);
 
 /// The sum of one with independent numbers.
-glm::vec3 traceReflected(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
-                         glm::vec3 towardEye, int maxBounces, Rng& rng, uint64_t& rayCount);
+glm::vec3 traceReflected(const LitScene& scene, const PathStart& start, int maxBounces, Rng& rng,
+                         uint64_t& rayCount);
 
 /// A Monte Carlo estimate of irradiance.
 struct IrradianceEstimate {
@@ -61,11 +66,15 @@ struct IrradianceEstimate {
     bool partlyShadowed = false;  // some light samples were in shadow and some were not
 };
 
-/// Irradiance of emissive surfaces and the environment at a place: light samples and half as many
+struct IrradianceSampling {
+    int lightSamplesPerRound = 8;
+    int rounds = 2;
+};
+
+/// Irradiance of emissive surfaces and the environment at a position: light samples and half as many
 /// cosine-weighted rays, combined by the balance heuristic (Veach 1997), in independent rounds whose spread
-/// gives the variance. pre: rounds >= 2.
-IrradianceEstimate areaIrradiance(const RayScene& rays, const LightSampler& lights, glm::vec3 position,
-                                  glm::vec3 normal, int lightSamplesPerRound, int rounds, Rng rng,
-                                  uint64_t& rayCount);
+/// gives the variance. pre: sampling.rounds >= 2.
+IrradianceEstimate areaIrradiance(const LitScene& scene, glm::vec3 position, glm::vec3 normal,
+                                  const IrradianceSampling& sampling, Rng rng, uint64_t& rayCount);
 
 }  // namespace phat

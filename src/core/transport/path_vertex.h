@@ -2,8 +2,7 @@
 // One vertex of a path: what all that trace paths share.
 
 #include "core/base/random.h"
-#include "core/scene/lights.h"
-#include "core/scene/rays.h"
+#include "core/scene/lit_scene.h"
 #include "core/scene/shading.h"
 #include "core/transport/path_guide.h"
 
@@ -13,8 +12,8 @@ namespace phat {
 glm::vec3 originOn(const SurfacePoint& point, glm::vec3 direction);
 
 /// Whether light that was sampled for `position` arrives at `origin`, which is `position` moved off its
-/// surface. What touches the lamp hides it only where it lies in front: the case of a lamp keeps the light of
-/// its rim from what is behind.
+/// surface. Geometry that touches the emitter occludes it only where it is strictly in front of the sampled
+/// point: the case of a lamp occludes the light of the rim from what is behind.
 bool seesLight(const RayScene& rays, glm::vec3 position, glm::vec3 origin, const LightSample& light);
 
 /// A direction that the shading normal allows may still point into the flat triangle: light does not pass.
@@ -38,22 +37,20 @@ float sampleDirectionPdf(const PathVertex& vertex, glm::vec3 local);
 
 /// Radiance that the vertex reflects of the punctual lights, by shadow rays: to each of a few, or to one of
 /// many that is chosen by what it would bring. `choice` in [0, 1).
-glm::vec3 punctualLight(const RayScene& rays, const LightSampler& lights, const PathVertex& vertex,
-                        float choice, uint64_t& rayCount);
-inline glm::vec3 punctualLight(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
-                               glm::vec3 towardEye, Rng& rng, uint64_t& rayCount) {
-    return punctualLight(rays, lights, PathVertex(point, towardEye), rng.uniform(), rayCount);
+glm::vec3 punctualLight(const LitScene& scene, const PathVertex& vertex, float choice, uint64_t& rayCount);
+inline glm::vec3 punctualLight(const LitScene& scene, const SurfacePoint& point, glm::vec3 towardEye,
+                               Rng& rng, uint64_t& rayCount) {
+    return punctualLight(scene, PathVertex(point, towardEye), rng.uniform(), rayCount);
 }
 
-/// The same of one place on the area lights, weighed against sampleDirection by the balance heuristic (Veach
-/// 1997). `numbers`: the light, the place.
-glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const PathVertex& vertex,
-                    glm::vec3 numbers, uint64_t& rayCount);
-inline glm::vec3 areaLight(const RayScene& rays, const LightSampler& lights, const SurfacePoint& point,
-                           glm::vec3 towardEye, Rng& rng, uint64_t& rayCount) {
+/// The same of one point on the area lights, weighted against sampleDirection by the balance heuristic (Veach
+/// 1997). `numbers`: the light, the point on it.
+glm::vec3 areaLight(const LitScene& scene, const PathVertex& vertex, glm::vec3 numbers, uint64_t& rayCount);
+inline glm::vec3 areaLight(const LitScene& scene, const SurfacePoint& point, glm::vec3 towardEye, Rng& rng,
+                           uint64_t& rayCount) {
     const float choice = rng.uniform();
     const glm::vec2 square = rng.uniform2();
-    return areaLight(rays, lights, PathVertex(point, towardEye), {choice, square}, rayCount);
+    return areaLight(scene, PathVertex(point, towardEye), {choice, square}, rayCount);
 }
 
 /// Density with which areaLight finds what a ray hit, 1/sr.

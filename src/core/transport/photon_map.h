@@ -81,6 +81,12 @@ class PhotonIndex {
     std::unique_ptr<Tree> tree_;
 };
 
+/// Photons and their index: a whole map, or one of the parts that make it together.
+struct PhotonSet {
+    const PhotonMap& photons;
+    const PhotonIndex& index;
+};
+
 struct DensityEstimate {
     uint32_t neighbors = 50;
     float maxRadiusMeters = 0.25f;
@@ -91,11 +97,11 @@ struct DensityEstimate {
 /// unbiased, where counting it would be k / (k - 1) too bright. Where fewer than k are found, all of them
 /// over the disc of maxRadius. Photons on surfaces that face elsewhere (normals over 60 degrees apart) are
 /// left out. `keep` selects photons (first hits, kinds); null: all.
-glm::vec3 photonRadiance(const PhotonMap& map, const PhotonIndex& index, const SurfacePoint& point,
-                         glm::vec3 towardEye, const DensityEstimate& settings, bool (*keep)(const Photon&));
+glm::vec3 photonRadiance(const PhotonSet& photons, const SurfacePoint& point, glm::vec3 towardEye,
+                         const DensityEstimate& settings, bool (*keep)(const Photon&));
 
 /// Irradiance at a point by the same estimate.
-glm::vec3 photonIrradiance(const PhotonMap& map, const PhotonIndex& index, glm::vec3 position,
-                           glm::vec3 normal, const DensityEstimate& settings, bool (*keep)(const Photon&));
+glm::vec3 photonIrradiance(const PhotonSet& photons, glm::vec3 position, glm::vec3 normal,
+                           const DensityEstimate& settings, bool (*keep)(const Photon&));
 
 }  // namespace phat

@@ -177,9 +177,17 @@ size_t appendIndices(GlbBuilder& glb, const SplitVertices& split) {
     return appendArray<uint16_t>(glb, kUnsignedShort, "SCALAR", narrow, ViewTarget::indices);
 }
 
-void rewritePrimitive(const GltfSource& source, const SurfaceCorners& corners, const SplitVertices& split,
-                      uint32_t texCoord, json& primitive, GlbBuilder& glb,
-                      std::map<size_t, size_t>& zeroUvs) {
+/// What the rewritten primitives of a file share.
+struct PrimitiveRewriter {
+    const GltfSource& source;
+    GlbBuilder& glb;
+    uint32_t texCoord;                      // of the atlas
+    std::map<size_t, size_t> zeroUvs = {};  // accessors by vertex count
+
+    void rewrite(json& primitive, const SurfaceCorners& corners, const SplitVertices& split);
+};
+
+void PrimitiveRewriter::rewrite(json& primitive, const SurfaceCorners& corners, const SplitVertices& split) {
     json attributes = json::object();
     for (const auto& [name, index] : primitive.at("attributes").items())
         if (!isSkinAttribute(name))
@@ -269,14 +277,14 @@ RewrittenGltf rewriteGltf(const GltfSource& source, const Scene& scene, const At
     const std::vector<size_t> meshOfSurface = giveNodesTheirOwnMeshes(gltf, scene);
     dropDeformation(gltf, scene, meshOfSurface, out.notes);
 
-    std::map<size_t, size_t> zeroUvs;
+    PrimitiveRewriter rewriter{source, out.glb, out.texCoord};
     std::set<std::pair<size_t, size_t>> rewritten;
     for (size_t i = 0; i < scene.surfaces.size(); ++i) {
         const Surface& surface = scene.surfaces[i];
         json primitive = gltf["meshes"].at(meshOfSurface[i]).at("primitives").at(surface.primitive);
         const SurfaceCorners corners = surfaceCorners(source, scene, surface);
         const SplitVertices split = splitVertices(surface, corners, atlas);
-        rewritePrimitive(source, corners, split, out.texCoord, primitive, out.glb, zeroUvs);
+        rewriter.rewrite(primitive, corners, split);
         gltf["meshes"][meshOfSurface[i]]["primitives"][surface.primitive] = std::move(primitive);
         rewritten.insert({meshOfSurface[i], surface.primitive});
     }

@@ -134,7 +134,7 @@ std::pair<double, double> tracedIrradiance(const RayScene& rays, const LightSamp
         const PathSettings path{.pathsPerHit = 1, .maxBounces = 12};
         const double value =
             double(kPi) *
-            luminance(traceIncident(rays, lights, origin, direction, path, Rng(rng.bits())).reflected);
+            luminance(traceIncident({rays, lights}, {origin, direction}, path, Rng(rng.bits())).reflected);
         sum += value;
         squares += value * value;
     }

@@ -66,7 +66,7 @@ IrradianceMap mapOf(const Sheet& sheet, const ValueAt& value) {
 
 void stitch(IrradianceMap& map, const Sheet& sheet, float spreadTexels = 0) {
     SilentProgress progress;
-    stitchSeams(map, sheet.seams, sheet.atlas, sheet.points, sheet.wanted, spreadTexels, progress);
+    stitchSeams(map, sheet.seams, {sheet.atlas, sheet.points, sheet.wanted}, spreadTexels, progress);
 }
 
 float largestJump(const IrradianceMap& map, const Sheet& sheet) {

@@ -39,8 +39,11 @@ Phatexture bakeOf(const DynamicScene& live) {
     markCoveredTexels(points, live.atlas(), rays, progress);
     const std::vector<uint8_t> wanted = irradianceTexels(live.atlas(), points);
     std::atomic<uint64_t> rayCount = 0;
-    return gatherLight({rays, lights, live.atlas(), points, live.frames(), photons, index, wanted}, settings,
-                       progress, nullptr, rayCount);
+    return gatherLight({{rays, lights, live.atlas(), points, live.frames(), photons, index, wanted},
+                        settings,
+                        progress,
+                        nullptr,
+                        rayCount});
 }
 
 TEST(IncrementalBaker, FromNothingItMakesTheBake) {

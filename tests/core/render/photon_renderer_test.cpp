@@ -44,8 +44,8 @@ struct World {
             const Hit hit = rays.closestHit(ray.origin, ray.direction);
             const SurfacePoint point = surfaceAt(scene, hit, ray.direction);
             const glm::vec3 all =
-                traceReflected(rays, lights, point, -ray.direction, 17, sample.rng, sample.rays);
-            return all - traceReflected(rays, lights, point, -ray.direction, 1, sample.rng, sample.rays);
+                traceReflected({rays, lights}, {point, -ray.direction}, 17, sample.rng, sample.rays);
+            return all - traceReflected({rays, lights}, {point, -ray.direction}, 1, sample.rng, sample.rays);
         };
     }
 
@@ -114,8 +114,10 @@ TEST(PhotonRenderer, GatherRaysFindDirectLightByThemselves) {
     const Integrator twoBounces = [&](const CameraRay& ray, PixelSample& sample) {
         const Hit hit = world.rays.closestHit(ray.origin, ray.direction);
         const SurfacePoint point = surfaceAt(world.scene, hit, ray.direction);
-        return traceReflected(world.rays, world.lights, point, -ray.direction, 2, sample.rng, sample.rays) -
-               traceReflected(world.rays, world.lights, point, -ray.direction, 1, sample.rng, sample.rays);
+        return traceReflected({world.rays, world.lights}, {point, -ray.direction}, 2, sample.rng,
+                              sample.rays) -
+               traceReflected({world.rays, world.lights}, {point, -ray.direction}, 1, sample.rng,
+                              sample.rays);
     };
     for (const CameraRay& ray : {kAtWall, kAtMetal}) {
         const Mean expected = world.meanOf(twoBounces, ray, 40'000);

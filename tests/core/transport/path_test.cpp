@@ -47,7 +47,7 @@ struct World {
         Rng rng(1);
         uint64_t rayCount = 0;
         return meanOf(count, [&](int) {
-            return double(traceReflected(rays, lights, point, towardEye, maxBounces, rng, rayCount).x);
+            return double(traceReflected({rays, lights}, {point, towardEye}, maxBounces, rng, rayCount).x);
         });
     }
 
@@ -103,8 +103,8 @@ TEST(Path, AreaIrradianceOfASquareLamp) {
         double reported = 0;
         constexpr int kSeeds = 4000;
         const Mean mean = meanOf(kSeeds, [&](int seed) {
-            const IrradianceEstimate estimate = areaIrradiance(world.rays, world.lights, glm::vec3(0), kUp, 8,
-                                                               2, Rng(uint64_t(seed)), rayCount);
+            const IrradianceEstimate estimate = areaIrradiance({world.rays, world.lights}, glm::vec3(0), kUp,
+                                                               {8, 2}, Rng(uint64_t(seed)), rayCount);
             reported += estimate.variance / kSeeds;
             return double(estimate.value.x);
         });
@@ -142,12 +142,13 @@ TEST(Path, NoLightPassesTheRimOfALampsCase) {
     for (int i = 0; i < 20'000; ++i) {
         const float angle = 2 * kPi * rng.uniform(), away = 0.4f + 0.2f * rng.uniform();
         const glm::vec3 place(away * std::cos(angle), 2.775f, away * std::sin(angle));
-        sum +=
-            areaIrradiance(world.rays, world.lights, place, kDown, 16, 2, Rng(uint64_t(i)), rayCount).value.x;
+        sum += areaIrradiance({world.rays, world.lights}, place, kDown, {16, 2}, Rng(uint64_t(i)), rayCount)
+                   .value.x;
     }
     EXPECT_EQ(sum, 0);
     // And below it, it shines.
-    EXPECT_GT(areaIrradiance(world.rays, world.lights, {0, 1, 0}, kUp, 16, 2, Rng(1), rayCount).value.x, 1);
+    EXPECT_GT(areaIrradiance({world.rays, world.lights}, {0, 1, 0}, kUp, {16, 2}, Rng(1), rayCount).value.x,
+              1);
 }
 
 TEST(Path, GlossyFloorUnderSmallAndLargeLamps) {
@@ -202,7 +203,7 @@ TEST(Path, IncidentLightIsEmittedAndReflected) {
     uint64_t rayCount = 0;
     const Mean mean = meanOf(10'000, [&](int seed) {
         const IncidentRadiance light =
-            traceIncident(world.rays, world.lights, kInside, kAskew, {4, 40}, Rng(uint64_t(seed)));
+            traceIncident({world.rays, world.lights}, {kInside, kAskew}, {4, 40}, Rng(uint64_t(seed)));
         EXPECT_EQ(light.emitted, glm::vec3(1));
         EXPECT_EQ(light.distance, distance);
         rayCount += light.rays;
@@ -304,11 +305,11 @@ TEST(Path, ConstantEnvironmentIsAFurnace) {
     const Mean irradiance = meanOf(2000, [&](int seed) {
         const Rng rng{uint64_t(seed)};
         return double(
-            areaIrradiance(world.rays, world.lights, glm::vec3(0), kUp, 8, 2, rng, rayCount).value.x);
+            areaIrradiance({world.rays, world.lights}, glm::vec3(0), kUp, {8, 2}, rng, rayCount).value.x);
     });
     expectMean(irradiance, 1.5 * double(kPi), 0.005);
 
-    const IncidentRadiance sky = traceIncident(world.rays, world.lights, {0, 1, 0}, kUp, {4, 8}, Rng(1));
+    const IncidentRadiance sky = traceIncident({world.rays, world.lights}, {{0, 1, 0}, kUp}, {4, 8}, Rng(1));
     EXPECT_NEAR(sky.emitted.x, 1.5f, 1e-6f);
     EXPECT_EQ(sky.reflected, glm::vec3(0));
     EXPECT_EQ(sky.distance, kFarDistance);

@@ -96,7 +96,7 @@ TEST(PhotonMap, DarknessHasNoPhotons) {
     EXPECT_TRUE(dark.photons.empty());
     EXPECT_EQ(dark.stats.emittedWatts, glm::dvec3(0));
     const PhotonIndex index(dark.photons);
-    EXPECT_EQ(photonIrradiance(dark, index, glm::vec3(0), {0, 1, 0}, {}, nullptr), glm::vec3(0));
+    EXPECT_EQ(photonIrradiance({dark, index}, glm::vec3(0), {0, 1, 0}, {}, nullptr), glm::vec3(0));
     EXPECT_TRUE(trace(Scene{}, 1000).photons.empty());
     scene.lights = {pointLight(glm::vec3(1), {0, 1, 0})};
     EXPECT_TRUE(trace(scene, 0).photons.empty());
@@ -219,7 +219,7 @@ TEST(PhotonDensity, IrradianceUnderAPointLight) {
     const PhotonIndex index(map.photons);
     const DensityEstimate settings{502, 0.25f};
     for (float x : {0.0f, 0.5f, 1.0f}) {
-        const glm::vec3 found = photonIrradiance(map, index, {x, 0, 0}, {0, 1, 0}, settings, nullptr);
+        const glm::vec3 found = photonIrradiance({map, index}, {x, 0, 0}, {0, 1, 0}, settings, nullptr);
         const float expected = 100 * std::pow(1 + x * x, -1.5f);
         EXPECT_NEAR(found.x, expected, expected * 4 / std::sqrt(500.0f)) << x;
         EXPECT_NEAR(found.y, found.x / 2, 1e-4f * found.x);
@@ -261,8 +261,8 @@ TEST(PhotonDensity, FurnaceBox) {
         glm::vec3 normal(0);
         position[axis] = i % 2 ? size[axis] : 0;
         normal[axis] = i % 2 ? -1.0f : 1.0f;
-        sum += photonIrradiance(map, index, position, normal, settings, nullptr).x;
-        firstSum += photonIrradiance(map, index, position, normal, settings, [](const Photon& photon) {
+        sum += photonIrradiance({map, index}, position, normal, settings, nullptr).x;
+        firstSum += photonIrradiance({map, index}, position, normal, settings, [](const Photon& photon) {
                         return photon.firstHit;
                     }).x;
     }
@@ -271,13 +271,13 @@ TEST(PhotonDensity, FurnaceBox) {
     EXPECT_NEAR(firstSum / kPoints, double(kPi), double(kPi) * error);
 
     // The other side of a wall is not lit by it.
-    EXPECT_EQ(photonIrradiance(map, index, {1, 0, 0.75f}, {0, -1, 0}, settings, nullptr), glm::vec3(0));
+    EXPECT_EQ(photonIrradiance({map, index}, {1, 0, 0.75f}, {0, -1, 0}, settings, nullptr), glm::vec3(0));
 
     // Reflected: .5 of E / pi, any way.
     const RayScene rays(scene);
     const glm::vec3 down = glm::normalize(glm::vec3(0.3f, -1, 0.2f));
     const SurfacePoint point = surfaceAt(scene, rays.closestHit({1, 0.5f, 0.75f}, down), down);
-    const float radiance = photonRadiance(map, index, point, -down, {1002, 0.25f}, nullptr).x;
+    const float radiance = photonRadiance({map, index}, point, -down, {1002, 0.25f}, nullptr).x;
     EXPECT_NEAR(radiance, 1.0f, 4 / std::sqrt(1000.0f));
 }
 
@@ -293,12 +293,12 @@ TEST(PhotonDensity, ThinPhotonsUseTheWholeDisc) {
     const PhotonIndex index(map.photons);
     const float area = kPi * 0.25f;
     const auto at = [&](uint32_t k) {
-        return photonIrradiance(map, index, {0.1f, 0, 0}, {0, 1, 0}, {k, 0.5f}, nullptr).x;
+        return photonIrradiance({map, index}, {0.1f, 0, 0}, {0, 1, 0}, {k, 0.5f}, nullptr).x;
     };
     EXPECT_FLOAT_EQ(at(3), 4 / area);
     EXPECT_FLOAT_EQ(at(2), 2 / (kPi * 0.01f));  // the second marks the rim
     // All in one place: a bound instead of a division by zero.
-    EXPECT_TRUE(std::isfinite(photonIrradiance(map, index, glm::vec3(0), {0, 1, 0}, {2, 0.5f}, nullptr).x));
+    EXPECT_TRUE(std::isfinite(photonIrradiance({map, index}, glm::vec3(0), {0, 1, 0}, {2, 0.5f}, nullptr).x));
 }
 
 TEST(PhotonMap, SidesAbsorbAndShine) {

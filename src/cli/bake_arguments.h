@@ -1,0 +1,37 @@
+#pragma once
+// The flags of `phat bake`.
+
+#include <optional>
+#include <string>
+
+#include "core/bake/bake_settings.h"
+
+namespace CLI {
+class App;
+}
+
+namespace phat {
+
+inline constexpr uint64_t kMinTexels = 64;
+
+struct BakeOptions {
+    std::string input;
+    std::string output;
+    std::string environment;  // empty: none
+    BakeSettings settings;
+    std::optional<int> threads;
+    double memoryLimitBytes = 0;
+    std::optional<uint64_t> maxBytes;  // of the file
+    bool resume = false;
+    bool quiet = false;
+    bool json = false;
+};
+
+/// Declares the flags. Parsing writes into `options`, which must live as long as `command`.
+void declareBakeOptions(CLI::App& command, BakeOptions& options);
+
+/// Fills in what follows from several flags, after parsing. Throws CLI::ValidationError where they contradict
+/// each other.
+void finishBakeOptions(const CLI::App& command, BakeOptions& options);
+
+}  // namespace phat
