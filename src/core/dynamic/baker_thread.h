@@ -13,13 +13,6 @@
 
 namespace phat {
 
-/// One number for all tasks: PHATexels count half, because each depends on all else.
-inline float overall(const UpToDateShares& share) {
-    float sum = 0.5f * share[size_t(BakerTask::blocks)];
-    for (size_t t = 0; t + 1 < kBakerTasks; ++t) sum += 0.5f / float(kBakerTasks - 1) * share[t];
-    return sum;
-}
-
 /// The noise of one bake is an eighth by then, and whoever looks has seen it.
 inline constexpr uint32_t kMostRefinements = 64;
 

@@ -33,7 +33,7 @@ class DynamicScene {
     bool set(const SceneState& state);
 
     /// A new version in which nothing is different.
-    void renew() { ++version_; }
+    void beginVersion() { ++version_; }
 
     uint64_t version() const { return version_; }
     const Scene& scene() const { return scene_; }
