@@ -84,6 +84,20 @@ TEST(BakerThread, WhereLightWaitsPlacesFollow) {
     expectEqualBytes(taker.phatexture.indirectIrradiance, baked.phatexture.indirectIrradiance, "irradiance");
 }
 
+// A request waits by the clock, however little of that time the thread computes.
+TEST(BakerThread, TheLongestStepIsMeasuredByTheClock) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    constexpr auto kPause = std::chrono::milliseconds(300);
+    Taker taker{baked.phatexture, baked.points.state};
+    BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0,
+                      [&] { std::this_thread::sleep_for(kPause); });
+    light.follow(boxMoved(scene, {0.3f, 0, 0.2f}, 20), defaultCamera(scene), false);
+    taker.converge(light, baked.atlas);
+    std::this_thread::sleep_for(2 * kPause);  // the last pause has been counted
+    EXPECT_GE(light.report().longestSeconds, std::chrono::duration<double>(kPause).count());
+}
+
 TEST(BakerThread, StopsInTheMiddleOfItsWork) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
