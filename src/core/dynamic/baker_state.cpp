@@ -4,6 +4,7 @@
 
 #include "core/base/parallel.h"
 #include "core/phatexel/lookup_tables.h"
+#include "core/scene/transparency.h"
 
 namespace phat {
 namespace {
@@ -30,7 +31,7 @@ BakerState::BakerState(const Scene& rest, const Atlas& atlas, const TexelPoints&
                        const Phatexture& baked, const BakeSettings& wanted)
     : scene(rest, atlas, points), settings(wanted), phatexture(baked) {
     requireUpdatable(settings);
-    rebuildRays();
+    updateSceneQueries({true, true, true});
     hasArea = lights->hasArea();
     noIndex.emplace(noPhotons.photons);
     blocks = blockPlaces(atlas);
@@ -77,8 +78,13 @@ BakerState::BakerState(const Scene& rest, const Atlas& atlas, const TexelPoints&
     blockDirty.assign(atlas.blockCount, 0);
 }
 
-void BakerState::rebuildRays() {
-    rays.emplace(scene.scene());
+void BakerState::updateSceneQueries(const ChangedParts& changed) {
+    const bool transparent = hasTransparency(scene.scene());
+    if (!rays || changed.nodes || transparent != raysAskMaterials) {
+        rays.emplace(scene.scene());
+        raysAskMaterials = transparent;
+        ++rayBuilds;
+    }
     lights.emplace(scene.scene());
 }
 

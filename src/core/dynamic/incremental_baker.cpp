@@ -1,5 +1,7 @@
 #include "core/dynamic/incremental_baker.h"
 
+#include <cassert>
+
 #include "core/base/stopwatch.h"
 
 namespace phat {
@@ -35,6 +37,7 @@ void IncrementalBaker::setSeeds() {
 }
 
 void IncrementalBaker::refine() {
+    assert(converged());
     maps_.beginPass();
     ++state_.pass;
     setSeeds();
@@ -45,10 +48,11 @@ void IncrementalBaker::refine() {
 }
 
 bool IncrementalBaker::setSceneState(const SceneState& state) {
-    if (!state_.scene.set(state)) return false;
+    const ChangedParts changed = state_.scene.set(state);
+    if (!changed) return false;
     state_.pass = 0;
     setSeeds();
-    state_.rebuildRays();
+    state_.updateSceneQueries(changed);
     const uint64_t version = state_.scene.version();
     for (size_t tile = 0; tile < state_.tileDirty.size(); ++tile) {
         const uint32_t chart = state_.scene.atlas().tileChart[tile];

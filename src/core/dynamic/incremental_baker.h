@@ -53,6 +53,8 @@ class IncrementalBaker {
     const LightSampler& lights() const { return *state_.lights; }
     const Phatexture& phatexture() const { return state_.phatexture; }
     const BakerStats& stats() const { return stats_; }
+    /// How often the rays' acceleration structure was built.
+    uint64_t rayBuilds() const { return state_.rayBuilds; }
     UpToDateShares upToDate() const;
 
   private:
