@@ -51,8 +51,13 @@ Bounds DynamicScene::boundsOfSurface(const Surface& surface) const {
     return bounds;
 }
 
-void DynamicScene::addChange(const Bounds& box) {
+void DynamicScene::addChange(const Bounds& box, SceneChange::Kind kind) {
     if (box.empty()) return;
+    // A light that changes in every frame needs one box, not one for each frame.
+    if (kind != SceneChange::Kind::surface)
+        std::erase_if(changes_, [&](const SceneChange& change) {
+            return change.kind == kind && change.box.low == box.low && change.box.high == box.high;
+        });
     if (changes_.size() >= kMaxChanges) {
         // The older half in one box, as if all of it were as recent as its last.
         const size_t half = kMaxChanges / 2;
@@ -60,10 +65,11 @@ void DynamicScene::addChange(const Bounds& box) {
         for (size_t i = 0; i + 1 < half; ++i) {
             kept.box.add(changes_[i].box.low);
             kept.box.add(changes_[i].box.high);
+            kept.kind = std::min(kept.kind, changes_[i].kind);
         }
         changes_.erase(changes_.begin(), changes_.begin() + ptrdiff_t(half) - 1);
     }
-    changes_.push_back({version_, box});
+    changes_.push_back({version_, box, kind});
 }
 
 void DynamicScene::moveChart(const Chart& chart, const glm::mat4& m) {
@@ -108,9 +114,9 @@ bool DynamicScene::setNodes(const std::vector<glm::mat4>& worldFromRest) {
         if (m == matrixAt(worldFromRest_, surface.node)) continue;
         any = true;
         surfaceMoves[s] = 1;
-        addChange(boundsOfSurface(surface));
+        addChange(boundsOfSurface(surface), SceneChange::Kind::surface);
         moveSurface({restPositions_, restNormals_, restTangents_}, surface, m, scene_);
-        addChange(boundsOfSurface(surface));
+        addChange(boundsOfSurface(surface), SceneChange::Kind::surface);
     }
     for (size_t c = 0; c < atlas_.charts.size(); ++c) {
         const Chart& chart = atlas_.charts[c];
@@ -122,9 +128,24 @@ bool DynamicScene::setNodes(const std::vector<glm::mat4>& worldFromRest) {
     return any;
 }
 
+void DynamicScene::addReachOf(const PunctualLight& light) {
+    if (light.type == PunctualLight::Type::directional || light.rangeMeters <= 0)
+        addChange(boundsOf(scene_), SceneChange::Kind::wholeScene);
+    else
+        addChange({light.position - light.rangeMeters, light.position + light.rangeMeters},
+                  SceneChange::Kind::lightRange);
+}
+
 bool DynamicScene::setLights(const std::vector<PunctualLight>& lights) {
     std::vector<PunctualLight> moved = movedLights(lights, worldFromRest_);
     if (moved == scene_.lights) return false;
+    for (size_t i = 0; i < std::max(moved.size(), scene_.lights.size()); ++i) {
+        const PunctualLight* before = i < scene_.lights.size() ? &scene_.lights[i] : nullptr;
+        const PunctualLight* now = i < moved.size() ? &moved[i] : nullptr;
+        if (before && now && *before == *now) continue;
+        if (before) addReachOf(*before);
+        if (now) addReachOf(*now);
+    }
     scene_.lights = std::move(moved);
     return true;
 }
@@ -135,7 +156,7 @@ bool DynamicScene::setMaterials(const std::vector<Material>& given) {
     if (materials == scene_.materials) return false;
     for (const Surface& surface : scene_.surfaces)
         if (!(materials[surface.material] == scene_.materials[surface.material]))
-            addChange(boundsOfSurface(surface));
+            addChange(boundsOfSurface(surface), SceneChange::Kind::surface);
     scene_.materials = std::move(materials);
     return true;
 }

@@ -8,10 +8,17 @@
 
 namespace phat {
 
-/// Something of the scene is not what it was: a box in which light may meet something else now.
+/// A box in which light may meet other surfaces than before, or surfaces that are lit differently.
 struct SceneChange {
+    /// Ordered: a box that stands for several changes has the first of their kinds.
+    enum class Kind : uint8_t {
+        surface,     // a surface has moved or has another material
+        lightRange,  // what a changed punctual light of limited range reaches
+        wholeScene,  // what a changed punctual light of unlimited range reaches
+    };
     uint64_t version = 0;  // of the scene that it led to
     Bounds box;
+    Kind kind = Kind::surface;
 };
 
 /// What may differ from the scene at rest.
@@ -64,7 +71,8 @@ class DynamicScene {
 
   private:
     void moveChart(const Chart& chart, const glm::mat4& worldFromRest);
-    void addChange(const Bounds& box);
+    void addChange(const Bounds& box, SceneChange::Kind kind);
+    void addReachOf(const PunctualLight& light);
     Bounds boundsOfSurface(const Surface& surface) const;
     bool setNodes(const std::vector<glm::mat4>& worldFromRest);
     bool setLights(const std::vector<PunctualLight>& lights);

@@ -35,14 +35,17 @@ bool contains(const Bounds& box, glm::vec3 point) {
 PendingChanges::PendingChanges(const BakerState& state, size_t tile) {
     const uint64_t updated = state.tileScene[tile];
     moved_ = state.scene.movedAt(state.scene.atlas().tileChart[tile]) > updated;
-    for (const SceneChange& change : state.scene.changes())
-        if (change.version > updated) boxes_.push_back(widened(change.box, 1e-3f * change.box.diagonal()));
+    for (const SceneChange& change : state.scene.changes()) {
+        if (change.version <= updated) continue;
+        const bool surface = change.kind == SceneChange::Kind::surface;
+        (surface ? surfaceBoxes_ : lightBoxes_).push_back(widened(change.box, 1e-3f * change.box.diagonal()));
+    }
 }
 
 bool PendingChanges::mayCover(const TilePatch& patch) const {
     if (moved_) return true;
     const float reach = 0.5f * float(kTileSize) * (glm::length(patch.alongX) + glm::length(patch.alongY));
-    return std::any_of(boxes_.begin(), boxes_.end(), [&](const Bounds& box) {
+    return std::any_of(surfaceBoxes_.begin(), surfaceBoxes_.end(), [&](const Bounds& box) {
         return contains(widened(box, reach + kCoverReach * box.diagonal()), patch.center);
     });
 }
@@ -51,7 +54,7 @@ bool PendingChanges::affectRay(const Scene& scene, glm::vec3 origin, glm::vec3 d
                                float stored) const {
     const float distance = stored * kDistanceMargin;
     const size_t lights = std::min(scene.lights.size(), kMaxShadowLights);
-    for (const Bounds& box : boxes_) {
+    for (const Bounds& box : surfaceBoxes_) {
         if (meets(box, origin, direction, distance)) return true;
         if (stored >= kFarDistance) continue;
         const glm::vec3 end = origin + stored * direction;
@@ -64,7 +67,12 @@ bool PendingChanges::affectRay(const Scene& scene, glm::vec3 origin, glm::vec3 d
                 return true;
         }
     }
-    return false;
+    if (stored >= kFarDistance) return false;
+    // A changed light matters where it shines on the ray's end.
+    const glm::vec3 end = origin + stored * direction;
+    return std::any_of(lightBoxes_.begin(), lightBoxes_.end(), [&](const Bounds& box) {
+        return contains(widened(box, (kDistanceMargin - 1) * stored), end);
+    });
 }
 
 }  // namespace phat

@@ -18,7 +18,7 @@ class PendingChanges {
     bool affectRay(const Scene& scene, glm::vec3 origin, glm::vec3 direction, float stored) const;
 
   private:
-    std::vector<Bounds> boxes_;
+    std::vector<Bounds> surfaceBoxes_, lightBoxes_;
     bool moved_ = false;
 };
 

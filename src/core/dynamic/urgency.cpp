@@ -35,8 +35,11 @@ bool isVisible(const Camera& camera, const TilePatch& patch, glm::vec3 normal, f
 
 std::vector<float> tileValues(const BakerState& state, const Camera* camera) {
     const Atlas& atlas = state.scene.atlas();
-    const std::span<const SceneChange> changes = state.scene.changes();
-    const std::span<const SceneChange> recent = changes.last(std::min(changes.size(), kRecentChanges));
+    // What has changed everywhere tells no tile from another.
+    std::vector<SceneChange> changes;
+    for (const SceneChange& change : state.scene.changes())
+        if (change.kind != SceneChange::Kind::wholeScene) changes.push_back(change);
+    const auto recent = std::span(std::as_const(changes)).last(std::min(changes.size(), kRecentChanges));
     std::vector<float> values(atlas.tileChart.size(), 0.0f);
     SilentProgress silent;
     parallelRanges(values.size(), 512, silent, [&](size_t begin, size_t end) {

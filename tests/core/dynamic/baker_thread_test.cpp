@@ -69,7 +69,7 @@ TEST(BakerThread, AfterAnyChangesAndBackItIsTheUntouchedBake) {
 }
 
 // As while the light is switched off.
-TEST(BakerThread, WhereLightWaitsPlacesFollow) {
+TEST(BakerThread, WhereLightWaitsTilesFollow) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
     Taker taker{baked.phatexture, baked.points.state};

@@ -1,4 +1,4 @@
-// The incremental baker against the bake, on a room with a box and lamps.
+// The incremental baker against the bake, on a room with a box and lights.
 
 #include "core/dynamic/incremental_baker.h"
 
@@ -90,7 +90,7 @@ TEST(IncrementalBaker, BackAtTheStartNothingIsLeftOfAMove) {
     expectEqual(engine.phatexture(), baked.phatexture);
 }
 
-TEST(IncrementalBaker, LampsThatMoveLightWhatTheyMoveTo) {
+TEST(IncrementalBaker, LightsThatMoveLightWhatTheyMoveTo) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
     IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
@@ -104,7 +104,8 @@ TEST(IncrementalBaker, LampsThatMoveLightWhatTheyMoveTo) {
     expectEqual(engine.phatexture(), bakeOf(engine.scene()));
 }
 
-// The first answer to a change is a small part of all the work, and after it no PHATexel sees a ghost.
+// The first answer to a change is a small part of all the work, and after it no PHATexel holds what is no
+// longer there.
 TEST(IncrementalBaker, AtOnceEveryPhatexelIsAsFarAsItsRay) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
@@ -198,7 +199,7 @@ TEST(IncrementalBaker, UpdatesAreComplete) {
     EXPECT_TRUE(engine.drainUpdate().empty());
 }
 
-// What PHATexels saw before a change must not hold down the irradiance after it.
+// What PHATexels held before a change must not hold down the irradiance after it.
 TEST(IncrementalBaker, OnlyPresentPhatexelsBoundLight) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
@@ -283,8 +284,8 @@ TEST(IncrementalBaker, NoBlockGetsOldWhileEverythingMoves) {
     EXPECT_GT(engine.stats().tasks[size_t(BakerTask::moved)].items, uint64_t(kSteps) / 2);
 }
 
-// Moves, removals to the far end, lamps switched, paint: whatever was begun and not finished, nothing of it
-// is left.
+// Moves, removals to the far end, lights switched, changed materials: whatever was begun and not finished,
+// nothing of it is left.
 TEST(IncrementalBaker, RandomChangesLeaveNothingBehind) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
@@ -331,6 +332,37 @@ TEST(IncrementalBaker, OnlyMotionAndTransparencyRebuildTheAccelerationStructure)
     ASSERT_TRUE(engine.setSceneState(boxMoved(scene, {0.1f, 0, 0}, 0)));
     EXPECT_EQ(engine.rays().closestHit(origin, down).distance, onBox);
     EXPECT_EQ(engine.rayBuilds(), 4u);
+}
+
+TEST(IncrementalBaker, AChangedLightIsAnsweredBeforeAnyBlockIsUpdated) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    converge(engine);
+    const BakerStats before = engine.stats();
+    SceneState state = stateOf(scene);
+    state.lights[0].intensity *= 4.0f;
+    ASSERT_TRUE(engine.setSceneState(state));
+    SilentProgress progress;
+    const auto itemsOf = [&](BakerTask task) {
+        return engine.stats().tasks[size_t(task)].items - before.tasks[size_t(task)].items;
+    };
+    const auto tiles = uint64_t(std::count_if(baked.atlas.tileChart.begin(), baked.atlas.tileChart.end(),
+                                              [](uint32_t chart) { return chart != kNoChart; }));
+    while (itemsOf(BakerTask::retraceInvalidated) < tiles) engine.advance(1, progress);
+    EXPECT_EQ(itemsOf(BakerTask::blocks), 0u);
+    size_t valid = 0, brighter = 0;
+    const auto &now = engine.phatexture().indirect[0].texels, &was = baked.phatexture.indirect[0].texels;
+    for (size_t i = 0; i < now.size(); ++i) {
+        const Phatexel a = unpackPhatexel(was[i]), b = unpackPhatexel(now[i]);
+        if (!a.valid || !b.valid || luminance(a.radiance) == 0) continue;
+        ++valid;
+        brighter += luminance(b.radiance) > 1.2f * luminance(a.radiance);
+    }
+    EXPECT_GT(valid, 10'000u);
+    EXPECT_GT(brighter, valid / 2);
+    converge(engine);
+    expectEqual(engine.phatexture(), bakeOf(engine.scene()));
 }
 
 TEST(IncrementalBaker, RefinesOnlyWhatHasConverged) {
