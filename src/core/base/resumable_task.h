@@ -37,8 +37,9 @@ class ResumableTask {
         if (handle_) handle_.destroy();
     }
 
-    /// Runs the next slice; false: there was none left.
+    /// Runs the next slice. Returns false once the task has ended, and does nothing from then on.
     bool next() {
+        if (handle_.done()) return false;
         handle_.resume();
         if (handle_.promise().failure)
             std::rethrow_exception(std::exchange(handle_.promise().failure, nullptr));

@@ -4,11 +4,12 @@
 
 #include "core/base/parallel.h"
 #include "core/phatexel/lookup_tables.h"
+#include "core/scene/transparency.h"
 
 namespace phat {
 namespace {
 
-// Parts of the photon map, renewed one by one.
+// Parts of the photon map, updated one by one.
 constexpr size_t kPhotonParts = 16;
 
 void requireUpdatable(const BakeSettings& settings) {
@@ -30,10 +31,9 @@ BakerState::BakerState(const Scene& rest, const Atlas& atlas, const TexelPoints&
                        const Phatexture& baked, const BakeSettings& wanted)
     : scene(rest, atlas, points), settings(wanted), phatexture(baked) {
     requireUpdatable(settings);
-    rebuildRays();
+    updateSceneQueries({true, true, true});
     hasArea = lights->hasArea();
     noIndex.emplace(noPhotons.photons);
-    seams = findSeams(rest, atlas);
     blocks = blockPlaces(atlas);
 
     const size_t tiles = atlas.tileChart.size(), texels = atlas.texelCount();
@@ -63,19 +63,10 @@ BakerState::BakerState(const Scene& rest, const Atlas& atlas, const TexelPoints&
         SilentProgress silent;
         prepareLookup(phatexture, atlas, scene.points(), scene.frames(), *rays, silent);
     }
-    photons.resize(kPhotonParts);
     photonsScene.assign(kPhotonParts, 0);
     const glm::uvec2 regions = (atlas.sizeTexels + kBlockSize - 1u) / kBlockSize;
     regionScene.assign(hasArea ? size_t(regions.x) * regions.y : 0, 0);
     regionClock.assign(regionScene.size(), 0);
-    if (hasArea) {
-        // Until a texel has an estimate of its own, what was baked stands for it.
-        areaEstimates.resize(texels);
-        for (size_t i = 0; i < texels; ++i)
-            areaEstimates[i].value = unpackRgb9e5(phatexture.areaIrradiance[i]);
-    }
-    for (const uint32_t packed : phatexture.areaIrradiance) areaMap.push_back(unpackRgb9e5(packed));
-    for (const uint32_t packed : phatexture.indirectIrradiance) indirectMap.push_back(unpackRgb9e5(packed));
     tileScene.assign(tiles, scene.version());
     tileClock.assign(tiles, 0);
     blockAge.assign(atlas.blockCount, {});
@@ -87,19 +78,18 @@ BakerState::BakerState(const Scene& rest, const Atlas& atlas, const TexelPoints&
     blockDirty.assign(atlas.blockCount, 0);
 }
 
-void BakerState::rebuildRays() {
-    rays.emplace(scene.scene());
+void BakerState::updateSceneQueries(const ChangedParts& changed) {
+    const bool transparent = hasTransparency(scene.scene());
+    if (!rays || changed.nodes || transparent != raysAskMaterials) {
+        rays.emplace(scene.scene());
+        raysAskMaterials = transparent;
+        ++rayBuilds;
+    }
     lights.emplace(scene.scene());
 }
 
 uint64_t BakerState::photonsVersion() const {
     return *std::min_element(photonsScene.begin(), photonsScene.end());
-}
-
-IrradianceMap meanMap(const IrradianceMap& mean, const IrradianceMap& map, uint32_t passes) {
-    IrradianceMap next = mean;
-    for (size_t i = 0; i < next.size(); ++i) next[i] += (map[i] - next[i]) / float(passes + 1);
-    return next;
 }
 
 }  // namespace phat

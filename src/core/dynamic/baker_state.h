@@ -1,30 +1,22 @@
 #pragma once
-// What the incremental baker keeps between its steps: a bake with its intermediate results, each marked with
-// the scene that it was made from.
+// What the parts of the incremental baker share: the scene, its bake, and the version of the scene that each
+// item of the bake was made from.
 
 #include <optional>
 
 #include "core/bake/bake.h"
 #include "core/bake/gather.h"
 #include "core/bake/indirect_irradiance.h"
-#include "core/bake/seam_stitch.h"
 #include "core/dynamic/dynamic_scene.h"
 #include "core/dynamic/light_update.h"
 
 namespace phat {
 
-/// A part of the photon map.
-struct PhotonMapPart {
-    explicit PhotonMapPart(PhotonMap traced) : map(std::move(traced)), index(map.photons) {}
-    PhotonMap map;
-    PhotonIndex index;
-};
-
 /// What a block's PHATexels were made from; 0: never.
 struct BlockAge {
     uint64_t scene = 0, photons = 0, irradiance = 0;  // versions
     uint64_t clock = 0;
-    uint64_t seed = 0;  // of its directions: the block's scrambles belong to it
+    uint64_t seed = 0;  // of its directions and of its scrambles
 };
 
 /// What a node's rays were traced in; scene 0: never.
@@ -37,8 +29,10 @@ struct BakerState {
     BakerState(const Scene& rest, const Atlas& atlas, const TexelPoints& points, const Phatexture& baked,
                const BakeSettings& settings);
 
-    /// After the scene has changed.
-    void rebuildRays();
+    /// To be called after the scene has changed. The rays' acceleration structure is built again only where
+    /// nodes have moved, or where transparency has appeared or disappeared; rays read everything else from
+    /// the scene as it is.
+    void updateSceneQueries(const ChangedParts& changed);
     GatherInput input() const {
         return {*rays,          *lights,   scene.atlas(), scene.points(),
                 scene.frames(), noPhotons, *noIndex,      scene.irradianceTexels()};
@@ -59,44 +53,38 @@ struct BakerState {
     BakeSettings settings;
     bool hasArea = false;  // as the scene at rest
     std::optional<RayScene> rays;
+    bool raysAskMaterials = false;  // hasTransparency() of the scene that they were built of
+    uint64_t rayBuilds = 0;         // how often they were
     std::optional<LightSampler> lights;
     PhotonMap noPhotons;
     std::optional<PhotonIndex> noIndex;
-    std::vector<SeamPoint> seams;
     std::vector<BlockPlace> blocks;
 
     Phatexture phatexture;
-    std::vector<std::optional<PhotonMapPart>> photons;  // parts in order
-    std::vector<IrradianceEstimate> areaEstimates;      // [y][x]
-    IrradianceMap areaMap, indirectMap;                 // before their seams are stitched
-    // Of refinement: how many times all light has been made anew of this very scene, and the means of the
-    // maps before that.
-    uint32_t pass = 0;
-    IrradianceMap areaMean, indirectMean;
+    uint32_t pass = 0;      // of refinement: how often all light has been made anew of this very scene
     IrradianceLevel level;  // of nodes
     std::vector<NodeRays> nodes;
     std::vector<NodeAge> nodeAge;
-    uint64_t levelTexelsVersion = 0;  // of DynamicScene, that `level` was made from
+    uint64_t levelTexelsVersion = 0;  // DynamicScene::texelsVersion() of `level`
 
-    // Ages.
-    std::vector<uint64_t> tileScene, tileClock;      // [tile]: changes that its PHATexels have heard of
+    uint64_t clock = 0;     // all work so far, in rays or what takes as long
+    uint64_t revision = 1;  // grows when items may have become stale
+
+    // Ages: version of the scene that an item is up to date with, and the clock at its last update.
+    std::vector<uint64_t> tileScene, tileClock;      // [tile]: of the retracing after changes
     std::vector<uint64_t> photonsScene;              // [part]
     std::vector<uint64_t> regionScene, regionClock;  // [region of 32x32 texels]
     std::vector<BlockAge> blockAge;
     uint64_t areaVersion = 1, irradianceVersion = 1;
-    bool irradianceKnown = false;  // the maps are those of the scene as it is
 
-    // What the drawing side has not got yet.
+    // What the renderer has not been sent yet.
     std::vector<uint8_t> tileDirty;  // bits of kDirty...
     std::vector<uint8_t> blockDirty;
 };
 
-inline constexpr uint8_t kDirtyPhatexels = 1, kDirtyIrradiance = 2, kDirtyPlace = 4, kDirtyCover = 8;
+inline constexpr uint8_t kDirtyPhatexels = 1, kDirtyIrradiance = 2, kDirtyGeometry = 4, kDirtyCover = 8;
 
-/// Mean of `passes` maps, whose own mean is `mean`, and one more.
-IrradianceMap meanMap(const IrradianceMap& mean, const IrradianceMap& map, uint32_t passes);
-
-/// All that is dirty, which it is no more; `tileLight` is left to the caller.
+/// Takes all that is dirty, which it is no more; `tileLight` is left to the caller.
 LightUpdate collectUpdate(BakerState& state);
 
 }  // namespace phat

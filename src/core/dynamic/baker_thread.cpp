@@ -11,7 +11,7 @@
 namespace phat {
 namespace {
 
-// Rays between two looks at what is wanted: some milliseconds of a core.
+// Rays between two looks at the request: some milliseconds of a core.
 constexpr uint64_t kWorkAtOnce = 10'000;
 // The speed is that of about so long.
 constexpr double kSpeedSeconds = 1;
@@ -59,7 +59,7 @@ BakerThread::~BakerThread() {
 void BakerThread::follow(const SceneState& state, const Camera& eye, bool updatesLight, bool refines) {
     {
         const std::lock_guard lock(mutex_);
-        wanted_ = Wanted{state, eye, updatesLight, refines};
+        request_ = Request{state, eye, updatesLight, refines};
         report_.converged = false;
     }
     changed_.notify_all();
@@ -87,81 +87,118 @@ BakerThread::Report BakerThread::report() const {
 }
 
 void BakerThread::run(const Start& start) {
-    IncrementalBaker engine(start.rest, start.atlas, start.points, start.baked, start.settings);
+    IncrementalBaker baker(start.rest, start.atlas, start.points, start.baked, start.settings);
     {
         const std::lock_guard lock(mutex_);
         started_ = true;
     }
     changed_.notify_all();
-    while (step(engine)) {
+    while (step(baker)) {
     }
 }
 
-bool BakerThread::step(IncrementalBaker& engine) {
-    std::optional<Wanted> wanted;
-    bool updatesLight = false, refines = false;
+bool BakerThread::acceptRequest(IncrementalBaker& baker) {
+    std::optional<Request> request;
     {
         const std::lock_guard lock(mutex_);
         if (quit_) return false;
-        wanted = std::exchange(wanted_, std::nullopt);
-        if (wanted) {
-            updatesLight_ = wanted->updatesLight;
-            refines_ = wanted->refines;
-        }
-        updatesLight = updatesLight_;
-        refines = refines_;
+        request = std::exchange(request_, std::nullopt);
     }
-    if (wanted) {
-        engine.setEye(&wanted->eye);
-        engine.setSceneState(wanted->state);
-    }
+    if (!request) return true;
+    updatesLight_ = request->updatesLight;
+    refines_ = request->refines;
+    baker.setEye(&request->eye);
+    baker.setSceneState(request->state);
+    return true;
+}
+
+BakerThread::Activity BakerThread::activityOf(const IncrementalBaker& baker) const {
+    if (!updatesLight_) return Activity::resting;
+    // A pass of refinement is suspended where it is.
+    if (baker.passes() > 0 && !refines_) return Activity::resting;
+    if (!baker.converged()) return Activity::updating;
+    return refines_ && baker.passes() < kMaxRefinements ? Activity::passConverged : Activity::resting;
+}
+
+void BakerThread::update(IncrementalBaker& baker) {
     const Stopwatch start;
     const double processorStart = threadProcessorSeconds();
-    // A pass of refinement waits where it is.
-    const bool rests = !updatesLight || engine.converged() || (engine.passes() > 0 && !refines);
-    if (!rests) engine.advance(kWorkAtOnce, Stop(stop_));
-    noteWork(engine, start.seconds(), threadProcessorSeconds() - processorStart);
+    baker.advance(kWorkAtOnce, Stop(stop_));
+    noteWork(baker.stats().phatexels, start.seconds(), threadProcessorSeconds() - processorStart);
+}
 
-    bool taker = false;
+BakerThread::Handover BakerThread::handOver(IncrementalBaker& baker, Activity activity) {
+    bool taken = false;
     {
         const std::lock_guard lock(mutex_);
-        taker = !ready_;
+        taken = !ready_;
     }
-    // Put together without the lock: whoever draws must not wait for it.
+    // Put together without the lock: the renderer must not wait for it.
     LightUpdate update;
-    if (taker) update = engine.drainUpdate();
+    if (taken) update = baker.drainUpdate();
     const bool any = !update.empty();
-    // A look at every item: for those who are told of something new alone.
-    const UpToDateShares renewed = any || rests ? engine.upToDate() : UpToDateShares{};
+    // The shares need a look at every item: only where there is something new to report.
+    const bool reports = any || activity != Activity::updating;
+    const UpToDateShares shares = reports ? baker.upToDate() : UpToDateShares{};
+    bool nowConverged = false;
+    {
+        const std::lock_guard lock(mutex_);
+        if (reports) report_.upToDate = shares;
+        report_.refinements =
+            activity == Activity::passConverged ? baker.passes() : std::max(baker.passes(), 1u) - 1;
+        if (any) ready_ = std::move(update);
+        // All is done and the last update can be taken.
+        nowConverged = activity == Activity::resting && taken && !request_ && !report_.converged;
+        if (nowConverged) report_.converged = true;
+    }
+    if (any || nowConverged) wake_();
+    if (!taken) return Handover::takerIsBusy;
+    return any ? Handover::handedOver : Handover::nothingNew;
+}
+
+bool BakerThread::hasRequest() const {
+    const std::lock_guard lock(mutex_);
+    return request_.has_value();
+}
+
+bool BakerThread::waitForChange(bool forTaker) {
     std::unique_lock lock(mutex_);
-    if (any || rests) report_.upToDate = renewed;
-    if (any) ready_ = std::move(update);
-    // All is done and the last portion is on its way.
-    const bool goesOn = updatesLight && refines && engine.passes() < kMostRefinements;
-    const bool done = rests && taker && !wanted_ && !goesOn;
-    report_.refinements = rests && goesOn ? engine.passes() : std::max(engine.passes(), 1u) - 1;
-    if (rests && taker && !any && !wanted_ && goesOn) {
-        lock.unlock();
-        engine.refine();
-        return true;
-    }
-    if (done != report_.converged || any) {
-        if (done) report_.converged = true;
-        lock.unlock();
-        wake_();
-        lock.lock();
-    }
-    if (rests) changed_.wait(lock, [&] { return quit_ || wanted_ || (!done && !ready_); });
+    changed_.wait(lock, [&] { return quit_ || request_ || (forTaker && !ready_); });
     return !quit_;
 }
 
-void BakerThread::noteWork(const IncrementalBaker& engine, double seconds, double processor) {
+bool BakerThread::step(IncrementalBaker& baker) {
+    const Stopwatch sinceLook;
+    if (!acceptRequest(baker)) return false;
+    const Activity activity = activityOf(baker);
+    if (activity == Activity::updating) update(baker);
+    const Handover handover = handOver(baker, activity);
+    noteStep(sinceLook.seconds());
+    switch (activity) {
+        case Activity::updating:
+            return true;
+        case Activity::passConverged:
+            // The next pass replaces the PHATexels of this one, so all of those must have been taken.
+            if (handover != Handover::nothingNew) return waitForChange(true);
+            if (!hasRequest()) baker.refine();
+            return true;
+        case Activity::resting:
+            return waitForChange(handover == Handover::takerIsBusy);
+    }
+    return false;
+}
+
+void BakerThread::noteStep(double seconds) {
     const std::lock_guard lock(mutex_);
-    const uint64_t now = engine.stats().phatexels, more = now - report_.phatexels;
-    report_.phatexels = now;
+    report_.longestSeconds = std::max(report_.longestSeconds, seconds);
+}
+
+void BakerThread::noteWork(uint64_t phatexels, double seconds, double processorSeconds) {
+    const std::lock_guard lock(mutex_);
+    const uint64_t more = phatexels - report_.phatexels;
+    report_.phatexels = phatexels;
     report_.seconds += seconds;
-    report_.processorSeconds += processor;
-    report_.longestSeconds = std::max(report_.longestSeconds, processor);
+    report_.processorSeconds += processorSeconds;
     // An exponential mean.
     const float keep = float(std::exp(-seconds / kSpeedSeconds));
     recentSeconds_ = recentSeconds_ * keep + seconds;

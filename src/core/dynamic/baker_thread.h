@@ -13,15 +13,8 @@
 
 namespace phat {
 
-/// One number for all tasks: PHATexels count half, because each depends on all else.
-inline float overall(const UpToDateShares& share) {
-    float sum = 0.5f * share[size_t(BakerTask::blocks)];
-    for (size_t t = 0; t + 1 < kBakerTasks; ++t) sum += 0.5f / float(kBakerTasks - 1) * share[t];
-    return sum;
-}
-
-/// The noise of one bake is an eighth by then, and whoever looks has seen it.
-inline constexpr uint32_t kMostRefinements = 64;
+/// The noise of one bake is an eighth by then, and further passes are hardly visible.
+inline constexpr uint32_t kMaxRefinements = 64;
 
 class BakerThread {
   public:
@@ -37,18 +30,18 @@ class BakerThread {
     };
     /// `cores` 0: all but the window's.
     BakerThread(const Start& start, int cores, Wake wake);
-    /// Stops in the middle of a piece of work.
+    /// Stops in the middle of a slice of work.
     ~BakerThread();
     BakerThread(const BakerThread&) = delete;
     BakerThread& operator=(const BakerThread&) = delete;
 
     void waitUntilStarted();
-    /// The scene from now on, and whose picture comes first. Returns at once. `updatesLight` false: geometry
-    /// follows, light waits. `refines`: once all is of this scene, it is made anew with other draws
-    /// (IncrementalBaker::refine), kMostRefinements times.
+    /// The scene from now on, and the camera whose visible tiles are updated first. Returns at once.
+    /// `updatesLight` false: geometry follows, light waits. `refines`: once the light has converged, it is
+    /// made anew with other random numbers (IncrementalBaker::refine), kMaxRefinements times.
     void follow(const SceneState& state, const Camera& eye, bool updatesLight, bool refines = false);
-    /// What has changed since the last call, if there is anything. The next is put together only after that,
-    /// so a slow taker finds more in one portion, not more portions. Throws what the engine threw.
+    /// What has changed since the last call, if there is anything. The next update is put together only after
+    /// that, so a slow taker finds more in one update, not more updates. Throws what the baker threw.
     std::optional<LightUpdate> take();
 
     struct Report {
@@ -58,28 +51,46 @@ class BakerThread {
         uint64_t phatexels = 0;    // so far
         double seconds = 0;        // of work so far
         double phatexelsPerSecond = 0;
-        double processorSeconds = 0;  // of its thread: all of them, where it has one core
-        double longestSeconds = 0;    // between two looks at what is wanted
+        double processorSeconds = 0;  // of the baker's thread: of all work, where it has one core
+        double longestSeconds = 0;    // by the clock, between two looks at the request: so long one may wait
     };
     Report report() const;
 
   private:
-    struct Wanted {
+    struct Request {
         SceneState state;
         Camera eye;
         bool updatesLight = true, refines = false;
     };
+    /// What the baker is at between two looks at the request.
+    enum class Activity {
+        updating,       // some of the light is not up to date
+        passConverged,  // all of it is, and another pass of refinement follows
+        resting,        // there is nothing to do until the next request
+    };
+    enum class Handover { takerIsBusy, nothingNew, handedOver };
     class Stop;
     void run(const Start& start);
-    /// Goes on until there is nothing to do, then waits; false: to end.
-    bool step(IncrementalBaker& engine);
-    void noteWork(const IncrementalBaker& engine, double seconds, double processorSeconds);
+    /// Works for some milliseconds, or waits where there is nothing to do. Returns false at the end.
+    bool step(IncrementalBaker& baker);
+    /// Passes a new request on to the baker. Returns false at the end.
+    bool acceptRequest(IncrementalBaker& baker);
+    Activity activityOf(const IncrementalBaker& baker) const;
+    void update(IncrementalBaker& baker);
+    /// Puts together what has changed, if the last update has been taken, and reports.
+    Handover handOver(IncrementalBaker& baker, Activity activity);
+    bool hasRequest() const;
+    /// Waits for a request or, where `forTaker`, until the last update has been taken. Returns false at the
+    /// end.
+    bool waitForChange(bool forTaker);
+    void noteStep(double seconds);
+    void noteWork(uint64_t phatexels, double seconds, double processorSeconds);
 
     Wake wake_;
-    mutable std::mutex mutex_;
+    bool updatesLight_ = true, refines_ = false;  // of the request that was accepted; of the thread alone
+    mutable std::mutex mutex_;                    // guards what follows, but for stop_ and thread_
     std::condition_variable changed_;
-    std::optional<Wanted> wanted_;                // not yet begun
-    bool updatesLight_ = true, refines_ = false;  // of what was begun
+    std::optional<Request> request_;  // not yet accepted
     std::optional<LightUpdate> ready_;
     std::exception_ptr failure_;
     Report report_;

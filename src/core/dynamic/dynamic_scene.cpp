@@ -1,5 +1,7 @@
 #include "core/dynamic/dynamic_scene.h"
 
+#include <algorithm>
+
 #include "core/bake/irradiance.h"
 #include "core/base/parallel.h"
 #include "core/scene/scene_motion.h"
@@ -7,8 +9,8 @@
 namespace phat {
 namespace {
 
-// Of a node that moves in every frame, so many places are told apart.
-constexpr size_t kMostChanges = 48;
+// So many boxes are kept apart: the positions of a node that moves in every frame.
+constexpr size_t kMaxChanges = 48;
 
 Frame movedFrame(const Frame& frame, const glm::mat4& m) {
     return frameFromNormalAndTangent(glm::normalize(normalMatrix(m) * frame.normal),
@@ -25,6 +27,7 @@ DynamicScene::DynamicScene(const Scene& rest, const Atlas& atlas, const TexelPoi
       restPositions_(rest.positions),
       restNormals_(rest.normals),
       restTangents_(rest.tangents),
+      restMaterials_(rest.materials),
       restPoints_(points),
       restState_(buildTexelPoints(rest, atlas).state),
       restFrames_(frames_),
@@ -48,19 +51,25 @@ Bounds DynamicScene::boundsOfSurface(const Surface& surface) const {
     return bounds;
 }
 
-void DynamicScene::addChange(const Bounds& box) {
+void DynamicScene::addChange(const Bounds& box, SceneChange::Kind kind) {
     if (box.empty()) return;
-    if (changes_.size() >= kMostChanges) {
+    // A light that changes in every frame needs one box, not one for each frame.
+    if (kind != SceneChange::Kind::surface)
+        std::erase_if(changes_, [&](const SceneChange& change) {
+            return change.kind == kind && change.box.low == box.low && change.box.high == box.high;
+        });
+    if (changes_.size() >= kMaxChanges) {
         // The older half in one box, as if all of it were as recent as its last.
-        const size_t half = kMostChanges / 2;
+        const size_t half = kMaxChanges / 2;
         SceneChange& kept = changes_[half - 1];
         for (size_t i = 0; i + 1 < half; ++i) {
             kept.box.add(changes_[i].box.low);
             kept.box.add(changes_[i].box.high);
+            kept.kind = std::min(kept.kind, changes_[i].kind);
         }
         changes_.erase(changes_.begin(), changes_.begin() + ptrdiff_t(half) - 1);
     }
-    changes_.push_back({version_, box});
+    changes_.push_back({version_, box, kind});
 }
 
 void DynamicScene::moveChart(const Chart& chart, const glm::mat4& m) {
@@ -105,9 +114,9 @@ bool DynamicScene::setNodes(const std::vector<glm::mat4>& worldFromRest) {
         if (m == matrixAt(worldFromRest_, surface.node)) continue;
         any = true;
         surfaceMoves[s] = 1;
-        addChange(boundsOfSurface(surface));
+        addChange(boundsOfSurface(surface), SceneChange::Kind::surface);
         moveSurface({restPositions_, restNormals_, restTangents_}, surface, m, scene_);
-        addChange(boundsOfSurface(surface));
+        addChange(boundsOfSurface(surface), SceneChange::Kind::surface);
     }
     for (size_t c = 0; c < atlas_.charts.size(); ++c) {
         const Chart& chart = atlas_.charts[c];
@@ -119,30 +128,47 @@ bool DynamicScene::setNodes(const std::vector<glm::mat4>& worldFromRest) {
     return any;
 }
 
+void DynamicScene::addReachOf(const PunctualLight& light) {
+    if (light.type == PunctualLight::Type::directional || light.rangeMeters <= 0)
+        addChange(boundsOf(scene_), SceneChange::Kind::wholeScene);
+    else
+        addChange({light.position - light.rangeMeters, light.position + light.rangeMeters},
+                  SceneChange::Kind::lightRange);
+}
+
 bool DynamicScene::setLights(const std::vector<PunctualLight>& lights) {
-    std::vector<PunctualLight> placed = movedLights(lights, worldFromRest_);
-    if (placed == scene_.lights) return false;
-    scene_.lights = std::move(placed);
+    std::vector<PunctualLight> moved = movedLights(lights, worldFromRest_);
+    if (moved == scene_.lights) return false;
+    for (size_t i = 0; i < std::max(moved.size(), scene_.lights.size()); ++i) {
+        const PunctualLight* before = i < scene_.lights.size() ? &scene_.lights[i] : nullptr;
+        const PunctualLight* now = i < moved.size() ? &moved[i] : nullptr;
+        if (before && now && *before == *now) continue;
+        if (before) addReachOf(*before);
+        if (now) addReachOf(*now);
+    }
+    scene_.lights = std::move(moved);
     return true;
 }
 
-bool DynamicScene::setMaterials(const std::vector<Material>& materials) {
+bool DynamicScene::setMaterials(const std::vector<Material>& given) {
+    std::vector<Material> materials = restMaterials_;
+    std::copy_n(given.begin(), std::min(given.size(), materials.size()), materials.begin());
     if (materials == scene_.materials) return false;
     for (const Surface& surface : scene_.surfaces)
         if (!(materials[surface.material] == scene_.materials[surface.material]))
-            addChange(boundsOfSurface(surface));
-    scene_.materials = materials;
+            addChange(boundsOfSurface(surface), SceneChange::Kind::surface);
+    scene_.materials = std::move(materials);
     return true;
 }
 
-bool DynamicScene::set(const SceneState& state) {
+ChangedParts DynamicScene::set(const SceneState& state) {
     ++version_;
-    const bool nodes = setNodes(state.worldFromRest);
-    const bool lights = setLights(state.lights);
-    const bool materials = setMaterials(state.materials);
-    if (nodes || lights || materials) return true;
-    --version_;
-    return false;
+    ChangedParts changed;
+    changed.nodes = setNodes(state.worldFromRest);
+    changed.lights = setLights(state.lights);
+    changed.materials = setMaterials(state.materials);
+    if (!changed) --version_;
+    return changed;
 }
 
 void DynamicScene::markCovered(size_t tile, const RayScene& rays) {

@@ -1,5 +1,5 @@
 #pragma once
-// A scene whose nodes move, with its texels: they ride on their triangles.
+// A scene whose nodes move, with its texels, which move with their triangles.
 
 #include <span>
 
@@ -8,17 +8,30 @@
 
 namespace phat {
 
-/// Something of the scene is not what it was: a box in which light may meet something else now.
+/// A box in which light may meet other surfaces than before, or surfaces that are lit differently.
 struct SceneChange {
+    /// Ordered: a box that stands for several changes has the first of their kinds.
+    enum class Kind : uint8_t {
+        surface,     // a surface has moved or has another material
+        lightRange,  // what a changed punctual light of limited range reaches
+        wholeScene,  // what a changed punctual light of unlimited range reaches
+    };
     uint64_t version = 0;  // of the scene that it led to
     Bounds box;
+    Kind kind = Kind::surface;
 };
 
-/// What may differ from the scene at rest. Empty: as at rest.
+/// What may differ from the scene at rest.
 struct SceneState {
     std::vector<glm::mat4> worldFromRest;  // [glTF node]; of nodes beyond its end: identity
-    std::vector<PunctualLight> lights;     // where they are at rest: their nodes carry them
-    std::vector<Material> materials;
+    std::vector<PunctualLight> lights;     // all of them, where they are at rest: their nodes carry them
+    std::vector<Material> materials;       // those beyond its end: as at rest
+};
+
+/// Which parts of a scene are different.
+struct ChangedParts {
+    bool nodes = false, lights = false, materials = false;
+    explicit operator bool() const { return nodes || lights || materials; }
 };
 
 /// The scene as it is now. Motion is meant to be rigid: the atlas does not follow a change of scale.
@@ -29,11 +42,11 @@ class DynamicScene {
     DynamicScene(const DynamicScene&) = delete;
     DynamicScene& operator=(const DynamicScene&) = delete;
 
-    /// Returns whether anything is different. Then version() has grown and changes() has the boxes.
-    bool set(const SceneState& state);
+    /// Returns what is different. If anything is, version() has grown and changes() has the boxes.
+    ChangedParts set(const SceneState& state);
 
     /// A new version in which nothing is different.
-    void renew() { ++version_; }
+    void beginVersion() { ++version_; }
 
     uint64_t version() const { return version_; }
     const Scene& scene() const { return scene_; }
@@ -46,11 +59,9 @@ class DynamicScene {
     uint64_t texelsVersion() const { return texelsVersion_; }
     /// Version at which a chart last moved.
     uint64_t movedAt(uint32_t chart) const { return chartMoved_[chart]; }
-    /// Oldest first; what is too old to be told apart is in one box.
+    /// Oldest first; the oldest ones are merged.
     std::span<const SceneChange> changes() const { return changes_; }
 
-    /// State of a texel if nothing covered it.
-    TexelState restState(size_t texel) const { return restState_[texel]; }
     /// Asks again which of a tile's texels are covered; safe for different tiles at a time.
     void markCovered(size_t tile, const RayScene& rays);
     /// To be called for a tile after markCovered, by one thread: whether any state has changed.
@@ -60,7 +71,8 @@ class DynamicScene {
 
   private:
     void moveChart(const Chart& chart, const glm::mat4& worldFromRest);
-    void addChange(const Bounds& box);
+    void addChange(const Bounds& box, SceneChange::Kind kind);
+    void addReachOf(const PunctualLight& light);
     Bounds boundsOfSurface(const Surface& surface) const;
     bool setNodes(const std::vector<glm::mat4>& worldFromRest);
     bool setLights(const std::vector<PunctualLight>& lights);
@@ -74,6 +86,7 @@ class DynamicScene {
 
     std::vector<glm::vec3> restPositions_, restNormals_;  // of vertices
     std::vector<glm::vec4> restTangents_;
+    std::vector<Material> restMaterials_;
     std::vector<glm::mat4> worldFromRest_;
     TexelPoints restPoints_;
     std::vector<TexelState> restState_;

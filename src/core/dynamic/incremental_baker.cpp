@@ -1,27 +1,15 @@
 #include "core/dynamic/incremental_baker.h"
 
+#include <cassert>
+
 #include "core/base/stopwatch.h"
-#include "core/phatexel/radiance_bound.h"
-#include "core/scene/light_bound.h"
 
 namespace phat {
 namespace {
 
-// A pass over everything, in rays a texel: by its age an item's urgency grows by 1 in that time.
-constexpr uint64_t kPassWork = 64;
-
-// Tiles' brightest light is looked for anew after so much work, in rays a texel.
-constexpr uint64_t kTileLightWork = 1;
-
 constexpr uint64_t kPassStream = 0x4ef1;
 
-// Changes that are no farther apart are one motion, in rays a texel.
-constexpr uint64_t kStillWork = 32;
-
-// A piece of work: some ten milliseconds, and enough for many threads.
-constexpr size_t kNodesPerSlice = 1024;
-
-/// Stops when another does, and reports nothing: pieces are too small to be stages.
+/// Stops when another does, and reports nothing: slices are too small to be stages.
 class OnlyStop : public SilentProgress {
   public:
     explicit OnlyStop(const Progress& of) : of_(of) {}
@@ -35,10 +23,12 @@ class OnlyStop : public SilentProgress {
 
 IncrementalBaker::IncrementalBaker(const Scene& rest, const Atlas& atlas, const TexelPoints& points,
                                    const Phatexture& baked, const BakeSettings& settings)
-    : state_(rest, atlas, points, baked, settings), seed_(settings.seed), photonSeed_(settings.photons.seed) {
-    adaptNodes(state_);
-    indirectDirty_ = true;
-}
+    : state_(rest, atlas, points, baked, settings),
+      seed_(settings.seed),
+      photonSeed_(settings.photons.seed),
+      maps_(state_),
+      moved_(state_, maps_),
+      phatexels_(state_) {}
 
 void IncrementalBaker::setSeeds() {
     const uint32_t pass = state_.pass;
@@ -47,145 +37,120 @@ void IncrementalBaker::setSeeds() {
 }
 
 void IncrementalBaker::refine() {
-    if (state_.pass == 0) {
-        state_.areaMean = state_.areaMap;
-        state_.indirectMean = state_.indirectMap;
-    } else {
-        state_.areaMean = meanMap(state_.areaMean, state_.areaMap, state_.pass);
-        state_.indirectMean = meanMap(state_.indirectMean, state_.indirectMap, state_.pass);
-    }
+    assert(converged());
+    maps_.beginPass();
     ++state_.pass;
     setSeeds();
-    state_.scene.renew();
-    // Nothing has moved, so they have nothing to hear of.
+    state_.scene.beginVersion();
+    // Nothing has moved, so there is nothing to retrace.
     state_.tileScene.assign(state_.tileScene.size(), state_.scene.version());
-    ++queueVersion_;
+    ++state_.revision;
 }
 
 bool IncrementalBaker::setSceneState(const SceneState& state) {
-    if (!state_.scene.set(state)) return false;
+    const ChangedParts changed = state_.scene.set(state);
+    if (!changed) return false;
     state_.pass = 0;
     setSeeds();
-    state_.rebuildRays();
+    state_.updateSceneQueries(changed);
     const uint64_t version = state_.scene.version();
     for (size_t tile = 0; tile < state_.tileDirty.size(); ++tile) {
         const uint32_t chart = state_.scene.atlas().tileChart[tile];
-        if (chart != kNoChart && state_.scene.movedAt(chart) == version) packPlace(state_, tile);
+        if (chart != kNoChart && state_.scene.movedAt(chart) == version) packTile(state_, tile);
     }
-    ++queueVersion_;
-    changes_ = {std::max<uint64_t>(clock_, 1), changes_[0]};
+    ++state_.revision;
+    scheduler_.noteChange(state_.clock);
     return true;
 }
 
-void IncrementalBaker::setEye(const Camera* eye) {
-    eye_ = eye ? std::optional<Camera>(*eye) : std::nullopt;
-    valuesFor_ = 0;
+UnqueuedWork IncrementalBaker::unqueuedWork() const {
+    return {.moved = moved_.hasWork(),
+            .maps = maps_.isRunning(),
+            .areaMapStale = maps_.areaIsStale(),
+            .indirectMapStale = maps_.indirectIsStale()};
 }
 
-bool IncrementalBaker::hasWork(BakerTask task) {
-    if (task == BakerTask::moved) return moved_.step != MovedLight::Step::none || anyMoved();
-    if (task == BakerTask::maps) return areaJob_ || indirectJob_;
-    Queue& queue = queues_[size_t(task)];
-    if (queue.planned == queueVersion_ && queue.next < queue.items.size()) return true;
-    if (queue.planned != queueVersion_) {
-        if (valuesFor_ != state_.scene.version()) {
-            tileValue_ = tileValues(state_, eye_ ? &*eye_ : nullptr);
-            valuesFor_ = state_.scene.version();
-        }
-        if (task == BakerTask::nodes) adaptNodes(state_);
-        if (task == BakerTask::blocks) state_.irradianceKnown = areaIsKnown() && indirectIsKnown();
-        queue.items =
-            urgentFirst(state_, task, tileValue_, clock_, kPassWork * state_.scene.atlas().texelCount());
-        queue.next = 0;
-        queue.planned = queueVersion_;
-    }
-    return queue.next < queue.items.size();
-}
-
-std::span<const uint32_t> IncrementalBaker::takeItems(BakerTask task, size_t most) {
-    Queue& queue = queues_[size_t(task)];
-    const size_t first = queue.next;
-    queue.next = std::min(first + most, queue.items.size());
-    return std::span(queue.items).subspan(first, queue.next - first);
-}
-
-bool IncrementalBaker::converged() {
-    if (areaDirty_ || indirectDirty_) return false;
+bool IncrementalBaker::converged() const {
+    // Queues that are not current: something has become stale.
+    if (!scheduler_.isCurrent(state_)) return false;
+    const UnqueuedWork other = unqueuedWork();
+    if (other.areaMapStale || other.indirectMapStale) return false;
     for (size_t t = 0; t < kBakerTasks; ++t)
-        if (hasWork(BakerTask(t))) return false;
+        if (scheduler_.hasWork(BakerTask(t), other)) return false;
     return true;
 }
 
-bool IncrementalBaker::keepsChanging() const {
-    const uint64_t still = kStillWork * state_.scene.atlas().texelCount();
-    return clock_ - changes_[0] < still && changes_[1] > 0 && changes_[0] - changes_[1] < still;
-}
-
-bool IncrementalBaker::waits(BakerTask task) {
-    if ((task != BakerTask::nodes && task != BakerTask::blocks) || keepsChanging()) return false;
-    if (task == BakerTask::nodes) return !areaIsKnown();
-    return !areaIsKnown() || !indirectIsKnown() || hasWork(BakerTask::photons);
+void IncrementalBaker::replan() {
+    maps_.adaptNodes();
+    scheduler_.replan(state_, unqueuedWork());
 }
 
 uint64_t IncrementalBaker::advance(uint64_t work, const Progress& whole) {
     OnlyStop progress(whole);
-    const uint64_t start = clock_;
+    const uint64_t start = state_.clock;
     workBudget_ += int64_t(work);
+    replan();
     while (workBudget_ > 0) {
         progress.throwIfStopped();
-        const uint64_t before = clock_;
-        beginDueMaps();
-        std::array<bool, kBakerTasks> busy{};
-        for (size_t t = 0; t < kBakerTasks; ++t) {
-            busy[t] = hasWork(BakerTask(t)) && !waits(BakerTask(t));
-        }
-        const std::optional<BakerTask> task = shares_.next(busy);
+        const uint64_t before = state_.clock;
+        const UnqueuedWork other = unqueuedWork();
+        maps_.beginDue(!scheduler_.hasWork(BakerTask::areaLight, other),
+                       !scheduler_.hasWork(BakerTask::nodes, other));
+        const std::optional<BakerTask> task = scheduler_.takeTask(unqueuedWork());
         if (!task) {
             workBudget_ = 0;
             break;
         }
         runSlice(*task, progress);
-        workBudget_ -= int64_t(clock_ - before);
+        workBudget_ -= int64_t(state_.clock - before);
+        replan();
     }
-    return clock_ - start;
+    return state_.clock - start;
+}
+
+uint64_t IncrementalBaker::advanceMaps() {
+    const Stopwatch start;
+    const MapUpdater::Slice slice = maps_.advance();
+    BakerStats::Task& stats = slice.kind == MapKind::area ? stats_.areaMaps : stats_.indirectMaps;
+    stats.items += slice.finished;
+    stats.work += slice.work;
+    stats.seconds += start.seconds();
+    return slice.work;
+}
+
+uint64_t IncrementalBaker::runItems(BakerTask task, std::span<const uint32_t> items, Progress& progress) {
+    switch (task) {
+        case BakerTask::moved:
+            return moved_.advance();
+        case BakerTask::retraceInvalidated:
+            return phatexels_.retraceInvalidated(items);
+        case BakerTask::photons:
+            return phatexels_.tracePhotonPart(items.front(), progress);
+        case BakerTask::areaLight:
+            return maps_.estimateRegions(items);
+        case BakerTask::nodes:
+            return maps_.traceNodes(items);
+        case BakerTask::maps:
+            return advanceMaps();
+        case BakerTask::blocks:
+            return phatexels_.updateBlocks(items);
+    }
+    return 0;
 }
 
 void IncrementalBaker::runSlice(BakerTask task, Progress& progress) {
     const Stopwatch start;
-    Queue& queue = queues_[size_t(task)];
-    const size_t before = queue.next;
-    uint64_t work = 0;
-    switch (task) {
-        case BakerTask::moved:
-            work = updateMoved();
-            break;
-        case BakerTask::retraceInvalidated:
-            work = retraceInvalidated();
-            break;
-        case BakerTask::photons:
-            work = tracePhotonPart(progress);
-            break;
-        case BakerTask::areaLight:
-            work = updateRegions();
-            break;
-        case BakerTask::nodes:
-            work = traceNodes(takeItems(BakerTask::nodes, kNodesPerSlice));
-            break;
-        case BakerTask::blocks:
-            work = updateBlocks();
-            break;
-        case BakerTask::maps:
-            work = advanceWholeMaps();
-            break;
-    }
-    // What is stale may depend on all of a kind being known.
-    if (queue.next > before && queue.next == queue.items.size()) ++queueVersion_;
-    clock_ += work;
-    shares_.done(task, work);
+    const std::span<const uint32_t> items = scheduler_.takeItems(task);
+    const uint64_t work = runItems(task, items, progress);
+    // What is stale may depend on all of a kind being up to date.
+    if (!items.empty() && !scheduler_.hasWork(task, {})) ++state_.revision;
+    state_.clock += work;
+    scheduler_.charge(task, work, state_.clock);
     BakerStats::Task& stats = stats_.tasks[size_t(task)];
-    stats.items += queue.next - before;
+    stats.items = task == BakerTask::moved ? moved_.rounds() : stats.items + items.size();
     stats.work += work;
     stats.seconds += start.seconds();
+    stats_.phatexels = phatexels_.updated();
 }
 
 uint64_t IncrementalBaker::converge(const Progress& progress) {
@@ -198,24 +163,7 @@ uint64_t IncrementalBaker::converge(const Progress& progress) {
 LightUpdate IncrementalBaker::drainUpdate() {
     LightUpdate update = collectUpdate(state_);
     update.refined = state_.pass > 0;
-    const Atlas& atlas = state_.scene.atlas();
-    const uint64_t version = state_.scene.version();
-    tileLightStale_ |= !update.phatexels.empty();
-    const bool due = tileLightStale_ && (clock_ >= tileLightClock_ || converged());
-    if (due || tileLight_.empty()) {
-        tileLight_ = tileLight(state_.scene.scene(), atlas, state_.phatexture);
-        tileLightStale_ = false;
-        tileLightClock_ = clock_ + kTileLightWork * atlas.texelCount();
-    }
-    if (due || tileLightScene_ != version) {
-        tileLightScene_ = version;
-        update.tileLight = tileLight_;
-        // Irradiance is renewed before PHATexels are: what they saw of an older scene must not bound it.
-        for (size_t tile = 0; tile < tileLight_.size(); ++tile)
-            if (atlas.tileChart[tile] != kNoChart &&
-                state_.blockAge[atlas.blockAt(state_.cornerOfTile(tile))].scene != version)
-                update.tileLight[tile] = glm::vec4(glm::vec3(kUnbounded), tileLight_[tile].a);
-    }
+    tileLight_.addTo(update, state_, converged());
     return update;
 }
 
@@ -227,21 +175,21 @@ UpToDateShares IncrementalBaker::upToDate() const {
     };
     const auto present = [&](uint64_t scene) { return scene == version; };
     UpToDateShares share;
-    uint64_t tiles = 0, heard = 0;
+    uint64_t tiles = 0, updated = 0;
     for (size_t tile = 0; tile < state_.tileScene.size(); ++tile) {
         if (state_.scene.atlas().tileChart[tile] == kNoChart) continue;
         ++tiles;
-        heard += state_.tileScene[tile] == version;
+        updated += state_.tileScene[tile] == version;
     }
     const auto of = [&](BakerTask task) -> float& { return share[size_t(task)]; };
-    of(BakerTask::moved) = moved_.step != MovedLight::Step::none || anyMoved() ? 0.0f : 1.0f;
-    of(BakerTask::retraceInvalidated) = float(double(heard) / double(std::max<uint64_t>(tiles, 1)));
+    of(BakerTask::moved) = moved_.hasWork() ? 0.0f : 1.0f;
+    of(BakerTask::retraceInvalidated) = float(double(updated) / double(std::max<uint64_t>(tiles, 1)));
     of(BakerTask::photons) = shareOf(state_.photonsScene, present);
     of(BakerTask::areaLight) = shareOf(state_.regionScene, present);
     of(BakerTask::nodes) = shareOf(state_.nodeAge, [&](const NodeAge& age) {
         return age.scene == version && age.area == state_.areaVersion;
     });
-    of(BakerTask::maps) = areaJob_ || indirectJob_ || areaDirty_ || indirectDirty_ ? 0.0f : 1.0f;
+    of(BakerTask::maps) = maps_.areaIsStale() || maps_.indirectIsStale() ? 0.0f : 1.0f;
     of(BakerTask::blocks) = shareOf(state_.blockAge, [&](const BlockAge& age) {
         return age.scene == version && age.photons == version && age.irradiance == state_.irradianceVersion;
     });

@@ -52,7 +52,7 @@ LightUpdate collectUpdate(BakerState& state) {
                 taken.area[i] = now.areaIrradiance.empty() ? 0 : now.areaIrradiance[texel];
             }
         }
-        if (dirty & kDirtyPlace) update.places.push_back({tile, now.tilePlaces[tile], now.probes[tile]});
+        if (dirty & kDirtyGeometry) update.places.push_back({tile, now.tilePlaces[tile], now.probes[tile]});
         if (dirty & kDirtyCover) {
             LightUpdate::Cover& cover = update.covers.emplace_back();
             cover.tile = tile;

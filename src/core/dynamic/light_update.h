@@ -1,5 +1,5 @@
 #pragma once
-// What a incremental baker hands to whoever draws: copies, so that neither waits for the other.
+// What the incremental baker sends to the renderer: copies, so that neither waits for the other.
 
 #include <vector>
 
@@ -43,7 +43,8 @@ struct LightUpdate {
     std::vector<Place> places;
     std::vector<Guides> guides;  // by block
     std::vector<Cover> covers;
-    /// Nothing but noise is different: other draws of the same light, to be averaged with what was shown.
+    /// Nothing but noise is different: the same light by other random numbers, to be averaged with what was
+    /// shown.
     bool refined = false;
     std::vector<glm::vec4> tileLight;  // see tileLight(); of all tiles, or empty: as before
 
@@ -56,7 +57,7 @@ struct LightUpdate {
 /// Texel `inTile` ([y][x]) of a tile as an index into the atlas.
 size_t texelOfTile(const Atlas& atlas, size_t tile, uint32_t inTile);
 
-/// Brings a copy of the PHATexels, and of which texels are covered, to the engine's state.
+/// Brings a copy of the PHATexels, and of which texels are covered, to the baker's state.
 void applyUpdate(const LightUpdate& update, const Atlas& atlas, Phatexture& phatexture,
                  std::vector<TexelState>& states);
 

@@ -1,9 +1,11 @@
-// Irradiance maps of the incremental baker: when they are made anew, and how.
+#include "core/dynamic/map_updater.h"
+
+#include <numeric>
 
 #include "core/bake/indirect_irradiance.h"
 #include "core/bake/irradiance_finish.h"
-#include "core/base/stopwatch.h"
-#include "core/dynamic/incremental_baker.h"
+#include "core/bake/irradiance_ray.h"
+#include "core/base/parallel.h"
 
 namespace phat {
 namespace {
@@ -14,7 +16,7 @@ constexpr uint64_t kAreaMapWork = 2, kIndirectMapWork = 6;
 constexpr uint64_t kMapShare = 3;
 // So many texels are stitched and packed in the time of a ray.
 constexpr uint64_t kTexelsStitchedPerRay = 8;
-// A piece of a map: some ten milliseconds of a core.
+// A slice of a map: some ten milliseconds of a core.
 constexpr uint64_t kMapSliceWork = 30'000;
 
 /// Takes what is `wanted` of a renewed map: wanted(chart).
@@ -25,68 +27,164 @@ void mix(std::vector<Value>& map, const std::vector<Value>& renewed, const Atlas
         if (wanted(atlas.chartAt(i))) map[i] = renewed[i];
 }
 
+/// Mean of `passes` maps, whose own mean is `mean`, and one more.
+IrradianceMap meanMap(const IrradianceMap& mean, const IrradianceMap& map, uint32_t passes) {
+    IrradianceMap next = mean;
+    for (size_t i = 0; i < next.size(); ++i) next[i] += (map[i] - next[i]) / float(passes + 1);
+    return next;
+}
+
 }  // namespace
 
-bool IncrementalBaker::areaIsDue() {
-    if (!areaDirty_) return false;
-    if (state_.pass > 0) return !hasWork(BakerTask::areaLight);
-    return !hasWork(BakerTask::areaLight) ||
-           areaWork_ > kMapShare * kAreaMapWork * state_.scene.atlas().texelCount();
+MapUpdater::MapUpdater(BakerState& state)
+    : state_(state), seams_(findSeams(state.scene.scene(), state.scene.atlas())) {
+    const Phatexture& baked = state_.phatexture;
+    for (const uint32_t packed : baked.areaIrradiance) areaMap_.push_back(unpackRgb9e5(packed));
+    for (const uint32_t packed : baked.indirectIrradiance) indirectMap_.push_back(unpackRgb9e5(packed));
+    if (state_.hasArea) {
+        // Until a texel has an estimate of its own, what was baked stands for it.
+        areaEstimates_.resize(areaMap_.size());
+        for (size_t i = 0; i < areaMap_.size(); ++i) areaEstimates_[i].value = areaMap_[i];
+    }
+    adaptNodes();
 }
 
-bool IncrementalBaker::indirectIsDue() {
+uint64_t MapUpdater::estimateArea(std::span<const BlockPlace> blocks) {
+    std::vector<uint64_t> rays(blocks.size(), 0);
+    const GatherInput input = state_.input();
+    SilentProgress silent;
+    parallelRanges(blocks.size(), 1, silent, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i)
+            renewAreaIrradiance(input, state_.settings, blocks[i].origin, blocks[i].size, areaEstimates_,
+                                rays[i]);
+    });
+    areaDirty_ = true;
+    const uint64_t work = std::accumulate(rays.begin(), rays.end(), uint64_t(0));
+    areaWork_ += work;
+    return work;
+}
+
+uint64_t MapUpdater::estimateRegions(std::span<const uint32_t> regions) {
+    const Atlas& atlas = state_.scene.atlas();
+    const uint32_t wide = (atlas.sizeTexels.x + kBlockSize - 1) / kBlockSize;
+    std::vector<BlockPlace> blocks;
+    for (const uint32_t region : regions) {
+        const glm::uvec2 corner = glm::uvec2(region % wide, region / wide) * kBlockSize;
+        blocks.push_back({corner, glm::min(glm::uvec2(kBlockSize), atlas.sizeTexels - corner)});
+        state_.regionScene[region] = state_.scene.version();
+        state_.regionClock[region] = state_.clock;
+    }
+    return estimateArea(blocks);
+}
+
+void MapUpdater::adaptNodes() {
+    if (state_.levelTexelsVersion == state_.scene.texelsVersion()) return;
+    const uint32_t width = state_.scene.atlas().sizeTexels.x;
+    IrradianceLevel level = coarseLevel(state_.input());
+    std::vector<NodeRays> nodes(level.texel.size());
+    std::vector<NodeAge> ages(nodes.size());
+    for (size_t n = 0; n < nodes.size() && !state_.level.node.empty(); ++n) {
+        const uint32_t before = state_.level.node[level.groupOf(level.texel[n], width)];
+        if (before == kNoNode || state_.level.texel[before] != level.texel[n]) continue;
+        nodes[n] = state_.nodes[before];
+        ages[n] = state_.nodeAge[before];
+        // Rays that ended in what is covered now tell nothing until they are traced again.
+        for (uint32_t i = 0; i < nodes[n].count; ++i) {
+            uint32_t& texel = nodes[n].texel[i];
+            if (texel != kNoTexel && level.node[level.groupOf(texel, width)] == kNoNode) texel = kNoTexel;
+        }
+    }
+    state_.level = std::move(level);
+    state_.nodes = std::move(nodes);
+    state_.nodeAge = std::move(ages);
+    state_.levelTexelsVersion = state_.scene.texelsVersion();
+}
+
+uint64_t MapUpdater::traceNodes(std::span<const uint32_t> nodes) {
+    std::vector<uint64_t> rays(nodes.size(), 0);
+    const GatherInput input = state_.input();
+    SilentProgress silent;
+    parallelRanges(nodes.size(), 32, silent, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i)
+            state_.nodes[nodes[i]] = traceNode(input, state_.phatexture.areaIrradiance, state_.settings,
+                                               state_.level, nodes[i], rays[i]);
+    });
+    for (const uint32_t node : nodes)
+        state_.nodeAge[node] = {state_.scene.version(), state_.areaVersion, state_.clock};
+    indirectDirty_ = true;
+    const uint64_t work = std::accumulate(rays.begin(), rays.end(), uint64_t(0));
+    nodeWork_ += work;
+    return work;
+}
+
+bool MapUpdater::areaIsDue(bool allEstimated) const {
+    if (!areaDirty_ || allEstimated) return areaDirty_;
+    return state_.pass == 0 && areaWork_ > kMapShare * kAreaMapWork * state_.scene.atlas().texelCount();
+}
+
+bool MapUpdater::indirectIsDue(bool allTraced) const {
     if (!indirectDirty_) return false;
-    const bool all = !hasWork(BakerTask::nodes);
-    if (!all && nodeWork_ <= kMapShare * kIndirectMapWork * state_.scene.atlas().texelCount()) return false;
-    return allNodesKnown(state_);
+    if (!allTraced && nodeWork_ <= kMapShare * kIndirectMapWork * state_.scene.atlas().texelCount())
+        return false;
+    return std::all_of(state_.nodeAge.begin(), state_.nodeAge.end(),
+                       [](const NodeAge& age) { return age.scene != 0; });
 }
 
-void IncrementalBaker::beginDueMaps() {
-    if (!areaJob_ && areaIsDue()) {
+void MapUpdater::beginDue(bool allEstimated, bool allTraced) {
+    if (!areaJob_ && areaIsDue(allEstimated)) {
         areaDirty_ = false;  // what becomes known from now on is for the next map
         areaWork_ = 0;
-        beginMap(areaJob_, true, {});
+        begin(areaJob_, MapKind::area, {});
     }
-    if (!indirectJob_ && indirectIsDue()) {
+    if (!indirectJob_ && indirectIsDue(allTraced)) {
         indirectDirty_ = false;
         nodeWork_ = 0;
-        beginMap(indirectJob_, false, {});
+        begin(indirectJob_, MapKind::indirect, {});
     }
 }
 
-void IncrementalBaker::beginMap(std::optional<MapJob>& slot, bool area, ChartSet charts) {
+void MapUpdater::begin(std::optional<MapJob>& slot, MapKind kind, ChartSet charts) {
     MapJob& job = slot.emplace();
-    job.area = area;
+    job.kind = kind;
     job.charts = std::move(charts);
     const GatherInput input = state_.input();
     const Phatexture& now = state_.phatexture;
     const GatherContext context{input, state_.settings, job.progress, nullptr, job.rays, kMapSliceWork};
-    if (area)
-        job.pieces.emplace(filterAreaIrradiance(state_.areaEstimates,
+    if (kind == MapKind::area)
+        job.slices.emplace(filterAreaIrradiance(areaEstimates_,
                                                 {input.atlas, input.points, input.irradianceTexels},
                                                 job.charts, job.map, kMapSliceWork));
     else if (job.charts.empty())
-        job.pieces.emplace(
+        job.slices.emplace(
             irradianceFromNodes(context, now.areaIrradiance, state_.level, state_.nodes, job.map));
     else
-        job.pieces.emplace(irradianceOfCharts(context, {now.indirectIrradiance, now.areaIrradiance},
+        job.slices.emplace(irradianceOfCharts(context, {now.indirectIrradiance, now.areaIrradiance},
                                               state_.level, state_.nodes, job.charts, job.map));
 }
 
-uint64_t IncrementalBaker::advanceMap(std::optional<MapJob>& slot) {
+uint64_t MapUpdater::advance(std::optional<MapJob>& slot) {
     const uint64_t raysBefore = slot->rays, texels = state_.scene.atlas().texelCount();
-    if (!slot->pieces->next()) {
-        publishMap(*slot);
+    if (!slot->slices->next()) {
+        publish(*slot);
         slot.reset();
         return texels / kTexelsStitchedPerRay;
     }
-    // A piece passes over the other charts' texels in next to no time.
+    // A slice passes over the other charts' texels in next to no time.
     const uint64_t rays = slot->rays - raysBefore,
-                   rest = slot->pieces->work() - std::min(rays, slot->pieces->work());
+                   rest = slot->slices->work() - std::min(rays, slot->slices->work());
     return rays + rest * texelsOf(slot->charts) / texels;
 }
 
-uint64_t IncrementalBaker::texelsOf(const ChartSet& charts) const {
+MapUpdater::Slice MapUpdater::advance() {
+    // The area lights' map first: it lights the other.
+    std::optional<MapJob>& job = areaJob_ ? areaJob_ : indirectJob_;
+    Slice slice{.kind = job->kind};
+    slice.work = advance(job);
+    slice.finished = !job;
+    return slice;
+}
+
+uint64_t MapUpdater::texelsOf(const ChartSet& charts) const {
     const Atlas& atlas = state_.scene.atlas();
     if (charts.empty()) return atlas.texelCount();
     uint64_t texels = 0;
@@ -96,49 +194,61 @@ uint64_t IncrementalBaker::texelsOf(const ChartSet& charts) const {
     return texels;
 }
 
-uint64_t IncrementalBaker::advanceWholeMaps() {
-    const Stopwatch start;
-    // Light straight from lamps is more, and sooner done.
-    std::optional<MapJob>& job = areaJob_ ? areaJob_ : indirectJob_;
-    BakerStats::Task& stats = job->area ? stats_.areaMaps : stats_.indirectMaps;
-    const uint64_t work = advanceMap(job);
-    stats.items += !job;
-    stats.work += work;
-    stats.seconds += start.seconds();
-    return work;
-}
-
-void IncrementalBaker::publishMap(MapJob& job) {
+void MapUpdater::publish(MapJob& job) {
     const GatherInput input = state_.input();
+    const bool area = job.kind == MapKind::area, whole = job.charts.empty();
     std::vector<uint32_t>& shown =
-        job.area ? state_.phatexture.areaIrradiance : state_.phatexture.indirectIrradiance;
-    IrradianceMap& map = job.area ? state_.areaMap : state_.indirectMap;
-    const bool whole = job.charts.empty();
+        area ? state_.phatexture.areaIrradiance : state_.phatexture.indirectIrradiance;
+    IrradianceMap& map = area ? areaMap_ : indirectMap_;
     mix(map, job.map, input.atlas, [&](uint32_t chart) {
         return whole ? job.newer.empty() || !hasChart(job.newer, chart) : hasChart(job.charts, chart);
     });
-    // A thing's charts have seams with each other alone.
+    // The charts of an object have seams with each other alone.
     std::vector<SeamPoint> seams;
-    for (const SeamPoint& point : state_.seams)
+    for (const SeamPoint& point : seams_)
         if (hasChart(job.charts, point.chart[0])) seams.push_back(point);
-    const IrradianceMap& before = job.area ? state_.areaMean : state_.indirectMean;
-    IrradianceMap seen = state_.pass > 0 ? meanMap(before, map, state_.pass) : map;
+    IrradianceMap mean = state_.pass > 0 ? meanMap(area ? areaMean_ : indirectMean_, map, state_.pass) : map;
     std::vector<uint32_t> renewed =
-        job.area ? finishAreaIrradiance(std::move(seen), input, seams, job.progress)
-                 : finishIndirectIrradiance(std::move(seen), input, seams, job.progress);
+        area ? finishAreaIrradiance(std::move(mean), input, seams, job.progress)
+             : finishIndirectIrradiance(std::move(mean), input, seams, job.progress);
     if (!whole)
         mix(renewed, shown, input.atlas, [&](uint32_t chart) { return !hasChart(job.charts, chart); });
-    const bool changed = publish(state_, shown, std::move(renewed));
-    if (changed && job.area) ++state_.areaVersion;
+    const bool changed = replace(shown, std::move(renewed));
+    state_.areaVersion += changed && area;
     state_.irradianceVersion += changed;
-    ++queueVersion_;
-    std::optional<MapJob>& ofAll = job.area ? areaJob_ : indirectJob_;
+    ++state_.revision;
+    std::optional<MapJob>& ofAll = area ? areaJob_ : indirectJob_;
     if (!whole && ofAll) {
         ofAll->newer.resize(job.charts.size(), 0);
         for (size_t c = 0; c < job.charts.size(); ++c) ofAll->newer[c] |= job.charts[c];
     }
     // Those were mapped without the rest of it.
-    if (whole && !job.newer.empty()) (job.area ? areaDirty_ : indirectDirty_) = true;
+    if (whole && !job.newer.empty()) (area ? areaDirty_ : indirectDirty_) = true;
+}
+
+bool MapUpdater::replace(std::vector<uint32_t>& shown, std::vector<uint32_t> renewed) {
+    if (shown == renewed) return false;
+    for (size_t tile = 0; tile < state_.tileDirty.size(); ++tile) {
+        if (state_.scene.atlas().tileChart[tile] == kNoChart) continue;
+        for (uint32_t i = 0; i < kTileTexels; ++i) {
+            const size_t texel = state_.texelOf(tile, i);
+            if (shown[texel] == renewed[texel]) continue;
+            state_.tileDirty[tile] |= kDirtyIrradiance;
+            break;
+        }
+    }
+    shown = std::move(renewed);
+    return true;
+}
+
+void MapUpdater::beginPass() {
+    if (state_.pass == 0) {
+        areaMean_ = areaMap_;
+        indirectMean_ = indirectMap_;
+    } else {
+        areaMean_ = meanMap(areaMean_, areaMap_, state_.pass);
+        indirectMean_ = meanMap(indirectMean_, indirectMap_, state_.pass);
+    }
 }
 
 }  // namespace phat

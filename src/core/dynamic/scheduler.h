@@ -1,36 +1,67 @@
 #pragma once
-// What the incremental baker does first. source: the idea of renewing what matters most, everything in a
-// bounded time, is that of Bishop et al. 1994, "Frameless Rendering".
+// What the incremental baker does next: which task, and which of its items. source: the idea of updating
+// first what matters most, and everything in bounded time, is that of Bishop et al. 1994, "Frameless
+// Rendering".
 
 #include "core/dynamic/baker_state.h"
+#include "core/dynamic/fair_queue.h"
 
 namespace phat {
 
-/// What can be worth doing.
-enum class BakerTask : uint8_t { moved, retraceInvalidated, photons, areaLight, nodes, maps, blocks };
-inline constexpr size_t kBakerTasks = 7;
+/// Work that is not in the scheduler's queues.
+struct UnqueuedWork {
+    bool moved = false;             // the irradiance of moved objects
+    bool maps = false;              // a map is being made
+    bool areaMapStale = false;      // it is being made, or has to be
+    bool indirectMapStale = false;  // likewise
+};
 
-/// How much a tile gains by being renewed, from 0 to 1.25: near to what has changed of late and facing it, in
-/// the picture. `eye` null: all are in the picture.
-std::vector<float> tileValues(const BakerState& state, const Camera* eye);
-
-/// The stale items of a task, the most urgent first. An item's urgency grows with its age by 1 in
-/// `passClock` ticks, so that it cannot wait longer than that and a little.
-std::vector<uint32_t> urgentFirst(const BakerState& state, BakerTask task,
-                                  const std::vector<float>& tileValue, uint64_t clock, uint64_t passClock);
-
-/// Shares the work out to tasks by weight: each gets its share of what is done while it has something to do.
-/// source: start-time fair queuing, Goyal et al. 1996.
-class FairQueue {
+/// Holds a queue of stale items for each task but `moved` and `maps`. The queues are as of the last replan().
+class Scheduler {
   public:
-    /// The task to go on with; none when no flag is set.
-    std::optional<BakerTask> next(const std::array<bool, kBakerTasks>& hasWork);
-    void done(BakerTask task, uint64_t work);
+    /// Whose visible tiles come first, from the next replan() on; null: all are alike.
+    void setCamera(const Camera* camera);
+    /// The scene has changed at this clock.
+    void noteChange(uint64_t clock);
+
+    /// Whether the queues are of the state's present revision.
+    bool isCurrent(const BakerState& state) const { return planned_ == state.revision; }
+    /// Queues the stale items of every task, the most urgent first: those of the highest value plus age. The
+    /// age grows by 1 in the time of a pass over the atlas, so that everything is updated in bounded time.
+    /// Does nothing where the queues are current. pre: the state's nodes are adapted.
+    void replan(const BakerState& state, const UnqueuedWork& other);
+
+    /// Whether the task has anything to do.
+    bool hasWork(BakerTask task, const UnqueuedWork& other) const;
+    /// Whether updating the task's items now would be in vain: what they depend on is not up to date.
+    bool waits(BakerTask task, const UnqueuedWork& other) const;
+    bool areaIsKnown(const UnqueuedWork& other) const;
+    bool indirectIsKnown(const UnqueuedWork& other) const;
+
+    /// Takes the task that is due. None: there is nothing to do.
+    std::optional<BakerTask> takeTask(const UnqueuedWork& other);
+    /// Takes the next items of the task, as many as a slice of work has.
+    std::span<const uint32_t> takeItems(BakerTask task);
+    /// To be called after a slice of `task`, with the clock after it.
+    void charge(BakerTask task, uint64_t work, uint64_t clock);
 
   private:
-    std::array<double, kBakerTasks> served_{};  // work over weight
-    std::array<bool, kBakerTasks> busy_{};
-    double now_ = 0;
+    struct Queue {
+        std::vector<uint32_t> items;  // the most urgent first
+        size_t next = 0;
+    };
+    /// Changes follow each other, so that nothing is ever up to date in full.
+    bool keepsChanging() const;
+
+    std::array<Queue, kBakerTasks> queues_;
+    uint64_t planned_ = 0;  // BakerState::revision of the queues
+    FairQueue shares_;
+    std::optional<Camera> camera_;
+    std::vector<float> tileValue_;
+    uint64_t valuesVersion_ = 0;  // of the scene; 0: to be computed
+    uint64_t clock_ = 0;
+    uint64_t stillWork_ = 0;                 // changes that are no farther apart are one motion
+    std::array<uint64_t, 2> changeClock_{};  // of the last change and of the one before
 };
 
 }  // namespace phat

@@ -7,6 +7,7 @@
 
 #include "core/base/random.h"
 #include "core/scene/shading.h"
+#include "core/scene/transparency.h"
 
 namespace phat {
 namespace {
@@ -68,9 +69,7 @@ RayScene::RayScene(const Scene& scene) : scene_(&scene), embree_(std::make_uniqu
         std::copy_n(&scene.positions[0].x, scene.positions.size() * 3, vertices);
         std::copy_n(&scene.triangles[0].x, scene.triangles.size() * 3, indices);
     }
-    const bool transparent = std::any_of(scene.materials.begin(), scene.materials.end(),
-                                         [](const Material& m) { return m.alphaMode != AlphaMode::opaque; });
-    if (transparent) {
+    if (hasTransparency(scene)) {
         rtcSetGeometryUserData(mesh, const_cast<Scene*>(&scene));
         rtcSetGeometryIntersectFilterFunction(mesh, filterTransparent);
         rtcSetGeometryOccludedFilterFunction(mesh, filterTransparent);

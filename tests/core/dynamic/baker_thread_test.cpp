@@ -69,7 +69,7 @@ TEST(BakerThread, AfterAnyChangesAndBackItIsTheUntouchedBake) {
 }
 
 // As while the light is switched off.
-TEST(BakerThread, WhereLightWaitsPlacesFollow) {
+TEST(BakerThread, WhereLightWaitsTilesFollow) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
     Taker taker{baked.phatexture, baked.points.state};
@@ -82,6 +82,20 @@ TEST(BakerThread, WhereLightWaitsPlacesFollow) {
     EXPECT_GT(moved, 0u);
     EXPECT_EQ(light.report().phatexels, 0u);
     expectEqualBytes(taker.phatexture.indirectIrradiance, baked.phatexture.indirectIrradiance, "irradiance");
+}
+
+// A request waits by the clock, however little of that time the thread computes.
+TEST(BakerThread, TheLongestStepIsMeasuredByTheClock) {
+    const Scene scene = roomWithBox();
+    const Bake baked = bakeQuietly(scene);
+    constexpr auto kPause = std::chrono::milliseconds(300);
+    Taker taker{baked.phatexture, baked.points.state};
+    BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0,
+                      [&] { std::this_thread::sleep_for(kPause); });
+    light.follow(boxMoved(scene, {0.3f, 0, 0.2f}, 20), defaultCamera(scene), false);
+    taker.converge(light, baked.atlas);
+    std::this_thread::sleep_for(2 * kPause);  // the last pause has been counted
+    EXPECT_GE(light.report().longestSeconds, std::chrono::duration<double>(kPause).count());
 }
 
 TEST(BakerThread, StopsInTheMiddleOfItsWork) {

@@ -1,4 +1,4 @@
-// Light of a still scene that is made anew with other draws.
+// Light of a still scene that is made anew with other random numbers.
 
 #include "core/base/octahedral.h"
 #include "core/dynamic/baker_thread.h"
@@ -109,7 +109,7 @@ TEST(Refinement, AChangeEndsItAndNothingIsLeftOfIt) {
     }
 }
 
-TEST(Refinement, GoesOnWhileSomebodyWantsIt) {
+TEST(Refinement, GoesOnWhileItIsWanted) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
     BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0, [] {});
@@ -123,7 +123,7 @@ TEST(Refinement, GoesOnWhileSomebodyWantsIt) {
     light.follow(stateOf(scene), defaultCamera(scene), true, true);
     takeUntil([](const BakerThread::Report& report) { return report.refinements >= 2; });
     EXPECT_FALSE(light.report().converged);
-    // Nobody looks: it rests at once, in the middle of a pass.
+    // It is not wanted any more: it rests at once, in the middle of a pass.
     light.follow(stateOf(scene), defaultCamera(scene), true, false);
     takeUntil([](const BakerThread::Report& report) { return report.converged; });
     const double before = light.report().seconds;

@@ -1,0 +1,16 @@
+#pragma once
+// Whether rays may pass through surfaces.
+
+#include <algorithm>
+
+#include "core/scene/scene.h"
+
+namespace phat {
+
+/// Whether any material lets rays pass: then RayScene asks the materials at every hit, else it never does.
+inline bool hasTransparency(const Scene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [](const Material& m) { return m.alphaMode != AlphaMode::opaque; });
+}
+
+}  // namespace phat
