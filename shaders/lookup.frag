@@ -6,16 +6,16 @@
 uniform int alphaMode;
 uniform int surfaceIndex;
 
-Draws drawsOf(Receiver receiver, Lobe lobe, int rank) {
+Draws drawsOf(Receiver receiver, ScalarLobe lobe, int rank) {
     Draws d = noDraws();
     d.surface = uint(2 * surfaceIndex + (gl_FrontFacing ? 1 : 2));
-    d.mirror = reflect(-receiver.towardEye, lobe.normal);
+    d.mirror = reflect(-receiver.towardEye, lobe.normalWorld);
     d.alpha = lobe.alpha;
     if (lobe.f0 > 0.0 || lobe.f90 > 0.0) {
-        SeenLight light = lookUp(receiver, lobe, rank, d.alpha);
+        IncidentSums light = lookUp(receiver, lobe, rank, d.alpha);
         d.indirect = light.indirect;
         d.area = light.area;
-        d.lamps = light.lamps;
+        d.areaByLight = light.areaByLight;
     }
     return d;
 }
@@ -34,14 +34,14 @@ void main() {
     ivec2 inGroup = ivec2(gl_FragCoord.xy) & 3;
     int rank = 4 * inGroup.y + inGroup.x;
     Receiver receiver = Receiver(vPosition, s.towardEye, s.normalGeometric, s.texel, s.chart);
-    Lobe specular = Lobe(s.worldFromLocal[2], maxComponent(s.brdf.f0), s.brdf.f90, s.brdf.alpha);
+    ScalarLobe specular = ScalarLobe(s.worldFromLocal[2], maxComponent(s.brdf.f0), s.brdf.f90, s.brdf.alpha);
     writeBase(drawsOf(receiver, specular, rank));
 #ifdef COUNT_READS
     addReads(0u, 0u);
 #endif
 #ifdef CLEARCOAT
     if (s.brdf.clearcoat > 0.0) {
-        Lobe clearcoat = Lobe(s.worldFromLocal * s.brdf.clearcoatNormal, kClearcoatF0, 1.0, s.brdf.clearcoatAlpha);
+        ScalarLobe clearcoat = ScalarLobe(s.worldFromLocal * s.brdf.clearcoatNormal, kClearcoatF0, 1.0, s.brdf.clearcoatAlpha);
         writeCoat(drawsOf(receiver, clearcoat, rank));
     }
 #endif

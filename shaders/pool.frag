@@ -33,7 +33,7 @@ Draws pooled(int lobe) {
     float sharpness = 0.5 / (width * width);
     mine.indirect *= float(kReach + 1);
     mine.area *= float(kReach + 1);
-    mine.lamps *= float(kReach + 1);
+    mine.areaByLight *= float(kReach + 1);
     for (int i = -kReach; i <= kReach; ++i) {
         ivec2 at = p + i * alongWhich;
         if (i == 0 || any(lessThan(at, ivec2(0))) || any(greaterThan(at, last))) continue;
@@ -43,7 +43,7 @@ Draws pooled(int lobe) {
         float weight = float(kReach + 1 - abs(i)) * exp(-dot(apart, apart) * sharpness);
         mine.indirect += weight * other.indirect;
         mine.area += weight * other.area;
-        mine.lamps += weight * other.lamps;
+        mine.areaByLight += weight * other.areaByLight;
     }
     return mine;
 }

@@ -48,10 +48,10 @@ float densityAt(int block, vec3 directionBlock, ivec3 texelLayer) {
 // How many of a texel's samples may be expected under the lobe: the density at its mirror direction times the
 // lobe's solid angle. Counting the samples that are there would not do: where none hit the lobe, its tails look
 // like many. The solid angle is 1 / (integral of D^2), 3 pi alpha^2 for small alpha, times d(light)/d(half) = 4 v.h.
-float expectedSamples(Lobe l, vec3 towardEye, mat3 worldFromBlock, int block, ivec3 texelLayer) {
-    float nDotV = dot(l.normal, towardEye);
+float expectedSamples(ScalarLobe l, vec3 towardEye, mat3 worldFromBlock, int block, ivec3 texelLayer) {
+    float nDotV = dot(l.normalWorld, towardEye);
     if (nDotV <= 0.0) return 0.0;
-    vec3 mirror = (2.0 * nDotV * l.normal - towardEye) * worldFromBlock;
+    vec3 mirror = (2.0 * nDotV * l.normalWorld - towardEye) * worldFromBlock;
     mirror = normalize(vec3(mirror.xy, max(mirror.z, 0.0)));
     float solidAngle = min(12.0 * kPi * l.alpha * l.alpha * nDotV, kPi);
     return densityAt(block, mirror, texelLayer) * solidAngle;
@@ -74,14 +74,14 @@ float ratioShare(ivec2 texel) {
 // alpha, because a blurred reflection disturbs less than the discs of single samples and than charts that differ.
 // Measured on gallery's curved metals: MAE/mean .456, .434 and .431 with 6, 10 and 20. Asking for as many samples in
 // narrower cones helps them further, but blurs cornell-glossy's metals (.270 to .361).
-void widenLobe(inout Lobe l, inout float expected, float share) {
+void widenLobe(inout ScalarLobe l, inout float expected, float share) {
     float lack = kLeastSamplesPerTexel / max(expected, 1e-20);
     float widening = pow(clamp(sqrt(lack), 1.0, kMostWidening), share);
     l.alpha = min(l.alpha * widening, max(l.alpha, 1.0));
     expected *= widening * widening;
 }
 
-void addSample(Lobe l, vec3 towardEye, vec3 towardLight, mat3 worldFromBlock, int block, ivec3 texelLayer,
+void addSample(ScalarLobe l, vec3 towardEye, vec3 towardLight, mat3 worldFromBlock, int block, ivec3 texelLayer,
                Phatexel phatexel, float share, inout vec4 sums, inout vec2 statistics) {
     float expected = 0.0;
     if (share > 0.0) {
@@ -89,10 +89,10 @@ void addSample(Lobe l, vec3 towardEye, vec3 towardLight, mat3 worldFromBlock, in
         widenLobe(l, expected, share);
     }
     // A mirror-like lobe's peak may exceed what squares hold in 32 bits: a clamp.
-    float a = min(lobeValue(l, towardEye, towardLight) / phatexel.pdf, 1e12);
+    float a = min(lobeValueWorld(l, towardEye, towardLight) / phatexel.pdf, 1e12);
     float w = a, count = expected;
     if (share < 1.0)
-        w = mix(specularAlbedo(vec3(l.f0), l.f90, l.alpha, max(dot(l.normal, towardEye), 0.0)).x, a, share);
+        w = mix(specularAlbedo(vec3(l.f0), l.f90, l.alpha, max(dot(l.normalWorld, towardEye), 0.0)).x, a, share);
     if (share < kCountsExpected) {
         float value = a * luminance(phatexel.radiance);
         count = value * value;
@@ -117,12 +117,12 @@ void main() {
     vec4 normals = texelFetch(texelNormals, texel, 0);
     ivec2 tile = texel >> 3;
     TilePatch tilePatch = tilePatchAt(tilePatches, tile, texelSizeOfTile(tile));
-    vec3 position = placeOf(tilePatch, vec2(texel & 7) - 3.5);
+    vec3 position = positionOnPatch(tilePatch, vec2(texel & 7) - 3.5);
     mat3 worldFromBlock = tilePatch.worldFromBlock;
     vec3 towardEye = normalize(eyeWorld - position * (1.0 - eyeAtInfinity));
 
     float share = ratioShare(texel);
-    Lobe base = Lobe(octahedralToDirection(normals.xy), brdf.x, brdf.y, brdf.z);
+    ScalarLobe base = ScalarLobe(octahedralToDirection(normals.xy), brdf.x, brdf.y, brdf.z);
     for (int layer = 0; layer < layerCount; ++layer) {
         ivec3 texelLayer = ivec3(texel, layer);
         Phatexel phatexel = unpackPhatexel(texelFetch(phatexels, ivec3(texel, firstLayer + layer), 0).xy);
@@ -134,7 +134,7 @@ void main() {
                   lobeStatistics);
 #ifdef CLEARCOAT
         if (brdf.w > 0.0) {
-            Lobe coatLobe = Lobe(octahedralToDirection(normals.zw), kClearcoatF0, 1.0, brdf.w);
+            ScalarLobe coatLobe = ScalarLobe(octahedralToDirection(normals.zw), kClearcoatF0, 1.0, brdf.w);
             addSample(coatLobe, towardEye, towardLight, worldFromBlock, block, texelLayer, phatexel, share,
                       coat, coatStatistics);
         }

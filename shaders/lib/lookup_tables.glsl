@@ -28,21 +28,21 @@ const int kTablesWide = 512;
 const float kHorizonMeters = 1e4;
 const float kNearMeters = 0.01;
 
-struct ChartPlace {
+struct ChartExtent {
     ivec2 origin;  // texels
     ivec2 size;
     int firstBlock;
     float texelMeters;
 };
 
-ChartPlace chartPlace(uint chart) {
+ChartExtent chartExtent(uint chart) {
     uvec4 bits = READ(texelFetch(charts, tableTexel(int(chart)), 0));
     ivec2 origin = ivec2(bits.x & 0xffffu, bits.x >> 16) * 8;
     ivec2 size = ivec2(bits.y & 0xffffu, bits.y >> 16) * 8;
-    return ChartPlace(origin, size, int(bits.z), uintBitsToFloat(bits.w));
+    return ChartExtent(origin, size, int(bits.z), uintBitsToFloat(bits.w));
 }
 
-int blockOf(ChartPlace chart, ivec2 texel) {
+int blockOf(ChartExtent chart, ivec2 texel) {
     ivec2 place = (texel - chart.origin) >> kBlockBits;
     int blocksWide = (chart.size.x + kBlockSize - 1) >> kBlockBits;
     return chart.firstBlock + place.y * blocksWide + place.x;
@@ -56,7 +56,7 @@ struct LookupTile {
     vec2 middle;
 };
 
-LookupTile lookupTileAt(ChartPlace chart, ivec2 texel) {
+LookupTile lookupTileAt(ChartExtent chart, ivec2 texel) {
     LookupTile t;
     ivec2 tile = texel >> 3;
     t.tilePatch = tilePatchAt(tilePatches, tile, chart.texelMeters);
@@ -73,7 +73,7 @@ ivec2 hemisphereCell(vec3 direction, int size, vec2 aside) {
 }
 
 // Distances around the receiver's tile, as seen from one of its texels; the last read is kept.
-struct Probe {
+struct DepthProbe {
     ivec2 corner;      // in `probes`
     vec2 range;        // metres
     vec3 offset;       // from the receiver to that texel, world
@@ -82,10 +82,10 @@ struct Probe {
     uvec4 levels;
 };
 
-Probe probeAt(LookupTile tile, ivec2 texel, vec3 position) {
+DepthProbe depthProbeAt(LookupTile tile, ivec2 texel, vec3 position) {
     vec2 fromMiddle = vec2(tile.tilePatch.probeTexel) - 3.5;
-    vec3 offset = tile.tilePatch.empty ? vec3(0.0) : placeOf(tile.tilePatch, fromMiddle) - position;
-    return Probe((texel >> 3) * ivec2(2, 4), tile.tilePatch.probeRange, offset, tile.tilePatch.worldFromBlock, ivec2(-1),
+    vec3 offset = tile.tilePatch.empty ? vec3(0.0) : positionOnPatch(tile.tilePatch, fromMiddle) - position;
+    return DepthProbe((texel >> 3) * ivec2(2, 4), tile.tilePatch.probeRange, offset, tile.tilePatch.worldFromBlock, ivec2(-1),
                  uvec4(0u));
 }
 
@@ -95,7 +95,7 @@ float levelDistance(vec2 range, uint level) {
 }
 
 // Metres from the receiver to what is seen along a unit direction, or `aside` of it by so many of the map's cells.
-float distanceAlong(inout Probe probe, vec3 direction, vec2 aside) {
+float distanceAlong(inout DepthProbe probe, vec3 direction, vec2 aside) {
     ivec2 cell = hemisphereCell(direction * probe.worldFromBlock, kProbeSize, aside);
     ivec2 group = ivec2(cell.x >> 3, cell.y >> 2);
     if (group != probe.group) {
@@ -106,7 +106,7 @@ float distanceAlong(inout Probe probe, vec3 direction, vec2 aside) {
     return clamp(levelDistance(probe.range, level) + dot(probe.offset, direction), kNearMeters, kHorizonMeters);
 }
 
-vec4 warpAt(int layer, int block, ivec2 cell) {
+vec4 inverseCdfCellAt(int layer, int block, ivec2 cell) {
     int guide = guideCount == 1 ? 0 : block;
 #ifdef AREA
     if (layer == layerCount) guide = guideCount + (areaGuideCount == 1 ? 0 : block);
@@ -115,8 +115,8 @@ vec4 warpAt(int layer, int block, ivec2 cell) {
 }
 
 // 1/sr: the density that the block's directions were drawn from.
-float warpDensity(vec4 warp) {
-    return (warp.y - warp.x) * (warp.w - warp.z) * float(kGuideSize * kGuideSize) / (2.0 * kPi);
+float cellDensity(vec4 inverseCdfCell) {
+    return (inverseCdfCell.y - inverseCdfCell.x) * (inverseCdfCell.w - inverseCdfCell.z) * float(kGuideSize * kGuideSize) / (2.0 * kPi);
 }
 
 // The permutation of the block's layer, see texelHolding.
@@ -134,14 +134,14 @@ uint scrambleOf(LookupTile tile, int layer) {
 }
 
 // A texel of the chart near `place`; beyond the chart's edge, mirrored at `around` while that is inside.
-ivec2 texelInChart(ChartPlace chart, vec2 place, vec2 around) {
+ivec2 texelInChart(ChartExtent chart, vec2 place, vec2 around) {
     vec2 low = vec2(chart.origin), high = low + vec2(chart.size);
     if (any(lessThan(place, low)) || any(greaterThanEqual(place, high))) place = 2.0 * around - place;
     return clamp(ivec2(floor(place)), chart.origin, chart.origin + chart.size - 1);
 }
 
 // Where pixel `rank` of a group of 4x4 at `place` reads: between tiles the group is shared out to both.
-ivec2 texelOfRank(ChartPlace chart, vec2 place, int rank) {
+ivec2 texelOfRank(ChartExtent chart, vec2 place, int rank) {
     vec2 within = (vec2(rank & 3, rank >> 2) - 1.5) * (float(kTileSize) / 4.0);
     return texelInChart(chart, place + within, place);
 }

@@ -4,8 +4,8 @@
 
 struct Draws {
     vec4 indirect;  // sum g L, sum g
-    vec4 area;      // the same of area lights, see SeenLight
-    vec4 lamps;
+    vec4 area;      // the same of area lights, see IncidentSums
+    vec4 areaByLight;
     vec3 mirror;    // world, the pixel's mirror direction
     uint surface;   // and its side; 0: nothing, below 2^24
     float alpha;    // of the lobe as it was drawn
@@ -57,10 +57,10 @@ Draws unpackDraws(uvec4 bits) {
 }
 
 uvec4 packArea(Draws d) {
-    return uvec4(packSum(d.area), packSum(d.lamps));
+    return uvec4(packSum(d.area), packSum(d.areaByLight));
 }
 
 void unpackArea(uvec4 bits, inout Draws d) {
     d.area = unpackSum(bits.xy);
-    d.lamps = unpackSum(bits.zw);
+    d.areaByLight = unpackSum(bits.zw);
 }

@@ -13,11 +13,11 @@ const float kAllTraced = 1.5;
 // direction.
 vec2 tracedShare(vec3 normal, float alpha, vec3 position, vec3 towardEye, vec2 texel, uint chartIndex) {
     if (alpha <= 0.0) return vec2(0.0);
-    ChartPlace chart = chartPlace(chartIndex);
+    ChartExtent chart = chartExtent(chartIndex);
     // Another one from frame to frame.
     int rank = (4 * (int(gl_FragCoord.y) & 3) + (int(gl_FragCoord.x) & 3)) ^ (frame & 15);
     ivec2 here = texelOfRank(chart, texel, rank);
-    Probe probe = probeAt(lookupTileAt(chart, here), here, position);
+    DepthProbe probe = depthProbeAt(lookupTileAt(chart, here), here, position);
     vec3 mirror = reflect(-towardEye, normal);
     // Seen at grazing angles a lobe is narrower one way: its solid angle goes with the cosine.
     float width = alpha * sqrt(max(dot(normal, towardEye), 0.01));
