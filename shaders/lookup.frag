@@ -36,13 +36,13 @@ void main() {
     Receiver receiver = Receiver(vPosition, s.towardEye, s.normalGeometric, s.texel, s.chart);
     ScalarLobe specular = ScalarLobe(s.worldFromLocal[2], maxComponent(s.brdf.f0), s.brdf.f90, s.brdf.alpha);
     writeBase(drawsOf(receiver, specular, rank));
-#ifdef COUNT_READS
-    addReads(0u, 0u);
-#endif
 #ifdef CLEARCOAT
     if (s.brdf.clearcoat > 0.0) {
         ScalarLobe clearcoat = ScalarLobe(s.worldFromLocal * s.brdf.clearcoatNormal, kClearcoatF0, 1.0, s.brdf.clearcoatAlpha);
         writeCoat(drawsOf(receiver, clearcoat, rank));
     }
+#endif
+#ifdef COUNT_READS
+    addReads(0u, 0u);
 #endif
 }

@@ -50,11 +50,11 @@ Draws pooled(int lobe) {
 
 void main() {
     writeBase(pooled(0));
+#ifdef CLEARCOAT
+    writeCoat(pooled(1));
+#endif
 #ifdef COUNT_READS
     addReads(texelFetch(seen, ivec3(gl_FragCoord.xy, 0), 0).y,
              texelFetch(seen, ivec3(gl_FragCoord.xy, kLayersPerLobe - 1), 0).y);
-#endif
-#ifdef CLEARCOAT
-    writeCoat(pooled(1));
 #endif
 }
