@@ -83,8 +83,11 @@ export class BakedLight {
         const { indirect, area } = description,
             { atlas } = this.bake,
             hasArea = area.layers.length > 0;
-        if (description.environment)
-            this.environment = environmentTexture(await readEnvironment(parser, description.environment));
+        if (description.environment) {
+            const environment = await readEnvironment(parser, description.environment);
+            if (this.disposed) return this;
+            this.environment = environmentTexture(environment);
+        }
         // Area lights need both, their PHATexels and their irradiance.
         if (!canLookUp(indirect) || hasArea !== Boolean(area.irradiance) || (hasArea && !canLookUp(area)))
             return this;

@@ -16,6 +16,7 @@ import {
 } from './material.js';
 import { createVertices } from './vertices.js';
 import { createTargets, disposeTargets } from './targets.js';
+import { requireRevision, uploadTexture, webglTexture } from './three_internals.js';
 import { uploadAtlas, uploadProbes, uploadScrambles, uploadWarps } from './tables.js';
 
 const kFirstMaterialUnit = 7;
@@ -33,6 +34,7 @@ const kDraws = {
 export class Passes {
     // `bake`: { surfaces, atlas }, see BakedLight.
     constructor(renderer, bake) {
+        requireRevision();
         this.renderer = renderer;
         this.bake = bake;
         this.lookup = null;
@@ -137,19 +139,17 @@ export class Passes {
         program.set('alphaMode', isBlended(material) ? kOpaque : alphaMode(material));
         kSlots.slice(0, allSlots ? kSlots.length : 1).forEach(([sampler, textureOf], i) => {
             const texture = textureOf(material);
-            const handle = texture && renderer.properties.get(texture).__webglTexture;
-            program.bind(sampler, kFirstMaterialUnit + i, gl.TEXTURE_2D, handle ?? this.white);
+            const uploaded = texture && webglTexture(renderer, texture);
+            program.bind(sampler, kFirstMaterialUnit + i, gl.TEXTURE_2D, uploaded ?? this.white);
         });
         program.set('material', this.rows);
     }
 
-    // three.js uploads a texture when it first draws with it, which is after these passes.
     uploadMaps() {
         for (const { mesh } of this.bake.surfaces.draws) {
             for (const [, textureOf] of kSlots) {
                 const texture = textureOf(mesh.material);
-                if (texture?.image && this.renderer.properties.get(texture).__version !== texture.version)
-                    this.renderer.initTexture(texture);
+                if (texture) uploadTexture(this.renderer, texture);
             }
         }
     }
