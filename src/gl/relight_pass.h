@@ -42,7 +42,7 @@ void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const GpuTex
 
 /// Where the eye is; for parallel projections the direction toward it.
 struct Eye {
-    glm::vec3 place{0};
+    glm::vec3 position{0};
     bool atInfinity = false;
 };
 void relight(const RelightPass& pass, const GpuAtlas& atlas, const GpuTexelSurfaces& surfaces,
