@@ -15,6 +15,11 @@
 namespace phat {
 namespace {
 
+// Whether shadow maps of two versions of a material are the same: depth.frag reads no more of it.
+bool castSameShadow(const Material& a, const Material& b) {
+    return a.alphaMode == b.alphaMode && a.alphaCutoff == b.alphaCutoff && a.baseColor.a == b.baseColor.a;
+}
+
 void requireOpenGl45() {
     if (epoxy_gl_version() < 45 || !epoxy_is_desktop_gl())
         throw GlError(fmt::format("OpenGL 4.5 is needed, this driver offers {}",
@@ -125,12 +130,14 @@ void Renderer::setMaterials(const std::vector<Material>& materials) {
     if (materials.size() != s.materials.size())
         throw GlError("materials may be changed, not added or removed");
     const bool coatAppears = anyClearcoat(materials) && !anyClearcoat(s.materials);
+    if (!std::equal(materials.begin(), materials.end(), s.materials.begin(), castSameShadow)) s.shadows = {};
     s.materials = materials;
     s.texelsChanged();
     if (coatAppears) s.dropPasses();
 }
 
 void Renderer::setLights(const std::vector<PunctualLight>& lights) {
+    if (lights == state_->lights) return;
     state_->lights = lights;
     state_->shadows = {};
 }

@@ -187,7 +187,8 @@ class Renderer {
     /// Materials may change between frames (roughness, colour ...); textures stay. Shadow maps are drawn
     /// again when an opacity is another one.
     void setMaterials(const std::vector<Material>& materials);
-    /// Punctual lights may change too; their direct light follows, the bake's indirect light does not.
+    /// Punctual lights may change too; their direct light follows, the bake's indirect light does not. Shadow
+    /// maps are drawn again when a light is another one.
     void setLights(const std::vector<PunctualLight>& lights);
     /// The sky behind the scene as turned() of the one that was given; what it lit stays as it was baked.
     void turnEnvironment(int columns);
