@@ -1,13 +1,14 @@
-// Pass A of the lookup: what a pixel's lobes see by its own draws alone. pool.frag adds its neighbours'.
+// Pass A of the lookup: the light that arrives under a pixel's lobes, by its own samples. pool.frag adds those of its
+// neighbours.
 #include "lib/visible_surface.glsl"
 #include "lib/lookup.glsl"
-#include "lib/draws_out.glsl"
+#include "lib/sums_out.glsl"
 
 uniform int alphaMode;
 uniform int surfaceIndex;
 
-Draws drawsOf(Receiver receiver, ScalarLobe lobe, int rank) {
-    Draws d = noDraws();
+LobeSums sumsOf(Receiver receiver, ScalarLobe lobe, int rank) {
+    LobeSums d = noLobeSums();
     d.surface = uint(2 * surfaceIndex + (gl_FrontFacing ? 1 : 2));
     d.mirror = reflect(-receiver.towardEye, lobe.normalWorld);
     d.alpha = lobe.alpha;
@@ -22,9 +23,9 @@ Draws drawsOf(Receiver receiver, ScalarLobe lobe, int rank) {
 
 void main() {
     if (alphaMode == 1 && opacity() < material[3].a) discard;
-    writeBase(noDraws());
+    writeBase(noLobeSums());
 #ifdef CLEARCOAT
-    writeCoat(noDraws());
+    writeCoat(noLobeSums());
 #endif
     vec4 rows[kFactorRows];
     for (int i = 0; i < kFactorRows; ++i) rows[i] = material[i];
@@ -35,11 +36,12 @@ void main() {
     int rank = 4 * inGroup.y + inGroup.x;
     Receiver receiver = Receiver(vPosition, s.towardEye, s.normalGeometric, s.texel, s.chart);
     ScalarLobe specular = ScalarLobe(s.worldFromLocal[2], maxComponent(s.brdf.f0), s.brdf.f90, s.brdf.alpha);
-    writeBase(drawsOf(receiver, specular, rank));
+    writeBase(sumsOf(receiver, specular, rank));
 #ifdef CLEARCOAT
     if (s.brdf.clearcoat > 0.0) {
-        ScalarLobe clearcoat = ScalarLobe(s.worldFromLocal * s.brdf.clearcoatNormal, kClearcoatF0, 1.0, s.brdf.clearcoatAlpha);
-        writeCoat(drawsOf(receiver, clearcoat, rank));
+        vec3 normalWorld = s.worldFromLocal * s.brdf.clearcoatNormal;
+        ScalarLobe clearcoat = ScalarLobe(normalWorld, kClearcoatF0, 1.0, s.brdf.clearcoatAlpha);
+        writeCoat(sumsOf(receiver, clearcoat, rank));
     }
 #endif
 #ifdef COUNT_READS

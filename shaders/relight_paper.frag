@@ -28,7 +28,8 @@ vec3 irradianceOf(Phatexel phatexel, vec3 normal, vec3 towardLight) {
 }
 
 vec4 reflectedBy(ScalarLobe lobe, vec3 towardEye, vec3 towardLight, Phatexel phatexel) {
-    return vec4(lobeBrdfWorld(lobe, towardEye, towardLight) * irradianceOf(phatexel, lobe.normalWorld, towardLight), 1.0);
+    vec3 irradiance = irradianceOf(phatexel, lobe.normalWorld, towardLight);
+    return vec4(lobeBrdfWorld(lobe, towardEye, towardLight) * irradiance, 1.0);
 }
 
 void main() {

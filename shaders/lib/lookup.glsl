@@ -6,46 +6,47 @@
 #include "lib/sharpness.glsl"
 #include "lib/visible_normal.glsl"
 
-const int kMostDraws = 32;
+const int kMaxSamples = 32;
 const int kRanks = 16;
 
-uniform uvec4 draws[kMostDraws];    // fractions of 2^32, the same for all pixels but for `ranks`
+uniform uvec4 sampleNumbers[kMaxSamples];  // fractions of 2^32, the same for all pixels but for `ranks`
 uniform uvec4 ranks[kRanks];
-uniform int drawCount;              // at most kMostDraws
+uniform int sampleCount;                   // at most kMaxSamples
 #ifdef AREA
-uniform int lampBits;               // 2^lampBits texels a side, 2 to 5, are shared out to a group's 4x4 pixels
+uniform int lightBits;  // the 4x4 pixels of a group read 2^lightBits texels a side together, 2 to 5
 #endif
 
 // The numbers below are the design study's, on one scene, unless a comment says more.
-// Texels that are tried for a sample, each in half the radius of the one before. A sample that drops out is a bias
-// toward what is easy to find.
+//
+// Texels that are tried for a sample, each within half the radius of the one before. A sample that is rejected in all
+// of them is a bias toward what is easy to find.
 const int kTries = 3;
-// Cells of the distance map by which every try but the first looks aside: beside a silhouette, which side a direction
-// is on differs among the texels that share the map.
+// Cells of the depth probe by which every try but the first is jittered: at a silhouette, the texels of a tile differ
+// in which side of it a direction meets.
 const float kAside = 1.0;
-const float kLeastTexels = 2.0;
-// What is within kContactTexels is asked for once more, of a group of 2^kNearBits texels a side, within kNearTexels,
-// whose sample is taken as the pixel's own: parallax in the smallest group may hide it from every aim.
+const float kMinRetryTexels = 2.0;
+// What is closer than kContactTexels is tried once more, in a group of 2^kNearBits texels a side within kNearTexels,
+// whose sample is taken as if it were the pixel's own: parallax in the smallest group may hide it from every aim.
 const float kContactTexels = 6.0;
 const int kNearBits = 3;
 const float kNearTexels = 4.0;
-const float kFewestTexels = 6.0;    // search radius: .7 of the distance, between these
-const float kMostTexels = 128.0;
-const float kFarther = 5.0;         // a sample that lies so many times farther than expected is behind something
-// Radians between a sample's own direction and the one it gets when it is reconnected: what it saw of a glossy thing
-// holds near its own direction alone.
-const float kMostTurn = 0.5;
-// Radians: beyond, what is close is another thing, however large cells are.
-const float kMostMiss = 0.4;
+const float kMinSearchTexels = 6.0;   // search radius: .7 of the distance, between these
+const float kMaxSearchTexels = 128.0;
+const float kFarther = 5.0;           // a sample so many times farther than expected is occluded from the receiver
+// Radians between a sample's own direction and the one it gets when it is reconnected: the radiance of a glossy surface
+// holds near the sample's own direction alone.
+const float kMaxTurn = 0.5;
+// Radians: beyond, the sample is of another surface, however large cells are.
+const float kMaxMiss = 0.4;
 const float kSlackMeters = 0.05;
-// Samples that the neighbourhood must hold under a lobe. With fewer a sharp lobe shows single samples; more widen lobes
-// at contacts, where texels are drawn from a small one, until they see bright things far off; what does not aim has more
-// around it there (docs/lookup.md).
+// Samples that the neighbourhood must hold under a lobe. With fewer a sharp lobe shows single samples. With more,
+// lobes at contacts, where the neighbourhood is small, become so rough that they reflect bright surfaces far away; the
+// last try, by direction alone, has a larger group there (docs/lookup.md).
 const float kWantedSamples = 2.0;
-const float kLeastReachTexels = 16.0;
-const float kMostWidening = 20.0;
+const float kMinReachTexels = 16.0;
+const float kMaxAlphaScale = 20.0;
 
-// Where light is asked for.
+// The surface point whose reflected light is looked up.
 struct Receiver {
     vec3 position;
     vec3 towardEye;
@@ -54,7 +55,7 @@ struct Receiver {
     uint chart;
 };
 
-// What a lookup asks: the light that one lobe of a receiver reflects.
+// A lookup of the light that one lobe of a receiver reflects.
 struct LookupQuery {
     Receiver receiver;
     ChartExtent chart;
@@ -62,40 +63,40 @@ struct LookupQuery {
     ScalarLobe sampledLobe;  // the same after the roughness clamp: directions are sampled from it
     mat3 worldFromLocal;     // local z: the lobe's normal
     vec3 wo;                 // toward the eye, local
-    int rank;                // which sixteenth of the sample numbers is the pixel's own
+    int rank;                // of the pixel in its group of 4x4: chooses its sample numbers
 };
 
-// Where the search stands: the texel whose block is asked, its tile, and the depth probe of the receiver.
+// The state of the search: the texel whose block is read, its tile, and the depth probe of the receiver.
 struct LookupCursor {
     ivec2 texel;
     LookupTile tile;
     DepthProbe probe;
 };
 
-// What a group of texels is asked for.
+// What is looked for in a group of texels.
 struct LookupAim {
     vec3 direction;   // world, from the receiver
-    float distance;   // metres, at which something is expected
-    bool reconnects;  // toward the expected position, reconnected to the receiver; else as if the texel were the receiver
+    float distance;   // metres, to the surface that the depth probe expects
+    bool reconnects;  // aims at the expected position, else along `direction` as if the texel were the receiver
     int layer;
 };
 
 struct LookupSample {
     bool valid;
     vec3 radiance;
-    vec3 direction;  // seen from the receiver
+    vec3 direction;  // world, from the receiver
     float distance;
-    float spread2;   // square of the angle that may lie between the sample's direction and the one asked for
-    float density;   // 1/sr: of drawing that direction as the PHATexels were drawn, seen from the receiver
+    float spread2;   // square of the expected angle between the sample's direction and the aim's
+    float density;   // 1/sr: of that direction in the distribution of the PHATexels, at the receiver
 };
 
 float searchRadius(float distance, float texelMeters) {
-    return clamp(0.7 * distance / texelMeters, kFewestTexels, kMostTexels);
+    return clamp(0.7 * distance / texelMeters, kMinSearchTexels, kMaxSearchTexels);
 }
 
-// 1/sr: guides are mixed with so much of the uniform density; a cell's 8 bits may say 0.
+// 1/sr: guides are mixed with so much of the uniform density, and a cell of 8 bits may have none.
 // twin: kUniformShare in src/core/phatexel/directions.cpp.
-const float kLeastDensity = 0.3 / (2.0 * kPi);
+const float kMinDensity = 0.3 / (2.0 * kPi);
 
 ivec2 groupCorner(LookupTile tile, ivec2 texel, int bits) {
     return tile.blockCorner + (((texel - tile.blockCorner) >> bits) << bits);
@@ -107,13 +108,13 @@ LookupSample sampleFrom(LookupTile tile, Phatexel phatexel, vec4 cell, int bits)
     float density = cellDensity(cell);
     float spread2 = angle * angle * clamp(1.0 / (2.0 * kPi * density), 0.05, 9.0);
     return LookupSample(phatexel.valid, phatexel.radiance, tile.tilePatch.worldFromBlock * phatexel.directionBlock,
-                        min(phatexel.distance, kHorizonMeters), spread2, max(density, kLeastDensity));
+                        min(phatexel.distance, kHorizonMeters), spread2, max(density, kMinDensity));
 }
 
-// The sample of `texel`'s PHATexel as the receiver sees it. `cursor`: of a texel of the same group of 2^bits a side.
+// Moves the sample of `texel`'s PHATexel to the receiver. `cursor`: at a texel of the same group of 2^bits a side.
 void reconnect(inout LookupSample found, LookupQuery query, LookupCursor cursor, ivec2 texel, int bits) {
     LookupTile tile = cursor.tile;
-    // Where one patch does not hold in the whole group, the texel's own tells its position.
+    // Where one patch does not fit the whole group, the texel's position is that of its own.
     if (bits > tile.tilePatch.groupBits && (texel >> 3) != (cursor.texel >> 3)) {
         tile.tilePatch = tilePatchAt(tilePatches, texel >> 3, query.chart.texelMeters);
         tile.middle = vec2(8 * (texel >> 3) + 4);
@@ -158,7 +159,7 @@ LookupSample sampleAtCursor(LookupQuery query, LookupCursor cursor, LookupAim ai
         found.spread2 += parallax * parallax;
         float miss2 = 2.0 * (1.0 - dot(found.direction, aim.direction));
         float turn2 = 2.0 * (1.0 - dot(found.direction, asStored));
-        found.valid = miss2 <= min(4.0 * found.spread2, kMostMiss * kMostMiss) && turn2 <= kMostTurn * kMostTurn;
+        found.valid = miss2 <= min(4.0 * found.spread2, kMaxMiss * kMaxMiss) && turn2 <= kMaxTurn * kMaxTurn;
     }
     found.valid = found.valid && found.distance <= kFarther * aim.distance + kSlackMeters;
     return found;
@@ -171,20 +172,20 @@ float clampedAlpha(LookupQuery query, inout LookupCursor cursor) {
     float alpha = query.lobe.alpha;
     vec3 mirror = query.worldFromLocal * vec3(-wo.xy, wo.z);
     float distance = distanceAlong(cursor.probe, mirror, vec2(0.0));
-    float reach = max(searchRadius(distance, query.chart.texelMeters), kLeastReachTexels);
-    // The volume of the cone that texels are drawn from, but no more texels than there are.
+    float reach = max(searchRadius(distance, query.chart.texelMeters), kMinReachTexels);
+    // The volume of the cone that texels are sampled from, but no more texels than the chart has.
     float texels = min(kPi / 3.0 * reach * reach, float(query.chart.size.x * query.chart.size.y));
     ivec2 at = hemisphereCell(mirror * cursor.probe.worldFromBlock, kGuideSize, vec2(0.0));
     float density = cellDensity(inverseCdfCellAt(0, cursor.tile.block, at));
     // 1 / (integral of D^2) is 3 pi alpha^2 for small alpha, times d(light)/d(half) = 4 v.h.
     float solidAngle = min(12.0 * kPi * alpha * alpha * wo.z, kPi);
-    float widening = clamp(sqrt(kWantedSamples / max(texels * density * solidAngle, 1e-6)), 1.0, kMostWidening);
-    return min(alpha * widening, max(alpha, 1.0));
+    float scale = clamp(sqrt(kWantedSamples / max(texels * density * solidAngle, 1e-6)), 1.0, kMaxAlphaScale);
+    return min(alpha * scale, max(alpha, 1.0));
 }
 
-// In [0,1): what the sample `k` of a pixel is made of.
+// The four numbers in [0,1) of sample `k` of a pixel.
 vec4 sampleNumbersOf(int k, int rank) {
-    return vec4((draws[k] ^ ranks[rank]) >> 8) * exp2(-24.0);
+    return vec4((sampleNumbers[k] ^ ranks[rank]) >> 8) * exp2(-24.0);
 }
 
 void moveTo(inout LookupCursor cursor, LookupQuery query, vec2 texel) {
@@ -192,20 +193,20 @@ void moveTo(inout LookupCursor cursor, LookupQuery query, vec2 texel) {
     cursor.tile = lookupTileAt(query.chart, cursor.texel);
 }
 
-// In [-1,1]^2, from what the sample's own numbers leave.
+// In [-1,1]^2, from the low bits of the sample's own numbers.
 vec2 asideOf(vec2 u, int i) {
     return 2.0 * fract(4096.0 * u + float(i) * vec2(0.754877, 0.569840)) - 1.0;
 }
 
-// What a PHATexel of `layer` saw toward `direction`. `u`: the sample's numbers. The first try is at the cursor, or with
-// `moves` at any texel around; afterwards the cursor is at the texel that had a sample.
+// The sample of a PHATexel of `layer` toward `direction`. `u`: the sample's numbers. The first try is at the cursor, or
+// with `moves` at any texel around; afterwards the cursor is at the texel of the last try.
 LookupSample findSample(LookupQuery query, inout LookupCursor cursor, vec3 direction, vec4 u, int layer, bool moves) {
     LookupSample found;
     float texelMeters = query.chart.texelMeters;
     float distance = distanceAlong(cursor.probe, direction, vec2(0.0));
     float radius = searchRadius(distance, texelMeters);
     int tries = distance < kContactTexels * texelMeters ? kTries + 1 : kTries;
-    for (int i = 0; i < tries; ++i, radius = max(0.5 * radius, kLeastTexels)) {
+    for (int i = 0; i < tries; ++i, radius = max(0.5 * radius, kMinRetryTexels)) {
         bool reconnects = i < kTries;
         if (i > 0) distance = distanceAlong(cursor.probe, direction, kAside * asideOf(u.wz, i));
         if (i > 0 || moves) {
@@ -233,43 +234,43 @@ float brdfPdf(LookupQuery query, LookupSample found) {
 }
 
 #ifdef AREA
-// Of the samples, those that ask for area lights, too.
+// Every so many samples, the direction is looked up in the PHATexels of area lights, too.
 const int kAreaEvery = 3;
 
 int areaSampleCount() {
-    return (drawCount + kAreaEvery - 1) / kAreaEvery;
+    return (sampleCount + kAreaEvery - 1) / kAreaEvery;
 }
 
-// PHATexels of a pixel's own.
-int texelsOfPixel() {
-    return 1 << (2 * lampBits - 4);
+// How many PHATexels a pixel reads for its light samples.
+int lightSampleCount() {
+    return 1 << (2 * lightBits - 4);
 }
 
-// Weight of a sample as drawn from the BRDF, the rest belongs to addLightSamples: the balance heuristic.
+// The weight of a BRDF sample by the balance heuristic; addLightSamples has the rest.
 float brdfWeight(float pdf, LookupSample found) {
     float brdf = float(areaSampleCount()) * pdf;
-    return brdf / (brdf + float(texelsOfPixel()) * found.density);
+    return brdf / (brdf + float(lightSampleCount()) * found.density);
 }
 
-// Area lights are small: samples of a rough lobe seldom meet one. So they are also sampled the other way round: each of
-// a group's 4x4 pixels takes its part of the cells of one unit square, whose samples crowd where area lights are, and
-// the two strategies are weighted by the balance heuristic (docs/lookup.md). The cursor of the caller stays.
+// Area lights are small: samples of a rough lobe seldom meet one. So the lights are sampled, too: each of a group's 4x4
+// pixels takes its part of the cells of one unit square, whose samples crowd where area lights are, and the two
+// strategies are weighted by the balance heuristic (docs/lookup.md). The cursor of the caller stays.
 void addLightSamples(inout vec4 sum, LookupQuery query, LookupCursor cursor, vec2 u) {
-    int side = 1 << lampBits, across = side / 4;
+    int side = 1 << lightBits, across = side / 4;
     moveTo(cursor, query, query.receiver.texel + kNearTexels * squareToCone(u, 0.0));
     LookupTile tile = cursor.tile;
-    ivec2 corner = groupCorner(tile, cursor.texel, lampBits) - tile.blockCorner;
+    ivec2 corner = groupCorner(tile, cursor.texel, lightBits) - tile.blockCorner;
     uint scramble = scrambleOf(tile, layerCount);
-    for (int i = 0; i < texelsOfPixel(); ++i) {
+    for (int i = 0; i < lightSampleCount(); ++i) {
         vec2 part = vec2(4 * (i % across) + (query.rank & 3), 4 * (i / across) + (query.rank >> 2));
-        ivec2 texel = tile.blockCorner + texelHolding((part + 0.5) / float(side), corner, lampBits, scramble);
+        ivec2 texel = tile.blockCorner + texelHolding((part + 0.5) / float(side), corner, lightBits, scramble);
         Phatexel phatexel = unpackPhatexel(READ(texelFetch(phatexels, ivec3(texel, layerCount), 0).xy));
         if (!phatexel.valid) continue;
         ivec2 at = hemisphereCell(phatexel.directionBlock, kGuideSize, vec2(0.0));
         vec4 cell = inverseCdfCellAt(layerCount, tile.block, at);
         // The blur of the BRDF's samples that might have found the same.
         LookupSample found = sampleFrom(tile, phatexel, cell, groupBits(query.chart.texelMeters, phatexel.distance));
-        reconnect(found, query, cursor, texel, lampBits);
+        reconnect(found, query, cursor, texel, lightBits);
         vec3 w = found.direction * query.worldFromLocal;
         if (w.z <= 0.0 || dot(found.direction, query.receiver.normalGeometric) <= 0.0) continue;
         float weight = 1.0 - brdfWeight(brdfPdf(query, found), found);
@@ -297,12 +298,12 @@ IncidentSums lookUp(Receiver r, ScalarLobe lobe, int rank, out float sampledAlph
     addLightSamples(sums.areaByLight, query, cursor, sampleNumbersOf(0, rank).zw);
     READS_FOR(0);
 #endif
-    for (int k = 0; k < drawCount; ++k) {
+    for (int k = 0; k < sampleCount; ++k) {
         vec4 u = sampleNumbersOf(k, rank);
         vec3 wi = reflect(-wo, squareToVisibleNormal(u.xy, wo, sampledAlpha));
         vec3 wiWorld = worldFromLocal * wi;
         if (wi.z <= 0.0 || dot(wiWorld, r.normalGeometric) <= 0.0) continue;
-        // Two samples ask the same texel, as long as that has one.
+        // Two samples begin at one texel, unless the first had to go elsewhere.
         LookupSample found = findSample(query, cursor, wiWorld, u, k % layerCount, (k & 1) == 0);
         if (found.valid) {
             // g = f cos / pdf. The sample's own pdf and the Jacobian cancel: cells hold equal parts of the density

@@ -38,9 +38,9 @@ CameraMatrices matricesOf(const Camera& camera, glm::uvec2 size, const Bounds& b
 }
 
 // Measured: see notes/experiments.md, "Lookup".
-LookupDraws drawsOf(Quality quality) {
-    constexpr LookupDraws kDraws[] = {{2, 2}, {8, 4}, {32, 4}};
-    return kDraws[size_t(quality)];
+LookupSampling samplingOf(Quality quality) {
+    constexpr LookupSampling kSampling[] = {{2, 2}, {8, 4}, {32, 4}};
+    return kSampling[size_t(quality)];
 }
 
 void setCulling(const Material& material) {
@@ -76,7 +76,7 @@ void drawDepth(const DisplayPass& pass, const DisplayInput& input, const CameraM
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     program.set("clipFromWorld", camera.clipFromWorld);
     program.use();
-    for (const DrawRange& draw : input.scene.draws) {
+    for (const DrawRange& draw : input.scene.drawRanges) {
         const Material& material = input.materials[draw.material];
         if (material.alphaMode == AlphaMode::blend) continue;
         setCulling(material);
@@ -99,7 +99,7 @@ void bindShared(const ShaderProgram& program, const DisplayInput& input, const C
                 const FrameSettings& settings, const LookupTargets* looked, bool traced = false) {
     if (looked) {
         program.set("tracedLayer", traced ? lookedUpLayers(*input.lookupPass) : 0);
-        program.bind("seen", 0, looked->seen.name());
+        program.bind("incident", 0, looked->incident.name());
         program.bind("tileLight", 1, input.atlas.tileLight.name());
     } else {
         program.bind("relit", 0, input.relit->lobes.name());
@@ -128,13 +128,14 @@ void drawSurface(const ShaderProgram& program, const DisplayInput& input, const 
 void drawBlended(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& matrices,
                  const FrameSettings& settings) {
     std::vector<uint32_t> order;
-    for (uint32_t i = 0; i < input.scene.draws.size(); ++i)
-        if (input.materials[input.scene.draws[i].material].alphaMode == AlphaMode::blend) order.push_back(i);
+    for (uint32_t i = 0; i < input.scene.drawRanges.size(); ++i)
+        if (input.materials[input.scene.drawRanges[i].material].alphaMode == AlphaMode::blend)
+            order.push_back(i);
     if (order.empty()) return;
     const Camera& camera = settings.camera;
     const glm::vec3 eye(camera.worldFromCamera[3]), backward(camera.worldFromCamera[2]);
     const auto depth = [&](uint32_t i) {
-        const glm::vec3 toward = eye - input.scene.draws[i].center;
+        const glm::vec3 toward = eye - input.scene.drawRanges[i].center;
         return camera.perspective ? glm::dot(toward, toward) : glm::dot(toward, backward);
     };
     std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return depth(a) > depth(b); });
@@ -146,7 +147,7 @@ void drawBlended(const DisplayPass& pass, const DisplayInput& input, const Camer
     glDepthMask(GL_FALSE);
     glEnable(GL_CULL_FACE);
     for (uint32_t i : order) {
-        const DrawRange& draw = input.scene.draws[i];
+        const DrawRange& draw = input.scene.drawRanges[i];
         if (input.materials[draw.material].doubleSided) {
             glCullFace(GL_FRONT);
             drawSurface(pass.displayProgram, input, draw);
@@ -163,27 +164,27 @@ void drawOpaque(const ShaderProgram& program, const DisplayInput& input) {
     glDepthMask(GL_FALSE);
     glBindVertexArray(input.scene.vertexArray.name());
     program.use();
-    for (size_t i = 0; i < input.scene.draws.size(); ++i) {
-        const Material& material = input.materials[input.scene.draws[i].material];
+    for (size_t i = 0; i < input.scene.drawRanges.size(); ++i) {
+        const Material& material = input.materials[input.scene.drawRanges[i].material];
         if (material.alphaMode == AlphaMode::blend) continue;
         setCulling(material);
         program.set("surfaceIndex", int(i));
-        drawSurface(program, input, input.scene.draws[i]);
+        drawSurface(program, input, input.scene.drawRanges[i]);
     }
 }
 
 void lookUp(const DisplayInput& input, const CameraMatrices& camera, const FrameSettings& settings,
             const LookupTargets& targets, uint32_t seed) {
     const ShaderProgram& program = input.lookupPass->lookupProgram;
-    beginLookup(*input.lookupPass, input.atlas, input.lookup, targets, drawsOf(settings.quality), seed);
+    beginLookup(*input.lookupPass, input.atlas, input.lookup, targets, samplingOf(settings.quality), seed);
     bindCamera(program, camera, settings);
     drawOpaque(program, input);
     input.clock.ended(Pass::lookup);
-    poolDraws(*input.lookupPass, targets);
+    poolSums(*input.lookupPass, targets);
     input.clock.ended(Pass::pool);
 }
 
-// The surfaces whose lobes rays answer, drawn and read.
+// Draws and reads the surfaces whose lobes are traced.
 void findTracedSurfaces(const DisplayInput& input, const CameraMatrices& camera, const FrameTargets& targets,
                         PendingSample& sample) {
     if (sample.reflections == Reflections::lookup || !(sample.view.area || sample.view.indirect)) return;
@@ -263,7 +264,7 @@ void displaySample(const DisplayPass& pass, const DisplayInput& input, const Fra
     const bool traced = !sample.surfaces.empty();
     if (traced) {
         uploadReflections(*input.reflectionPass, targets.reflections, sample.surfaces, incident,
-                          targets.lookup.seen.name(), lookedUpLayers(*input.lookupPass));
+                          targets.lookup.incident.name(), lookedUpLayers(*input.lookupPass));
         input.clock.ended(Pass::none);  // with the rays
     }
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());

@@ -45,7 +45,7 @@ struct DisplayInput {
     const RelightPass* relit;
     const LookupPass* lookupPass;
     const ReflectionPass* reflectionPass;
-    const ShaderProgram* inspectProgram;  // inspect.frag, to be shown in place of light
+    const ShaderProgram* inspectProgram;  // inspect.frag, drawn instead of the light
     PassClock& clock;
     float environmentTurn = 0;  // see background.frag
 };
@@ -61,7 +61,8 @@ void displaySample(const DisplayPass& pass, const DisplayInput& input, const Fra
 /// Adds the picture that was displayed; the first one clears `sum`.
 void addSample(const DisplayPass& pass, const FrameTargets& targets, PictureSum& sum);
 
-/// Where in the pixel sample `index` of `count` lies, from -.5 to .5. twin: jitterOf in web/src/draws.js.
+/// Where in the pixel sample `index` of `count` lies, from -.5 to .5. twin: jitterOf in
+/// web/src/sample_numbers.js.
 glm::vec2 jitterOf(int index, int count);
 /// Direct, glossy indirect and diffuse indirect light: 1 for those that are shown.
 glm::vec3 shownParts(Component component);

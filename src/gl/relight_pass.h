@@ -25,7 +25,7 @@ struct RelightPass {
     GlTexture texelBrdf;   // RGBA16F, see shaders/texel_material.frag
     GlTexture lobes;       // RGBA32F [lobe][y][x], levels 0 to 3: sum a L, sum w
     GlTexture statistics;  // RG32F, the same; see shaders/relight.frag
-    GlTexture radii;       // RGBA32F [lobe][tileY][tileX]: radius, brightest radiance
+    GlTexture radii;       // RGBA32F [lobe][tileY][tileX]: radius, radiance bound
     GlFramebuffer brdfTarget;
     std::vector<GlFramebuffer> relightTargets;               // [source]
     std::vector<std::vector<GlFramebuffer>> pyramidTargets;  // [lobe][level - 1]

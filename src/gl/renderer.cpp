@@ -159,16 +159,16 @@ bool Renderer::takeUpdate(LightUpdate& update, double seconds) {
     if (!update.empty()) s.texelsChanged();
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     const glm::uvec2 tiles = s.atlas.sizeTexels / kTileSize;
-    for (const LightUpdate::Place& place : update.places) {
-        updatePlace(s.atlas, place);
-        if (s.lookup.guideCount > 0) updateProbe(s.lookup, place, tiles);
+    for (const LightUpdate::Place& tile : update.places) {
+        updateTilePatch(s.atlas, tile);
+        if (s.lookup.guideCount > 0) updateProbe(s.lookup, tile, tiles);
     }
     update.places.clear();
     if (!update.tileLight.empty()) updateTileLight(s.atlas, update.tileLight);
     update.tileLight.clear();
     update.covers.clear();
 
-    // One portion at least, so that however little time there is, all is done one day.
+    // One portion at least, so that all is done in the end, however little time there is.
     size_t tile = 0, block = 0;
     while (tile < update.phatexels.size() && (tile == 0 || !late())) {
         const uint32_t now = update.phatexels[tile].block;
@@ -186,7 +186,7 @@ bool Renderer::takeUpdate(LightUpdate& update, double seconds) {
     for (; done < update.irradiance.size() && ((tile == 0 && done < 64) || done % 64 != 0 || !late()); ++done)
         updateIrradiance(s.atlas, update.irradiance[done]);
     update.irradiance.erase(update.irradiance.begin(), update.irradiance.begin() + ptrdiff_t(done));
-    checkGl("taking over renewed PHATexels");
+    checkGl("taking over updated PHATexels");
     return update.empty();
 }
 

@@ -26,7 +26,7 @@ struct PictureSum;
 
 /// Where indirect light on glossy surfaces comes from.
 enum class Method : uint8_t {
-    phat,         // looked up by the pixel: draws from the BRDF, answered by PHATexels around
+    phat,         // looked up by the pixel: BRDF samples with the radiance of PHATexels around
     phatPyramid,  // the paper's passes: the BRDF on every PHATexel, a pyramid, a cone
     phatPaper,    // the same to the letter: no densities, plain means, the paper's filter; diffuse light too
 };
@@ -34,7 +34,7 @@ enum class Method : uint8_t {
 enum class Quality : uint8_t { fast, standard, high };
 enum class ToneMap : uint8_t { linear, agx, aces };
 
-/// Stored data that can be shown in place of the light. twin: shaders/inspect.frag.
+/// Stored data that can be shown instead of the light. twin: shaders/inspect.frag.
 enum class Inspected : uint8_t {
     nothing,    // the light
     radiance,   // of the PHATexels: light, as figure 4 of the paper shows it
@@ -58,7 +58,7 @@ struct FrameSettings {
     int width = 640;
     int height = 360;
     Camera camera;
-    Method method = Method::phat;  // phatPyramid takes its place where directions follow no invertible layout
+    Method method = Method::phat;         // phatPyramid where directions follow no invertible layout
     Quality quality = Quality::standard;  // of Method::phat
     Component component = Component::all;
     Inspection inspection;
@@ -83,10 +83,10 @@ int samplesToDraw(const FrameSettings& settings, const PictureSum& sum);
 /// One sample of a frame, drawn up to its display pass.
 struct PendingSample {
     FrameSettings settings;               // as far as the bake can show them
-    Reflections reflections;              // the lobes that rays answer
+    Reflections reflections;              // which lobes are traced
     glm::vec2 jitter{0};                  // of the image plane, pixels
     ReflectionView view;                  // what the rays' estimator must know of the frame
-    std::vector<TracedSurface> surfaces;  // whose lobes rays answer; none where all is looked up
+    std::vector<TracedSurface> surfaces;  // whose lobes are traced; none where all is looked up
 };
 
 /// Whether a view is of radiance, for a tone map; else of display-linear colours, or Inspected::reads.
@@ -132,9 +132,9 @@ inline double FrameTimes::gpu() const {
 
 /// Bytes in the GPU's memory.
 struct ResidentBytes {
-    uint64_t scene = 0;  // triangles, pictures, sky
+    uint64_t scene = 0;  // triangles, textures, environment
     uint64_t phatexels = 0;
-    uint64_t lookup = 0;      // warps, distances, places of texels
+    uint64_t lookup = 0;      // inverse CDFs, depth probes, tile patches
     uint64_t irradiance = 0;  // diffuse light
     uint64_t pyramid = 0;     // with what relighting reads
     uint64_t shadows = 0;
@@ -167,8 +167,8 @@ class Renderer {
     /// The same, from the first sample on, in linear radiance, row 0 on top. Waits for the GPU.
     Image render(const FrameSettings& settings);
 
-    /// One sample in two steps, for lobes that the caller's rays answer between them (drawFrame in
-    /// gl/traced_frame.h). First all that the display pass reads, and the surfaces that ask for rays, for
+    /// One sample in two steps, for lobes that the caller traces between them (drawFrame in
+    /// gl/traced_frame.h). First all that the display pass reads, and the surfaces to be traced, for
     /// which it waits for the GPU unless `reflections` is lookup. A sample may be left unfinished.
     PendingSample beginSample(const FrameSettings& settings, Reflections reflections, PictureSum& sum);
     /// Then the display pass, which adds the sample to `sum`. `incident`: of each of the sample's surfaces.
@@ -190,16 +190,17 @@ class Renderer {
     /// Punctual lights may change too; their direct light follows, the bake's indirect light does not. Shadow
     /// maps are drawn again when a light is another one.
     void setLights(const std::vector<PunctualLight>& lights);
-    /// The sky behind the scene as turned() of the one that was given; what it lit stays as it was baked.
+    /// The environment behind the scene as turned() of the one that was given; what it lit stays as it was
+    /// baked.
     void turnEnvironment(int columns);
 
     /// Everything is where it is in `scene` now, which has the triangles of the one that was uploaded;
-    /// shadows follow at the next frame. `points`: of the same scene. All three take the place of
+    /// shadows follow at the next frame. `points`: of the same scene. All three replace
     /// RendererInput's and must stay until the next call.
     void moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points);
-    /// Takes over parts of a bake that were renewed, for at most about `seconds`. Places go first, because
-    /// moveScene has moved what is there already; a block's tiles are never parted. What is done is taken out
-    /// of `update`; returns whether all is.
+    /// Takes over parts of a bake that were updated, for at most about `seconds`. Tile patches go first,
+    /// because moveScene has moved what is there already; a block's tiles are never parted. What is done is
+    /// taken out of `update`; returns whether all is.
     bool takeUpdate(LightUpdate& update, double seconds);
 
   private:

@@ -26,7 +26,7 @@ struct Renderer::State {
     };
 
     /// Makes what a sample needs and is missing, targets of `size` included. `settings`: as possible()
-    /// returns them; `traced`: with surfaces whose lobes rays answer.
+    /// returns them; `traced`: with surfaces whose lobes are traced.
     Prepared prepare(const FrameSettings& settings, bool traced);
     /// What of the settings this bake can show.
     FrameSettings possible(FrameSettings settings) const;

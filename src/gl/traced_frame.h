@@ -1,5 +1,5 @@
 #pragma once
-// Frames of the renderer whose sharp lobes are answered by rays on the CPU.
+// Frames of the renderer whose sharp lobes are traced on the CPU.
 
 #include "core/base/progress.h"
 #include "gl/picture_sum.h"
@@ -7,7 +7,7 @@
 
 namespace phat {
 
-/// Rays that take the place of the lookup for sharp lobes. What they read is the caller's, as are its
+/// Rays that replace the lookup for sharp lobes. What they read is the caller's, as are its
 /// materials.
 struct TracedReflections {
     const ReflectionScene& scene;

@@ -232,7 +232,7 @@ TEST_F(Inspect, ReadsAreWholeNumbers) {
     for (const glm::vec3& pixel : image.pixels) EXPECT_EQ(pixel.x, std::round(pixel.x));
 }
 
-// A coat is a second lobe: what is looked up, pooled and displayed of it counts as the base's does.
+// A coat is a second lobe: what is looked up, pooledSums and displayed of it counts as the base's does.
 TEST_F(Inspect, ReadsOfTheClearCoatCount) {
     followTheLayout();
     const double base = countReads(shown({Inspected::reads}), 0).mean;

@@ -1,6 +1,6 @@
 // What the passes use of three.js beyond its documentation: the WebGL texture behind a Texture, which
-// `renderer.properties` holds as `__webglTexture` with the `__version` that was uploaded. Throws where a release of
-// three.js keeps them otherwise, for without them every map would silently be white.
+// `renderer.properties` holds as `__webglTexture` with the `__version` that was uploaded. Throws where a
+// release of three.js keeps them otherwise, for without them every map would silently be white.
 import { REVISION } from 'three';
 
 // As in `peerDependencies` of package.json; 180 and 187 have been tested.
@@ -15,12 +15,12 @@ export function requireRevision(revision = REVISION) {
     if (!(parseInt(revision, 10) >= kMinRevision)) fail(revision, `it needs r${kMinRevision} or newer`);
 }
 
-// Uploads what `texture` holds now, unless that has been done. three.js does so itself when it first draws with it,
-// which is after the passes.
+// Uploads what `texture` holds now, unless that has been done. three.js does so itself when it first draws
+// with it, which is after the passes.
 export function uploadTexture(renderer, texture) {
     if (!texture.image || renderer.properties.get(texture).__version === texture.version) return;
     renderer.initTexture(texture);
-    // three.js leaves out textures that have never been set, and images that are still loading.
+    // three.js leaves out textures without content and images that are still loading.
     if (texture.version === 0 || texture.image.complete === false) return;
     const properties = renderer.properties.get(texture);
     if (!('__webglTexture' in properties) || properties.__version !== texture.version)

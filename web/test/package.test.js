@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFile, readdir } from 'node:fs/promises';
 import { test } from 'node:test';
-import { drawsOf, jitterOf, sobolBits } from '../src/draws.js';
+import { sampleNumberTables, jitterOf, sobolBits } from '../src/sample_numbers.js';
 import { packMaterial } from '../src/material.js';
 import { requireRevision, uploadTexture, webglTexture } from '../src/three_internals.js';
 import { deflateSync } from 'node:zlib';
@@ -57,12 +57,12 @@ test("Sobol's first points", () => {
 });
 
 test('ranks are aligned runs and seeds shift all draws alike', () => {
-    const a = drawsOf(12, 1),
-        b = drawsOf(12, 2);
+    const a = sampleNumberTables(12, 1),
+        b = sampleNumberTables(12, 2);
     assert.deepEqual(a.ranks, b.ranks);
-    const shift = a.draws[0] ^ b.draws[0];
+    const shift = a.sampleNumbers[0] ^ b.sampleNumbers[0];
     assert.notEqual(shift, 0);
-    for (let k = 0; k < 32; ++k) assert.equal(a.draws[4 * k] ^ b.draws[4 * k], shift);
+    for (let k = 0; k < 32; ++k) assert.equal(a.sampleNumbers[4 * k] ^ b.sampleNumbers[4 * k], shift);
 });
 
 test('jitter is centred in the pixel', () => {
@@ -107,7 +107,7 @@ async function lightOfEnvironment() {
         indirect: { guideCount: 0, layers: [] },
         area: { layers: [] },
     };
-    const bake = { atlas: {}, surfaces: { draws: [] }, lookup: null };
+    const bake = { atlas: {}, surfaces: { drawRanges: [] }, lookup: null };
     return { light: new BakedLight(new Object3D(), parser, description, bake), deliver };
 }
 
