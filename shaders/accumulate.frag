@@ -1,4 +1,4 @@
-// Adds one jittered picture to the pixels' box filter (additive blending).
+// Adds one jittered image to the sum of the box filter (additive blending).
 
 uniform sampler2D picture;
 

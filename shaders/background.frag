@@ -5,7 +5,7 @@
 uniform sampler2D environment;   // column 0 at azimuth atan(z, x) = -pi, row 0 at +Y
 uniform mat4 worldFromClip;      // of the camera's rotation alone
 uniform vec2 viewport;
-uniform float turn;              // of the sky, in turns; see turned in src/core/scene/environment_sampling.h
+uniform float turn;              // of the environment, in turns; see turned in src/core/scene/environment_sampling.h
 
 layout(location = 0) out vec4 radiance;
 

@@ -1,18 +1,19 @@
-// Pass 3: a pixel. Direct light by the lamps' shadow maps, diffuse light from the irradiance maps, glossy light
-// as the lobe's directional albedo times what the lobe sees: with LOOKUP what pool.frag left of this pixel, else the
-// ratio of the cone-weighted sums of the relit PHATexels. With PAPER indirect light, diffuse and glossy, is the mean of
-// what relight_paper.frag made of the PHATexels.
+// Pass 3: a pixel. Punctual lights by their shadow maps, diffuse light from the irradiance maps, glossy light as the
+// lobe's directional albedo times the mean radiance that arrives under it: with LOOKUP the sums that pool.frag left of
+// this pixel, else the ratio of the cone-weighted sums of the relit PHATexels. With PAPER indirect light, diffuse and
+// glossy, is the mean of what relight_paper.frag made of the PHATexels.
 // source: Hensley et al. 2003, sections 6.1 and 6.2; the ratio and the lookup are ours (docs/lookup.md).
 #include "lib/fetch.glsl"
-#include "lib/packed_draws.glsl"
+#include "lib/packed_sums.glsl"
 #include "lib/paper_cone.glsl"
 #include "lib/visible_surface.glsl"
 #include "lib/lights.glsl"
 
 #ifdef LOOKUP
-uniform usampler2DArray seen;       // see lib/draws_out.glsl; then floats' bits: what rays saw, two layers a lobe
+// The layers of lib/sums_out.glsl; then, as the bits of floats, the radiance that rays brought, two layers a lobe.
+uniform usampler2DArray incident;
 uniform int tracedLayer;            // where those begin; 0: there are none
-uniform sampler2D tileLight;        // rgb: the brightest radiance around
+uniform sampler2D tileLight;        // rgb: the bound of the radiance around
 #else
 uniform sampler2DArray relit;       // lobes: of the indirect light, of area lights, then their coats'
 uniform sampler2DArray radii;       // the same lobes, a texel a tile
@@ -40,6 +41,21 @@ const int kFirstSource = 1;
 const int kFirstSource = 0;
 #endif
 
+// The atlas texel that a pixel shows, and what its lobes share.
+struct ShownTexel {
+    vec2 center;  // texels
+    uint chart;
+    vec3 radianceBound;
+    vec3 irradiance[kSources];
+};
+
+// A pixel's radiance by the components of `show`.
+struct Components {
+    vec3 direct;
+    vec3 glossyIndirect;
+    vec3 diffuseIndirect;
+};
+
 // Bilinear inside the chart.
 vec3 irradianceAt(int source, vec2 center, uint chart) {
     vec2 corner = floor(center - 0.5);
@@ -56,33 +72,32 @@ vec3 irradianceAt(int source, vec2 center, uint chart) {
 }
 
 #ifdef LOOKUP
-// Of a lobe without colour, as lookup.frag draws it.
+// The albedo of the lobe without colour that lookup.frag samples.
 float scalarAlbedo(vec3 albedo) {
     return maxComponent(albedo);
 }
 
-// What a lobe sees: a mean of real radiances, weighted by the lobe. Where no PHATexel under the lobe is anywhere
-// near, the mean over the hemisphere, an approximation. `incident`: the source's irradiance; `albedo`: the lobe's,
-// without colour.
-vec3 lobeRadiance(int lobeIndex, vec2 center, uint chart, vec3 incident, float albedo) {
-    uvec4 bits = READ(texelFetch(seen, ivec3(gl_FragCoord.xy, lobeIndex), 0));
+// The mean radiance of a source under a lobe, weighted by the lobe. Where no PHATexel under the lobe is anywhere near,
+// the mean over the hemisphere, an approximation. `albedo`: the lobe's, without colour.
+vec3 lobeRadiance(int firstLobe, int source, ShownTexel t, float albedo) {
+    uvec4 bits = READ(texelFetch(incident, ivec3(gl_FragCoord.xy, firstLobe + source), 0));
     vec4 sum = unpackSum(bits.xy);
-    vec3 light = sum.a > 0.0 ? unpackRgb9e5(bits.x) : incident / kPi;
-    // What lamps reflect, over what their irradiance is by the same PHATexels: that of the irradiance map has no noise.
-    if (lobeIndex % kSources == 1)
-        light += luminance(incident) / max(albedo, 1e-6) * unpackRgb9e5(bits.z);
+    vec3 light = sum.a > 0.0 ? unpackRgb9e5(bits.x) : t.irradiance[source] / kPi;
+    // Light samples: what they reflect over the irradiance by the same PHATexels, times the map's, which has no noise.
+    if (source == 1)
+        light += luminance(t.irradiance[source]) / max(albedo, 1e-6) * unpackRgb9e5(bits.z);
     return light;
 }
 
-// What rays saw takes the place of the lookup's answer, the more the smoother the lobe.
-vec3 tracedOver(vec3 light, int lobeIndex) {
+// Traced radiance takes the place of the lookup's, the more the smoother the lobe.
+vec3 tracedOver(vec3 light, int firstLobe, int source) {
     if (tracedLayer == 0) return light;
-    int layer = tracedLayer + 2 * (lobeIndex / kSources) + lobeIndex % kSources;
-    vec4 traced = uintBitsToFloat(texelFetch(seen, ivec3(gl_FragCoord.xy, layer), 0));
+    int layer = tracedLayer + 2 * (firstLobe / kSources) + source;
+    vec4 traced = uintBitsToFloat(texelFetch(incident, ivec3(gl_FragCoord.xy, layer), 0));
     return mix(light, traced.rgb, traced.a);
 }
 
-vec3 brightestHere(vec2 center) {
+vec3 radianceBoundAt(vec2 center) {
     return READ(texelFetch(tileLight, ivec2(floor(center)) >> 3, 0).rgb);
 }
 #else
@@ -91,55 +106,89 @@ float scalarAlbedo(vec3 albedo) {
     return dot(albedo, vec3(1.0 / 3.0));
 }
 
-vec3 lobeRadiance(int lobeIndex, vec2 center, uint chart, vec3 incident, float albedo) {
-    vec4 sum = lobeSum(relit, radii, lobeIndex, center, chart);
-    return sum.a > 0.0 ? sum.rgb / sum.a : incident / kPi;
+vec3 lobeRadiance(int firstLobe, int source, ShownTexel t, float albedo) {
+    vec4 sum = lobeSum(relit, radii, firstLobe + source, t.center, t.chart);
+    return sum.a > 0.0 ? sum.rgb / sum.a : t.irradiance[source] / kPi;
 }
 
-vec3 tracedOver(vec3 light, int lobeIndex) {
+vec3 tracedOver(vec3 light, int firstLobe, int source) {
     return light;
 }
 
-vec3 brightestHere(vec2 center) {
-    return brightestAround(radii, kSources - 1, center);  // the same of all lobes that are drawn
+vec3 radianceBoundAt(vec2 center) {
+    return radianceBoundAround(radii, kSources - 1, center);  // the same of all lobes that are drawn
 }
 #endif
 
-// The sources' estimates are independent: together they may exceed the brightest light there is, by noise alone.
-void boundByBrightest(inout vec3 light[kSources], vec3 brightest) {
+// A clamp: the sources' estimates are independent, and their sum may exceed the brightest light there is, by noise
+// alone.
+void clampToBound(inout vec3 light[kSources], vec3 bound) {
     vec3 sum = vec3(0.0);
     for (int source = kFirstSource; source < kSources; ++source) sum += light[source];
-    vec3 scale = min(vec3(1.0), brightest / max(sum, vec3(1e-20)));
+    vec3 scale = min(vec3(1.0), bound / max(sum, vec3(1e-20)));
     for (int source = kFirstSource; source < kSources; ++source) light[source] *= scale;
 }
 
-void findIncident(vec2 center, uint chart, vec3 brightest, out vec3 incident[kSources]) {
-    for (int source = kFirstSource; source < kSources; ++source) incident[source] = irradianceAt(source, center, chart);
-    boundByBrightest(incident, kPi * brightest);
+ShownTexel shownTexel(vec2 center, uint chart) {
+    ShownTexel t;
+    t.center = center;
+    t.chart = chart;
+    t.radianceBound = radianceBoundAt(center);
+    for (int source = kFirstSource; source < kSources; ++source)
+        t.irradiance[source] = irradianceAt(source, center, chart);
+    clampToBound(t.irradiance, kPi * t.radianceBound);
 #ifdef PAPER
-    incident[0] = paperMean(relit, kIrradianceLobe, center, chart);
+    t.irradiance[0] = paperMean(relit, kIrradianceLobe, center, chart);
 #endif
+    return t;
 }
 
-// What the lobe sees of each source; `albedo`: its own, without colour.
-void findSeen(int firstLobe, vec2 center, uint chart, vec3 brightest, vec3 incident[kSources], float albedo,
-              out vec3 light[kSources]) {
+// Adds what a lobe of directional albedo `albedo` reflects of each source. `scalar`: the albedo of the lobe alone,
+// without colour; `firstLobe`: of the base or of the coat.
+void addGlossy(int firstLobe, vec3 albedo, float scalar, ShownTexel t, inout Components c) {
+    vec3 light[kSources];
     for (int source = kFirstSource; source < kSources; ++source)
-        light[source] = lobeRadiance(firstLobe + source, center, chart, incident[source], albedo);
-    boundByBrightest(light, brightest);
+        light[source] = lobeRadiance(firstLobe, source, t, scalar);
+    clampToBound(light, t.radianceBound);
     for (int source = kFirstSource; source < kSources; ++source)
-        light[source] = tracedOver(light[source], firstLobe + source);
+        light[source] = tracedOver(light[source], firstLobe, source);
 #ifdef PAPER
     // What is reflected; the albedo's colour is to multiply it.
-    light[0] = paperMean(relit, firstLobe, center, chart) / max(albedo, 1e-6);
+    light[0] = paperMean(relit, firstLobe, t.center, t.chart) / max(scalar, 1e-6);
+#endif
+    c.glossyIndirect += albedo * light[0];
+#ifdef AREA
+    c.direct += albedo * light[1];
 #endif
 }
 
-void addGlossy(vec3 albedo, vec3 light[kSources], inout vec3 direct, inout vec3 glossyIndirect) {
-    glossyIndirect += albedo * light[0];
-#ifdef AREA
-    direct += albedo * light[1];
+// Adds what the bake holds: indirect light, and what area lights bring directly.
+void addBakedLight(VisibleSurface s, inout Components c) {
+    Brdf brdf = s.brdf;
+    float nDotV = s.towardEyeLocal.z;
+    float transmission = clearcoatTransmission(brdf, s.towardEyeLocal);
+    vec3 diffuse = transmission * diffuseWeight(brdf, nDotV) * brdf.diffuseColor / kPi;
+    vec3 specular = specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, nDotV);
+    ShownTexel t = shownTexel(s.texel, s.chart);
+    if (maxComponent(specular) > 0.0) addGlossy(0, transmission * specular, scalarAlbedo(specular), t, c);
+#ifdef CLEARCOAT
+    if (brdf.clearcoat > 0.0)
+        addGlossy(kSources, vec3(1.0 - transmission), (1.0 - transmission) / brdf.clearcoat, t, c);
 #endif
+    c.diffuseIndirect = diffuse * t.irradiance[0];
+#ifdef AREA
+    c.direct += diffuse * t.irradiance[1];
+#endif
+}
+
+void addPunctualLights(VisibleSurface s, inout vec3 direct) {
+    for (int light = 0; light < lightCount; ++light) {
+        PunctualSample from = samplePunctual(light, vPosition);
+        if (dot(from.towardLight, s.normalGeometric) <= 0.0) continue;
+        vec3 reflected = evaluateBrdf(s.brdf, s.towardEyeLocal, from.towardLight * s.worldFromLocal) * from.irradiance;
+        if (maxComponent(reflected) > 0.0)
+            direct += reflected * shadowVisibility(light, vPosition, s.normalGeometric);
+    }
 }
 
 void main() {
@@ -159,51 +208,16 @@ void main() {
     }
 
     VisibleSurface s = visibleSurface(factors);
-    Brdf brdf = s.brdf;
-    vec3 towardEyeLocal = s.towardEyeLocal;
-    vec3 direct = emission;
-    for (int light = 0; light < lightCount; ++light) {
-        PunctualSample from = samplePunctual(light, vPosition);
-        if (dot(from.towardLight, s.normalGeometric) <= 0.0) continue;
-        vec3 reflected = evaluateBrdf(brdf, towardEyeLocal, from.towardLight * s.worldFromLocal) * from.irradiance;
-        if (maxComponent(reflected) > 0.0)
-            direct += reflected * shadowVisibility(light, vPosition, s.normalGeometric);
-    }
-
-    vec3 glossyIndirect = vec3(0.0), diffuseIndirect = vec3(0.0);
-    uint chart = s.chart;
-    if (chart != kNoChart) {
-        vec2 center = s.texel;
-        float nDotV = towardEyeLocal.z;
-        float transmission = clearcoatTransmission(brdf, towardEyeLocal);
-        vec3 diffuse = transmission * diffuseWeight(brdf, nDotV) * brdf.diffuseColor / kPi;
-        vec3 specular = specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, nDotV);
-        vec3 brightest = brightestHere(center);
-        vec3 incident[kSources], light[kSources];
-        findIncident(center, chart, brightest, incident);
-        if (maxComponent(specular) > 0.0) {
-            findSeen(0, center, chart, brightest, incident, scalarAlbedo(specular), light);
-            addGlossy(transmission * specular, light, direct, glossyIndirect);
-        }
-#ifdef CLEARCOAT
-        if (brdf.clearcoat > 0.0) {
-            findSeen(kSources, center, chart, brightest, incident, (1.0 - transmission) / brdf.clearcoat, light);
-            addGlossy(vec3(1.0 - transmission), light, direct, glossyIndirect);
-        }
-#endif
-        diffuseIndirect = diffuse * incident[0];
-#ifdef AREA
-        direct += diffuse * incident[1];
-#endif
-    }
-
-    vec3 sum = direct * show.x + glossyIndirect * show.y + diffuseIndirect * show.z;
+    Components c = Components(emission, vec3(0.0), vec3(0.0));
+    addPunctualLights(s, c.direct);
+    if (s.chart != kNoChart) addBakedLight(s, c);
+    vec3 sum = c.direct * show.x + c.glossyIndirect * show.y + c.diffuseIndirect * show.z;
     // A broken vertex or texel must not spread over the picture.
     if (any(isnan(sum)) || any(isinf(sum))) sum = vec3(0.0);
     radiance = vec4(sum * alpha, alpha);
 #if defined(COUNT_READS) && defined(LOOKUP)
     radiance = vec4(0.0, 0.0, 0.0, 1.0);
     for (int i = 0; i < kSources; ++i)
-        radiance[i] = float(texelFetch(seen, ivec3(gl_FragCoord.xy, i), 0).y) + float(readCount[i]);
+        radiance[i] = float(texelFetch(incident, ivec3(gl_FragCoord.xy, i), 0).y) + float(readCount[i]);
 #endif
 }

@@ -39,9 +39,9 @@ vec3 colorOf(uint number) {
     return 0.15 + 0.6 * clamp(abs(fract(hue + vec3(0.0, 2.0, 1.0) / 3.0) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
 }
 
-// 0 on even places, 1 on odd ones.
-float checker(ivec2 place) {
-    return float((place.x + place.y) & 1);
+// 0 and 1 in turn.
+float checker(ivec2 cell) {
+    return float((cell.x + cell.y) & 1);
 }
 
 vec3 phatexelColor(ivec2 texel) {
@@ -83,8 +83,8 @@ void main() {
     shown = vec4(kNothing, 1.0);
     uint chart = gl_FrontFacing ? vCharts.x : vCharts.y;
     if (chart == kNoChart) return;
-    vec2 place = gl_FrontFacing ? vTexel.xy : vTexel.zw;
-    ivec2 texel = ivec2(floor(place));
+    vec2 center = gl_FrontFacing ? vTexel.xy : vTexel.zw;
+    ivec2 texel = ivec2(floor(center));
     // Interpolation may end a hair beyond the chart.
     if (chartAt(texel) != chart) return;
     if (inspected == kCharts) {
@@ -95,7 +95,7 @@ void main() {
         vec4 sum = texelFetch(relit, ivec3(texel >> level, lobeIndex), level);
         shown.rgb = sum.a > 0.0 ? sum.rgb / sum.a : kNothing;
     } else if (inspected == kSamples) {
-        shown.rgb = samplesColor(place, chart);
+        shown.rgb = samplesColor(center, chart);
     } else {
         shown.rgb = phatexelColor(texel);
     }

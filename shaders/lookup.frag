@@ -1,30 +1,31 @@
-// Pass A of the lookup: what a pixel's lobes see by its own draws alone. pool.frag adds its neighbours'.
+// Pass A of the lookup: the light that arrives under a pixel's lobes, by its own samples. pool.frag adds those of its
+// neighbours.
 #include "lib/visible_surface.glsl"
 #include "lib/lookup.glsl"
-#include "lib/draws_out.glsl"
+#include "lib/sums_out.glsl"
 
 uniform int alphaMode;
 uniform int surfaceIndex;
 
-Draws drawsOf(Receiver receiver, Lobe lobe, int rank) {
-    Draws d = noDraws();
+LobeSums sumsOf(Receiver receiver, ScalarLobe lobe, int rank) {
+    LobeSums d = noLobeSums();
     d.surface = uint(2 * surfaceIndex + (gl_FrontFacing ? 1 : 2));
-    d.mirror = reflect(-receiver.towardEye, lobe.normal);
+    d.mirror = reflect(-receiver.towardEye, lobe.normalWorld);
     d.alpha = lobe.alpha;
     if (lobe.f0 > 0.0 || lobe.f90 > 0.0) {
-        SeenLight light = lookUp(receiver, lobe, rank, d.alpha);
+        IncidentSums light = lookUp(receiver, lobe, rank, d.alpha);
         d.indirect = light.indirect;
         d.area = light.area;
-        d.lamps = light.lamps;
+        d.areaByLight = light.areaByLight;
     }
     return d;
 }
 
 void main() {
     if (alphaMode == 1 && opacity() < material[3].a) discard;
-    writeBase(noDraws());
+    writeBase(noLobeSums());
 #ifdef CLEARCOAT
-    writeCoat(noDraws());
+    writeCoat(noLobeSums());
 #endif
     vec4 rows[kFactorRows];
     for (int i = 0; i < kFactorRows; ++i) rows[i] = material[i];
@@ -34,15 +35,16 @@ void main() {
     ivec2 inGroup = ivec2(gl_FragCoord.xy) & 3;
     int rank = 4 * inGroup.y + inGroup.x;
     Receiver receiver = Receiver(vPosition, s.towardEye, s.normalGeometric, s.texel, s.chart);
-    Lobe specular = Lobe(s.worldFromLocal[2], maxComponent(s.brdf.f0), s.brdf.f90, s.brdf.alpha);
-    writeBase(drawsOf(receiver, specular, rank));
-#ifdef COUNT_READS
-    addReads(0u, 0u);
-#endif
+    ScalarLobe specular = ScalarLobe(s.worldFromLocal[2], maxComponent(s.brdf.f0), s.brdf.f90, s.brdf.alpha);
+    writeBase(sumsOf(receiver, specular, rank));
 #ifdef CLEARCOAT
     if (s.brdf.clearcoat > 0.0) {
-        Lobe clearcoat = Lobe(s.worldFromLocal * s.brdf.clearcoatNormal, kClearcoatF0, 1.0, s.brdf.clearcoatAlpha);
-        writeCoat(drawsOf(receiver, clearcoat, rank));
+        vec3 normalWorld = s.worldFromLocal * s.brdf.clearcoatNormal;
+        ScalarLobe clearcoat = ScalarLobe(normalWorld, kClearcoatF0, 1.0, s.brdf.clearcoatAlpha);
+        writeCoat(sumsOf(receiver, clearcoat, rank));
     }
+#endif
+#ifdef COUNT_READS
+    addReads(0u, 0u);
 #endif
 }

@@ -1,60 +1,60 @@
-// Pass B of the lookup: neighbouring pixels drew different directions; each takes over those of its neighbours that
-// see nearly the same. The tent is two 4x4 boxes, so that each of the 16 sets of draws counts equally. Twice: along the
-// rows, then along the columns.
-#include "lib/packed_draws.glsl"
+// Pass B of the lookup: neighbouring pixels sampled different directions; each adds the sums of those neighbours whose
+// lobes point nearly the same way. The tent is two 4x4 boxes, so that each of the 16 sets of sample numbers counts
+// equally. Drawn twice: along the rows, then along the columns.
+#include "lib/packed_sums.glsl"
 
-uniform usampler2DArray seen;  // the layers of lookup.frag's outputs
+uniform usampler2DArray incident;  // the layers of lib/sums_out.glsl
 uniform ivec2 alongWhich;      // (1, 0) or (0, 1)
 
-#include "lib/draws_out.glsl"
+#include "lib/sums_out.glsl"
 
 const int kReach = 3;
-// A neighbour whose mirror direction is a lobe's width away sees other things. On planes the width that measured
+// A neighbour whose mirror direction is a lobe's width away reflects other things. On planes the width that measured
 // best was 1.4 alpha, on curves 1 (design study); one number serves both within a tenth.
 const float kWidthPerAlpha = 1.2;
 
-Draws drawsAt(ivec2 p, int lobe) {
-    Draws d = unpackDraws(READ(texelFetch(seen, ivec3(p, lobe * kLayersPerLobe), 0)));
+LobeSums sumsAt(ivec2 p, int lobe) {
+    LobeSums d = unpackLobeSums(READ(texelFetch(incident, ivec3(p, lobe * kLayersPerLobe), 0)));
 #ifdef AREA
     READS_FOR(1);
-    unpackArea(READ(texelFetch(seen, ivec3(p, lobe * kLayersPerLobe + 1), 0)), d);
+    unpackAreaSums(READ(texelFetch(incident, ivec3(p, lobe * kLayersPerLobe + 1), 0)), d);
     READS_FOR(0);
 #endif
     return d;
 }
 
-// The pixel's draws and those of the pixels beside it.
-Draws pooled(int lobe) {
+// The sums of the pixel and of the pixels beside it.
+LobeSums pooledSums(int lobe) {
     ivec2 p = ivec2(gl_FragCoord.xy);
-    Draws mine = drawsAt(p, lobe);
+    LobeSums mine = sumsAt(p, lobe);
     if (mine.surface == 0u) return mine;
-    ivec2 last = textureSize(seen, 0).xy - 1;
+    ivec2 last = textureSize(incident, 0).xy - 1;
     float width = kWidthPerAlpha * max(mine.alpha, 1e-3);
     float sharpness = 0.5 / (width * width);
     mine.indirect *= float(kReach + 1);
     mine.area *= float(kReach + 1);
-    mine.lamps *= float(kReach + 1);
+    mine.areaByLight *= float(kReach + 1);
     for (int i = -kReach; i <= kReach; ++i) {
         ivec2 at = p + i * alongWhich;
         if (i == 0 || any(lessThan(at, ivec2(0))) || any(greaterThan(at, last))) continue;
-        Draws other = drawsAt(at, lobe);
+        LobeSums other = sumsAt(at, lobe);
         if (other.surface != mine.surface) continue;
         vec3 apart = other.mirror - mine.mirror;
         float weight = float(kReach + 1 - abs(i)) * exp(-dot(apart, apart) * sharpness);
         mine.indirect += weight * other.indirect;
         mine.area += weight * other.area;
-        mine.lamps += weight * other.lamps;
+        mine.areaByLight += weight * other.areaByLight;
     }
     return mine;
 }
 
 void main() {
-    writeBase(pooled(0));
-#ifdef COUNT_READS
-    addReads(texelFetch(seen, ivec3(gl_FragCoord.xy, 0), 0).y,
-             texelFetch(seen, ivec3(gl_FragCoord.xy, kLayersPerLobe - 1), 0).y);
-#endif
+    writeBase(pooledSums(0));
 #ifdef CLEARCOAT
-    writeCoat(pooled(1));
+    writeCoat(pooledSums(1));
+#endif
+#ifdef COUNT_READS
+    addReads(texelFetch(incident, ivec3(gl_FragCoord.xy, 0), 0).y,
+             texelFetch(incident, ivec3(gl_FragCoord.xy, kLayersPerLobe - 1), 0).y);
 #endif
 }

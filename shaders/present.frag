@@ -25,8 +25,8 @@ vec3 srgbFromLinear(vec3 c) {
 }
 
 void main() {
-    vec2 place = gl_FragCoord.xy - corner;
-    vec2 uv = place / size;
+    vec2 pixel = gl_FragCoord.xy - corner;
+    vec2 uv = pixel / size;
     vec3 a = texture(left, uv).rgb * leftScale, b = texture(right, uv).rgb * rightScale;
     a = leftHeat > 0.0 ? heat((a.r + a.g) * leftHeat) : toneMap(a, leftToneMapping, leftExposureStops);
     b = rightHeat > 0.0 ? heat((b.r + b.g) * rightHeat) : toneMap(b, rightToneMapping, rightExposureStops);
@@ -36,5 +36,5 @@ void main() {
         color = vec4(heat(max(apart.r, max(apart.g, apart.b))), 1.0);
         return;
     }
-    color = vec4(srgbFromLinear(place.x < wipe ? a : b), 1.0);
+    color = vec4(srgbFromLinear(pixel.x < wipe ? a : b), 1.0);
 }

@@ -27,8 +27,9 @@ vec3 irradianceOf(Phatexel phatexel, vec3 normal, vec3 towardLight) {
     return 2.0 * kPi * max(dot(normal, towardLight), 0.0) * phatexel.radiance;
 }
 
-vec4 reflectedBy(Lobe lobe, vec3 towardEye, vec3 towardLight, Phatexel phatexel) {
-    return vec4(lobeBrdf(lobe, towardEye, towardLight) * irradianceOf(phatexel, lobe.normal, towardLight), 1.0);
+vec4 reflectedBy(ScalarLobe lobe, vec3 towardEye, vec3 towardLight, Phatexel phatexel) {
+    vec3 irradiance = irradianceOf(phatexel, lobe.normalWorld, towardLight);
+    return vec4(lobeBrdfWorld(lobe, towardEye, towardLight) * irradiance, 1.0);
 }
 
 void main() {
@@ -44,20 +45,20 @@ void main() {
     vec4 normals = texelFetch(texelNormals, texel, 0);
     ivec2 tile = texel >> 3;
     TilePatch tilePatch = tilePatchAt(tilePatches, tile, texelSizeOfTile(tile));
-    vec3 position = placeOf(tilePatch, vec2(texel & 7) - 3.5);
+    vec3 position = positionOnPatch(tilePatch, vec2(texel & 7) - 3.5);
     mat3 worldFromBlock = tilePatch.worldFromBlock;
     vec3 towardEye = normalize(eyeWorld - position * (1.0 - eyeAtInfinity));
 
-    Lobe base = Lobe(octahedralToDirection(normals.xy), brdf.x, brdf.y, brdf.z);
+    ScalarLobe base = ScalarLobe(octahedralToDirection(normals.xy), brdf.x, brdf.y, brdf.z);
     for (int layer = 0; layer < layerCount; ++layer) {
         Phatexel phatexel = unpackPhatexel(texelFetch(phatexels, ivec3(texel, firstLayer + layer), 0).xy);
         if (!phatexel.valid) continue;
         vec3 towardLight = worldFromBlock * phatexel.directionBlock;
         specular += reflectedBy(base, towardEye, towardLight, phatexel);
-        irradiance += vec4(irradianceOf(phatexel, base.normal, towardLight), 1.0);
+        irradiance += vec4(irradianceOf(phatexel, base.normalWorld, towardLight), 1.0);
 #ifdef CLEARCOAT
         if (brdf.w > 0.0) {
-            Lobe coatLobe = Lobe(octahedralToDirection(normals.zw), kClearcoatF0, 1.0, brdf.w);
+            ScalarLobe coatLobe = ScalarLobe(octahedralToDirection(normals.zw), kClearcoatF0, 1.0, brdf.w);
             coat += reflectedBy(coatLobe, towardEye, towardLight, phatexel);
         }
 #endif

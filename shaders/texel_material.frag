@@ -1,4 +1,4 @@
-// Per texel of the atlas: what relighting asks of the material. Drawn when materials change.
+// The material at each texel of the atlas as relighting reads it. Drawn when materials change.
 #include "lib/material.glsl"
 #include "lib/table.glsl"
 

@@ -1,8 +1,8 @@
-// What rays ask of a pixel: which triangle it shows, and the lobes there with textures and normal maps as they
+// What ray tracing needs of a pixel: which triangle it shows, and the lobes there with textures and normal maps as they
 // are drawn. src/core/render/traced_reflections.h traces them.
 #include "lib/atlas.glsl"
 #include "lib/visible_surface.glsl"
-#include "lib/traced_share.glsl"
+#include "lib/traced_weight.glsl"
 
 uniform int alphaMode;
 
@@ -10,11 +10,11 @@ flat in uint vTriangle;
 
 layout(location = 0) out vec4 base;  // world normal; alpha, 0: no lobe
 layout(location = 1) out vec4 coat;  // the same
-// Twice the triangle's index + 1 for its back, + 1; then halves: F0 and F90, tracedShare of the base and of the coat.
+// Twice the triangle's index + 1 for its back, + 1; then halves: F0 and F90, tracedWeight of the base and of the coat.
 layout(location = 2) out uvec4 surface;
 
-uint shareOf(vec4 lobe, VisibleSurface s) {
-    return packHalf2x16(tracedShare(lobe.xyz, lobe.a, vPosition, s.towardEye, s.texel, s.chart));
+uint packedWeightOf(vec4 lobe, VisibleSurface s) {
+    return packHalf2x16(tracedWeight(lobe.xyz, lobe.a, vPosition, s.towardEye, s.texel, s.chart));
 }
 
 void main() {
@@ -30,6 +30,6 @@ void main() {
     if (s.chart != kNoChart && s.brdf.clearcoat > 0.0)
         coat = vec4(s.worldFromLocal * s.brdf.clearcoatNormal, s.brdf.clearcoatAlpha);
 #endif
-    surface = uvec4(2u * vTriangle + (gl_FrontFacing ? 1u : 2u), packHalf2x16(vec2(f0, s.brdf.f90)), shareOf(base, s),
-                    shareOf(coat, s));
+    uint side = 2u * vTriangle + (gl_FrontFacing ? 1u : 2u);
+    surface = uvec4(side, packHalf2x16(vec2(f0, s.brdf.f90)), packedWeightOf(base, s), packedWeightOf(coat, s));
 }

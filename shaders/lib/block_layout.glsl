@@ -1,5 +1,5 @@
-// Which texel of a block holds the sample of a place in its unit square.
-// twin: stratifiedSquare in src/core/phatexel/directions.h, of which this is the inverse; tests/shader compares the two.
+// Which texel of a block holds the sample of a point of its unit square.
+// twin: stratifiedSquare in src/core/phatexel/directions.h, of which this is the inverse; tests/gl compares the two.
 
 const int kBlockBits = 5;
 const int kBlockSize = 1 << kBlockBits;
@@ -29,6 +29,6 @@ ivec2 texelHolding(vec2 square, ivec2 corner, int bits, uint scramble) {
     uint code = (spreadBits(cell.x) | (spreadBits(cell.y) << 1)) << uint(2 * (kBlockBits - bits));
     // The low bits belong to finer cells, which other groups' texels hold.
     uint finer = (1u << uint(2 * (kBlockBits - bits))) - 1u;
-    uint place = reverse10((code ^ scramble) & ~finer);
-    return corner + ivec2(gatherBits(place), gatherBits(place >> 1));
+    uint morton = reverse10((code ^ scramble) & ~finer);
+    return corner + ivec2(gatherBits(morton), gatherBits(morton >> 1));
 }

@@ -1,6 +1,6 @@
 // The glTF 2.0 material model. All directions are unit, local (z = shading normal) and point away from the
 // surface.
-// twin: src/core/scene/brdf.h, same names and sources; tests/shader compares the two.
+// twin: src/core/scene/brdf.h, same names and sources; tests/gl compares the two.
 #include "lib/hemisphere_map.glsl"
 
 const float kMinAlpha = 1e-3;

@@ -47,7 +47,7 @@ vec4 coneSum(sampler2DArray pyramid, int lobeIndex, vec2 center, float radius, u
 }
 
 // No mean over the light around `center` is brighter than this.
-vec3 brightestAround(sampler2DArray radii, int lobeIndex, vec2 center) {
+vec3 radianceBoundAround(sampler2DArray radii, int lobeIndex, vec2 center) {
     return texelFetch(radii, ivec3(ivec2(floor(center)) >> 3, lobeIndex), 0).gba;
 }
 

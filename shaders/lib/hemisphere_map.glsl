@@ -1,5 +1,5 @@
 // Equal-area map between the unit square and the hemisphere around +z.
-// twin: src/core/base/hemisphere_map.h, with its sources; tests/shader compares the two.
+// twin: src/core/base/hemisphere_map.h, with its sources; tests/gl compares the two.
 
 const float kPi = 3.14159265358979;
 

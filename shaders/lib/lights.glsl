@@ -50,7 +50,7 @@ PunctualSample samplePunctual(int light, vec3 point) {
     return PunctualSample(towardLight, intensityRange.rgb * attenuation, d);
 }
 
-// Share of the light that arrives, by 4x4 depth comparisons under a 3x3 box that moves with the point.
+// Visibility of the light, by 4x4 depth comparisons under a 3x3 box that moves with the point.
 //
 // Every comparison is made against the receiver's own plane, extended under the tap (Isidoro 2006, "Shadow
 // Mapping: GPU-based Tips and Techniques"), so that a flat surface neither shadows itself nor needs an offset

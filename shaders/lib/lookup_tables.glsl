@@ -1,4 +1,4 @@
-// What the lookup reads: charts, tiles, distances around them, the guides' warps.
+// What the lookup reads: charts, tiles, depth probes, and the inverse CDFs of the guides.
 // twin of the tables: src/core/phatexel/lookup_tables.h, src/core/phatexel/depth_probes.h, src/gl/lookup_pass.cpp.
 #include "lib/atlas.glsl"
 #include "lib/block_layout.glsl"
@@ -10,7 +10,7 @@
 uniform usampler2D charts;          // see GpuAtlas::charts
 uniform usampler2D tilePatches;     // see lib/tile_patch.glsl
 uniform usampler2DArray phatexels;  // [layer][y][x] packed, 8 bytes; the area lights' layer is the last
-uniform sampler2D warps;            // a guide: uLow, uHigh, vLow, vHigh of each cell; the area lights' are the last
+uniform sampler2D inverseCdfs;      // a guide: uLow, uHigh, vLow, vHigh of each cell; the area lights' are the last
 uniform usampler2D probes;          // [4 tileY][2 tileX]: 8x4 levels of distance, 4 bits each
 uniform int guideCount;             // of the indirect light
 uniform int layerCount;             // of the indirect light
@@ -24,31 +24,31 @@ uniform usampler2D scrambles;       // [block row][layer][block], where there is
 const int kProbeSize = 16;
 // Tables of 16x16 a guide stand so many side by side.
 const int kTablesWide = 512;
-// What is farther than this stands still while eye and block differ by metres.
+// Beyond, parallax between eye and block is neglected.
 const float kHorizonMeters = 1e4;
 const float kNearMeters = 0.01;
 
-struct ChartPlace {
+struct ChartExtent {
     ivec2 origin;  // texels
     ivec2 size;
     int firstBlock;
     float texelMeters;
 };
 
-ChartPlace chartPlace(uint chart) {
+ChartExtent chartExtent(uint chart) {
     uvec4 bits = READ(texelFetch(charts, tableTexel(int(chart)), 0));
     ivec2 origin = ivec2(bits.x & 0xffffu, bits.x >> 16) * 8;
     ivec2 size = ivec2(bits.y & 0xffffu, bits.y >> 16) * 8;
-    return ChartPlace(origin, size, int(bits.z), uintBitsToFloat(bits.w));
+    return ChartExtent(origin, size, int(bits.z), uintBitsToFloat(bits.w));
 }
 
-int blockOf(ChartPlace chart, ivec2 texel) {
-    ivec2 place = (texel - chart.origin) >> kBlockBits;
+int blockOf(ChartExtent chart, ivec2 texel) {
+    ivec2 block = (texel - chart.origin) >> kBlockBits;
     int blocksWide = (chart.size.x + kBlockSize - 1) >> kBlockBits;
-    return chart.firstBlock + place.y * blocksWide + place.x;
+    return chart.firstBlock + block.y * blocksWide + block.x;
 }
 
-// A tile and where it stands in its block.
+// A tile and its position in its block.
 struct LookupTile {
     TilePatch tilePatch;
     int block;
@@ -56,7 +56,7 @@ struct LookupTile {
     vec2 middle;
 };
 
-LookupTile lookupTileAt(ChartPlace chart, ivec2 texel) {
+LookupTile lookupTileAt(ChartExtent chart, ivec2 texel) {
     LookupTile t;
     ivec2 tile = texel >> 3;
     t.tilePatch = tilePatchAt(tilePatches, tile, chart.texelMeters);
@@ -72,8 +72,8 @@ ivec2 hemisphereCell(vec3 direction, int size, vec2 aside) {
     return clamp(ivec2(floor(hemisphereToSquare(d) * float(size) + aside)), 0, size - 1);
 }
 
-// Distances around the receiver's tile, as seen from one of its texels; the last read is kept.
-struct Probe {
+// Distances around the receiver's tile, from one of its texels; the last read is kept.
+struct DepthProbe {
     ivec2 corner;      // in `probes`
     vec2 range;        // metres
     vec3 offset;       // from the receiver to that texel, world
@@ -82,11 +82,11 @@ struct Probe {
     uvec4 levels;
 };
 
-Probe probeAt(LookupTile tile, ivec2 texel, vec3 position) {
+DepthProbe depthProbeAt(LookupTile tile, ivec2 texel, vec3 position) {
     vec2 fromMiddle = vec2(tile.tilePatch.probeTexel) - 3.5;
-    vec3 offset = tile.tilePatch.empty ? vec3(0.0) : placeOf(tile.tilePatch, fromMiddle) - position;
-    return Probe((texel >> 3) * ivec2(2, 4), tile.tilePatch.probeRange, offset, tile.tilePatch.worldFromBlock, ivec2(-1),
-                 uvec4(0u));
+    vec3 offset = tile.tilePatch.empty ? vec3(0.0) : positionOnPatch(tile.tilePatch, fromMiddle) - position;
+    ivec2 corner = (texel >> 3) * ivec2(2, 4);
+    return DepthProbe(corner, tile.tilePatch.probeRange, offset, tile.tilePatch.worldFromBlock, ivec2(-1), uvec4(0u));
 }
 
 // twin: probeDistance in src/core/phatexel/depth_probes.h.
@@ -94,8 +94,8 @@ float levelDistance(vec2 range, uint level) {
     return level == 15u ? kFarDistance : range.x * pow(range.y / range.x, float(level) / 14.0);
 }
 
-// Metres from the receiver to what is seen along a unit direction, or `aside` of it by so many of the map's cells.
-float distanceAlong(inout Probe probe, vec3 direction, vec2 aside) {
+// Metres from the receiver to the surface along a unit direction, or `aside` of it by so many cells of the probe.
+float distanceAlong(inout DepthProbe probe, vec3 direction, vec2 aside) {
     ivec2 cell = hemisphereCell(direction * probe.worldFromBlock, kProbeSize, aside);
     ivec2 group = ivec2(cell.x >> 3, cell.y >> 2);
     if (group != probe.group) {
@@ -106,17 +106,17 @@ float distanceAlong(inout Probe probe, vec3 direction, vec2 aside) {
     return clamp(levelDistance(probe.range, level) + dot(probe.offset, direction), kNearMeters, kHorizonMeters);
 }
 
-vec4 warpAt(int layer, int block, ivec2 cell) {
+vec4 inverseCdfCellAt(int layer, int block, ivec2 cell) {
     int guide = guideCount == 1 ? 0 : block;
 #ifdef AREA
     if (layer == layerCount) guide = guideCount + (areaGuideCount == 1 ? 0 : block);
 #endif
-    return READ(texelFetch(warps, ivec2(guide % kTablesWide, guide / kTablesWide) * kGuideSize + cell, 0));
+    return READ(texelFetch(inverseCdfs, ivec2(guide % kTablesWide, guide / kTablesWide) * kGuideSize + cell, 0));
 }
 
-// 1/sr: the density that the block's directions were drawn from.
-float warpDensity(vec4 warp) {
-    return (warp.y - warp.x) * (warp.w - warp.z) * float(kGuideSize * kGuideSize) / (2.0 * kPi);
+// 1/sr: the density that the block's directions were sampled with. `cell`: of the inverse CDF.
+float cellDensity(vec4 cell) {
+    return (cell.y - cell.x) * (cell.w - cell.z) * float(kGuideSize * kGuideSize) / (2.0 * kPi);
 }
 
 // The permutation of the block's layer, see texelHolding.
@@ -133,15 +133,16 @@ uint scrambleOf(LookupTile tile, int layer) {
     return tile.tilePatch.scramble;
 }
 
-// A texel of the chart near `place`; beyond the chart's edge, mirrored at `around` while that is inside.
-ivec2 texelInChart(ChartPlace chart, vec2 place, vec2 around) {
+// The texel of the chart at `point`, in texels; beyond the chart's edge, mirrored at `around` while that is inside.
+ivec2 texelInChart(ChartExtent chart, vec2 point, vec2 around) {
     vec2 low = vec2(chart.origin), high = low + vec2(chart.size);
-    if (any(lessThan(place, low)) || any(greaterThanEqual(place, high))) place = 2.0 * around - place;
-    return clamp(ivec2(floor(place)), chart.origin, chart.origin + chart.size - 1);
+    if (any(lessThan(point, low)) || any(greaterThanEqual(point, high))) point = 2.0 * around - point;
+    return clamp(ivec2(floor(point)), chart.origin, chart.origin + chart.size - 1);
 }
 
-// Where pixel `rank` of a group of 4x4 at `place` reads: between tiles the group is shared out to both.
-ivec2 texelOfRank(ChartPlace chart, vec2 place, int rank) {
+// The texel at which pixel `rank` of a group of 4x4 begins: the group is spread over a tile around `point`, so that
+// pixels between two tiles read both.
+ivec2 texelOfRank(ChartExtent chart, vec2 point, int rank) {
     vec2 within = (vec2(rank & 3, rank >> 2) - 1.5) * (float(kTileSize) / 4.0);
-    return texelInChart(chart, place + within, place);
+    return texelInChart(chart, point + within, point);
 }

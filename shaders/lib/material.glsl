@@ -37,7 +37,7 @@ MaterialFactors unpackFactors(vec4 rows[kFactorRows]) {
                            rows[3].rgb, rows[3].a, rows[4].x, rows[4].y, rows[4].z, rows[4].w > 0.5);
 }
 
-// What the textures say at one place; white where there are none.
+// The values of the textures at one point; white where there are none.
 struct MaterialTexels {
     vec3 baseColor;  // with the vertex colour
     float roughness;

@@ -4,9 +4,9 @@
 
 // Inside the chart: the paper has a texture a surface, here charts lie side by side.
 vec4 bilinearTap(sampler2DArray pyramid, int layer, int level, vec2 center, uint chart) {
-    vec2 place = center * exp2(float(-level)) - 0.5;
-    ivec2 corner = ivec2(floor(place));
-    vec2 t = place - vec2(corner);
+    vec2 point = center * exp2(float(-level)) - 0.5;
+    ivec2 corner = ivec2(floor(point));
+    vec2 t = point - vec2(corner);
     int tileShift = kTopLevel - level;
     vec4 sum = vec4(0.0);
     for (int i = 0; i < 4; ++i) {

@@ -1,5 +1,5 @@
 // PHATexels as they are stored, and the guides' densities.
-// twin: src/core/phatexel/phatexture.h, same names; tests/shader compares the two.
+// twin: src/core/phatexel/phatexture.h, same names; tests/gl compares the two.
 #include "lib/hemisphere_map.glsl"
 
 const int kGuideSize = 16;

@@ -1,5 +1,5 @@
 // Albedo of a unit specular lobe in terms of f0 and f90, by quasi-Monte Carlo over visible normals.
-// twin: integrateSplitSum in src/core/scene/brdf.cpp, with its source; tests/shader compares the two.
+// twin: integrateSplitSum in src/core/scene/brdf.cpp, with its source; tests/gl compares the two.
 #include "lib/block_layout.glsl"
 #include "lib/brdf.glsl"
 #include "lib/visible_normal.glsl"

@@ -13,7 +13,7 @@ struct TilePatch {
     uint scramble;  // of layer 0
     int groupBits;
     ivec2 probeTexel;
-    vec2 probeRange;  // metres, see DistanceProbe
+    vec2 probeRange;  // metres, see DepthProbe
     bool empty;
 };
 
@@ -57,7 +57,7 @@ TilePatch tilePatchAt(usampler2D tilePatches, ivec2 tile, float texelMeters) {
 }
 
 // World; `fromMiddle` in texels.
-vec3 placeOf(TilePatch t, vec2 fromMiddle) {
+vec3 positionOnPatch(TilePatch t, vec2 fromMiddle) {
     vec3 squares = vec3(fromMiddle.x * fromMiddle.x, fromMiddle.x * fromMiddle.y, fromMiddle.y * fromMiddle.y);
     return t.center + fromMiddle.x * t.alongX + fromMiddle.y * t.alongY +
            dot(t.bend, squares) * t.worldFromBlock[2];

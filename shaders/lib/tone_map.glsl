@@ -1,5 +1,5 @@
 // Scene-linear to display-linear [0,1].
-// twin: toneMap in src/gl/renderer.h, with its sources; tests/shader compares the two.
+// twin: toneMap in src/gl/renderer.h, with its sources; tests/gl compares the two.
 
 const int kToneMapLinear = 0;
 const int kToneMapAgx = 1;

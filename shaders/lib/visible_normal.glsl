@@ -1,8 +1,8 @@
-// GGX's visible normals, and densities of what is drawn from them.
+// Sampling of GGX's visible normals, and densities of directions sampled from them.
 #include "lib/hemisphere_map.glsl"
 
 // source: Heitz 2018, "Sampling the GGX Distribution of Visible Normals", section 3.
-// twin: squareToVisibleNormal in src/core/scene/brdf.h; tests/shader compares the two.
+// twin: squareToVisibleNormal in src/core/scene/brdf.h; tests/gl compares the two.
 vec3 squareToVisibleNormal(vec2 s, vec3 towardEye, float alpha) {
     vec3 v = normalize(vec3(alpha * towardEye.xy, towardEye.z));
     float length2 = dot(v.xy, v.xy);
@@ -35,7 +35,7 @@ float smoothedLobePdf(vec3 towardEye, vec3 towardLight, float alpha, float sprea
     return ggx / (2.0 * (towardEye.z + stretched));
 }
 
-// A place in the unit disc with a density that falls like a cone; each `turn` gives another one.
+// A point of the unit disc with a density that falls off like a cone; each `turn` gives another one.
 vec2 squareToCone(vec2 s, float turn) {
     // The inverse of 3 r^2 - 2 r^3.
     float r = 0.5 - sin(asin(1.0 - 2.0 * s.x) / 3.0);

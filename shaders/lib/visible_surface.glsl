@@ -1,4 +1,4 @@
-// What a pixel of a drawn surface shows of it: material, textures, frame.
+// The surface at a pixel: material, textures, frame.
 #include "lib/slots.glsl"
 #include "lib/frame.glsl"
 
@@ -26,7 +26,7 @@ struct VisibleSurface {
     mat3 worldFromLocal;   // local z: the shading normal
     vec3 towardEyeLocal;
     Brdf brdf;
-    vec2 texel;            // place in the atlas, in texels
+    vec2 texel;            // position in the atlas, in texels
     uint chart;
 };
 
@@ -46,9 +46,9 @@ VisibleSurface visibleSurface(MaterialFactors factors) {
     vec3 vertexNormal = normalize(vNormal);
     vec3 normal = side * mappedNormal(normalTexture, kSlotNormal, factors.normalScale, vertexNormal);
     // Interpolated normals may face away from the eye at silhouettes; bend them back just over the edge.
-    const float kLeastCosine = 1e-3;
+    const float kMinCosine = 1e-3;
     float cosine = dot(normal, s.towardEye);
-    if (cosine < kLeastCosine) normal = normalize(normal + (kLeastCosine - cosine) * s.towardEye);
+    if (cosine < kMinCosine) normal = normalize(normal + (kMinCosine - cosine) * s.towardEye);
 
     vec4 metallicRoughness = texture(metallicRoughnessTexture, slotUv(kSlotMetallicRoughness));
     MaterialTexels texels = MaterialTexels(

@@ -12,6 +12,7 @@
 #include "core/base/stopwatch.h"
 #include "core/dynamic/incremental_baker.h"
 #include "gl/gl_context.h"
+#include "gl/traced_frame.h"
 #include "io/phat/bake_record.h"
 
 namespace phat {
@@ -98,13 +99,15 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
         const TracedReflections traced{reflectionScene, options.reflections, progress};
         for (const View& view : views) {
             FrameSettings settings = frameOf(options, view);
-            settings.traced = &traced;
-            const Image picture = renderer.render(settings);
+            PictureSum sum;
+            const ReflectionCost cost = drawFrame(renderer, settings, &traced, sum);
+            const Image picture = readMean(sum);
             progress.throwIfStopped();
             View frame = view;
             frame.label += fmt::format("{}{:04}", view.label.empty() ? "" : ".", i);
             writePicture(options, frame, picture);
-            json report = drawnReport(options, frame, renderer.lastFrameTimes(), context.rendererName());
+            json report =
+                drawnReport(options, frame, renderer.lastFrameTimes(), cost, context.rendererName());
             report["seconds"].update({{"move", moving}, {"follow", followed}, {"upload", uploaded}});
             report.update({{"animationSeconds", seconds},
                            {"work", work},

@@ -8,6 +8,7 @@
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
 #include "gl/gl_context.h"
+#include "gl/traced_frame.h"
 
 namespace phat {
 namespace {
@@ -52,11 +53,13 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
         FrameSettings frame = frameOf(options, view);
         frame.method = method;
         if (options.countReads) frame.inspection = {Inspected::reads};
-        if (tracing) frame.traced = &tracing->traced;
-        const Image picture = renderer.render(frame);
+        PictureSum sum;
+        const ReflectionCost cost = drawFrame(renderer, frame, tracing ? &tracing->traced : nullptr, sum);
+        const Image picture = readMean(sum);
         progress.throwIfStopped();
         writePicture(options, view, picture);
-        reports.push_back(drawnReport(options, view, renderer.lastFrameTimes(), context.rendererName()));
+        reports.push_back(
+            drawnReport(options, view, renderer.lastFrameTimes(), cost, context.rendererName()));
         json& report = reports.back();
         if (renderer.bytesPerPhatexel() > 0) report["bytesPerPhatexel"] = renderer.bytesPerPhatexel();
         if (options.countReads) {

@@ -5,10 +5,10 @@ namespace phat {
 using nlohmann::json;
 
 json drawnReport(const RenderOptions& options, const View& view, const FrameTimes& times,
-                 const std::string& gpu) {
+                 const ReflectionCost& cost, const std::string& gpu) {
     json seconds;
     for (const NamedPass& pass : kGpuPasses) seconds[pass.name] = times.*pass.seconds;
-    seconds["reflections"] = times.reflections;
+    seconds["reflections"] = cost.seconds;
     return {{"output", pathFor(view, options.output)},
             {"method", options.method.name},
             {"width", view.width},
@@ -16,7 +16,7 @@ json drawnReport(const RenderOptions& options, const View& view, const FrameTime
             {"samplesPerPixel", options.samplesPerPixel},
             {"gpu", gpu},
             {"seconds", std::move(seconds)},
-            {"reflectionRays", times.reflectionRays}};
+            {"reflectionRays", cost.rays}};
 }
 
 }  // namespace phat

@@ -5,11 +5,12 @@
 
 #include "cli/render_camera.h"
 #include "cli/render_options.h"
+#include "gl/traced_frame.h"
 
 namespace phat {
 
 /// `gpu`: its name. `seconds` by pass, so that more can be added.
 nlohmann::json drawnReport(const RenderOptions& options, const View& view, const FrameTimes& times,
-                           const std::string& gpu);
+                           const ReflectionCost& cost, const std::string& gpu);
 
 }  // namespace phat

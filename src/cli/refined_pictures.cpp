@@ -8,7 +8,7 @@
 #include "cli/render_methods.h"
 #include "core/dynamic/incremental_baker.h"
 #include "gl/gl_context.h"
-#include "gl/picture_sum.h"
+#include "gl/traced_frame.h"
 #include "io/phat/bake_record.h"
 
 namespace phat {
@@ -37,13 +37,12 @@ std::vector<json> renderRefined(const RenderOptions& options, Progress& progress
         for (size_t v = 0; v < views.size(); ++v) {
             FrameSettings settings = frameOf(options, views[v]);
             settings.samplesPerPixel *= pass + 1;  // in all
-            settings.traced = &traced;
-            renderer.draw(settings, sums[v]);
+            const ReflectionCost cost = drawFrame(renderer, settings, &traced, sums[v]);
             progress.throwIfStopped();
             if (pass < options.refinements) continue;
             writePicture(options, views[v], readMean(sums[v]));
             reports.push_back(
-                drawnReport(options, views[v], renderer.lastFrameTimes(), context.rendererName()));
+                drawnReport(options, views[v], renderer.lastFrameTimes(), cost, context.rendererName()));
             reports.back().update({{"refinements", options.refinements}, {"work", work}});
         }
     }

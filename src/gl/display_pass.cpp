@@ -4,7 +4,6 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "core/base/random.h"
-#include "core/base/stopwatch.h"
 #include "gl/inspect_pass.h"
 #include "gl/textures.h"
 
@@ -38,38 +37,10 @@ CameraMatrices matricesOf(const Camera& camera, glm::uvec2 size, const Bounds& b
             glm::inverse(clipFromCamera * glm::mat4(glm::mat3(cameraFromWorld)))};
 }
 
-// Sobol's first two dimensions [Kollig and Keller 2002 for the second], moved so that the first of many
-// points is near the pixel's centre and the mean of a power of two of them is there.
-glm::vec2 jitterOf(int index, int count) {
-    if (count == 1) return glm::vec2(0);
-    uint32_t y = 0;
-    for (uint32_t direction = 1u << 31, i = uint32_t(index); i != 0; i >>= 1, direction ^= direction >> 1)
-        if (i & 1) y ^= direction;
-    const glm::vec2 point = glm::vec2(glm::uvec2(reverseBits(uint32_t(index), 16), y >> 16)) / 65536.0f +
-                            0.5f + 0.5f / float(count);
-    return glm::fract(point) - 0.5f;
-}
-
 // Measured: see notes/experiments.md, "Lookup".
-LookupDraws drawsOf(Quality quality) {
-    constexpr LookupDraws kDraws[] = {{2, 2}, {8, 4}, {32, 4}};
-    return kDraws[size_t(quality)];
-}
-
-glm::vec3 shownParts(Component component) {
-    switch (component) {
-        case Component::all:
-            return {1, 1, 1};
-        case Component::direct:
-            return {1, 0, 0};
-        case Component::indirect:
-            return {0, 1, 1};
-        case Component::glossyIndirect:
-            return {0, 1, 0};
-        case Component::diffuseIndirect:
-            return {0, 0, 1};
-    }
-    return glm::vec3(1);
+LookupSampling samplingOf(Quality quality) {
+    constexpr LookupSampling kSampling[] = {{2, 2}, {8, 4}, {32, 4}};
+    return kSampling[size_t(quality)];
 }
 
 void setCulling(const Material& material) {
@@ -105,7 +76,7 @@ void drawDepth(const DisplayPass& pass, const DisplayInput& input, const CameraM
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     program.set("clipFromWorld", camera.clipFromWorld);
     program.use();
-    for (const DrawRange& draw : input.scene.draws) {
+    for (const DrawRange& draw : input.scene.drawRanges) {
         const Material& material = input.materials[draw.material];
         if (material.alphaMode == AlphaMode::blend) continue;
         setCulling(material);
@@ -119,7 +90,7 @@ void drawDepth(const DisplayPass& pass, const DisplayInput& input, const CameraM
 void bindCamera(const ShaderProgram& program, const CameraMatrices& camera, const FrameSettings& settings) {
     program.set("clipFromWorld", camera.clipFromWorld);
     const Eye eye = eyeOf(settings.camera);
-    program.set("eyeWorld", eye.place);
+    program.set("eyeWorld", eye.position);
     program.set("eyeAtInfinity", eye.atInfinity ? 1.0f : 0.0f);
 }
 
@@ -128,7 +99,7 @@ void bindShared(const ShaderProgram& program, const DisplayInput& input, const C
                 const FrameSettings& settings, const LookupTargets* looked, bool traced = false) {
     if (looked) {
         program.set("tracedLayer", traced ? lookedUpLayers(*input.lookupPass) : 0);
-        program.bind("seen", 0, looked->seen.name());
+        program.bind("incident", 0, looked->incident.name());
         program.bind("tileLight", 1, input.atlas.tileLight.name());
     } else {
         program.bind("relit", 0, input.relit->lobes.name());
@@ -157,13 +128,14 @@ void drawSurface(const ShaderProgram& program, const DisplayInput& input, const 
 void drawBlended(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& matrices,
                  const FrameSettings& settings) {
     std::vector<uint32_t> order;
-    for (uint32_t i = 0; i < input.scene.draws.size(); ++i)
-        if (input.materials[input.scene.draws[i].material].alphaMode == AlphaMode::blend) order.push_back(i);
+    for (uint32_t i = 0; i < input.scene.drawRanges.size(); ++i)
+        if (input.materials[input.scene.drawRanges[i].material].alphaMode == AlphaMode::blend)
+            order.push_back(i);
     if (order.empty()) return;
     const Camera& camera = settings.camera;
     const glm::vec3 eye(camera.worldFromCamera[3]), backward(camera.worldFromCamera[2]);
     const auto depth = [&](uint32_t i) {
-        const glm::vec3 toward = eye - input.scene.draws[i].center;
+        const glm::vec3 toward = eye - input.scene.drawRanges[i].center;
         return camera.perspective ? glm::dot(toward, toward) : glm::dot(toward, backward);
     };
     std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return depth(a) > depth(b); });
@@ -175,7 +147,7 @@ void drawBlended(const DisplayPass& pass, const DisplayInput& input, const Camer
     glDepthMask(GL_FALSE);
     glEnable(GL_CULL_FACE);
     for (uint32_t i : order) {
-        const DrawRange& draw = input.scene.draws[i];
+        const DrawRange& draw = input.scene.drawRanges[i];
         if (input.materials[draw.material].doubleSided) {
             glCullFace(GL_FRONT);
             drawSurface(pass.displayProgram, input, draw);
@@ -192,96 +164,44 @@ void drawOpaque(const ShaderProgram& program, const DisplayInput& input) {
     glDepthMask(GL_FALSE);
     glBindVertexArray(input.scene.vertexArray.name());
     program.use();
-    for (size_t i = 0; i < input.scene.draws.size(); ++i) {
-        const Material& material = input.materials[input.scene.draws[i].material];
+    for (size_t i = 0; i < input.scene.drawRanges.size(); ++i) {
+        const Material& material = input.materials[input.scene.drawRanges[i].material];
         if (material.alphaMode == AlphaMode::blend) continue;
         setCulling(material);
         program.set("surfaceIndex", int(i));
-        drawSurface(program, input, input.scene.draws[i]);
+        drawSurface(program, input, input.scene.drawRanges[i]);
     }
 }
 
 void lookUp(const DisplayInput& input, const CameraMatrices& camera, const FrameSettings& settings,
             const LookupTargets& targets, uint32_t seed) {
     const ShaderProgram& program = input.lookupPass->lookupProgram;
-    beginLookup(*input.lookupPass, input.atlas, input.lookup, targets, drawsOf(settings.quality), seed);
+    beginLookup(*input.lookupPass, input.atlas, input.lookup, targets, samplingOf(settings.quality), seed);
     bindCamera(program, camera, settings);
     drawOpaque(program, input);
     input.clock.ended(Pass::lookup);
-    poolDraws(*input.lookupPass, targets);
+    poolSums(*input.lookupPass, targets);
     input.clock.ended(Pass::pool);
 }
 
-// Whether there are lobes that rays answer.
-bool traceLobes(const DisplayInput& input, const CameraMatrices& matrices, const FrameSettings& settings,
-                const FrameTargets& targets, glm::vec2 jitter, uint32_t frame, ReflectionCost& cost) {
-    const glm::vec3 shown = shownParts(settings.component);
-    if (!settings.traced || shown.x + shown.y == 0.0f) return false;
-    const auto& [scene, reflections, progress] = *settings.traced;
+// Draws and reads the surfaces whose lobes are traced.
+void findTracedSurfaces(const DisplayInput& input, const CameraMatrices& camera, const FrameTargets& targets,
+                        PendingSample& sample) {
+    if (sample.reflections == Reflections::lookup || !(sample.view.area || sample.view.indirect)) return;
     const ShaderProgram& program = input.reflectionPass->program;
-    beginReflections(*input.reflectionPass, input.atlas, input.lookup, targets.reflections, reflections,
-                     frame);
-    bindCamera(program, matrices, settings);
+    beginReflections(*input.reflectionPass, input.atlas, input.lookup, targets.reflections,
+                     sample.reflections, sample.view.frame);
+    bindCamera(program, camera, sample.settings);
     drawOpaque(program, input);
     input.clock.ended(Pass::display);
-
-    const std::vector<TracedSurface> surfaces = readTracedSurfaces(targets.reflections, jitter);
-    if (surfaces.empty()) return false;
-    const Stopwatch start;  // not before: reading waits for the GPU
-    const ReflectionView view{settings.camera,          int(targets.size.x), int(targets.size.y), frame,
-                              settings.samplesPerPixel, shown.y > 0,         shown.x > 0};
-    const std::vector<SeenBySurface> seen = traceReflections(scene, view, surfaces, progress, cost.rays);
-    uploadReflections(*input.reflectionPass, targets.reflections, surfaces, seen, targets.lookup.seen.name(),
-                      lookedUpLayers(*input.lookupPass));
-    cost.seconds += start.seconds();
-    input.clock.ended(Pass::none);
-    return true;
+    sample.surfaces = readTracedSurfaces(targets.reflections, sample.jitter);
 }
 
-void drawPicture(const DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
-                 const FrameTargets& targets, glm::vec2 jitter, uint32_t frame, ReflectionCost& cost) {
-    const CameraMatrices camera = matricesOf(settings.camera, targets.size, input.scene.bounds, jitter);
-    glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
-    glViewport(0, 0, GLsizei(targets.size.x), GLsizei(targets.size.y));
-    glDisable(GL_BLEND);
-    const bool sky = settings.inspection.what == Inspected::nothing && shownParts(settings.component).x > 0;
-    drawBackground(pass, input, camera, targets.size, sky);
-
-    glBindVertexArray(input.scene.vertexArray.name());
-    drawDepth(pass, input, camera);
-    input.clock.ended(Pass::depth);
-    if (input.inspectProgram) {
-        glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
-        const ShaderProgram& program = *input.inspectProgram;
-        bindInspection(program, input.atlas, *input.relit, settings.inspection);
-        bindCamera(program, camera, settings);
-        drawOpaque(program, input);
-        glDepthMask(GL_TRUE);
-        input.clock.ended(Pass::display);
-        return;
-    }
-    const LookupTargets* looked = settings.method == Method::phat ? &targets.lookup : nullptr;
-    bool traced = false;
-    if (looked) {
-        glDepthMask(GL_FALSE);  // clearing the pictures must leave the depth
-        lookUp(input, camera, settings, *looked, frame);
-        traced = traceLobes(input, camera, settings, targets, jitter, frame, cost);
-        glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
-    }
-    const ShaderProgram& program = looked ? pass.lookedUpProgram : pass.displayProgram;
-    bindShared(program, input, camera, settings, looked, traced);
+void drawInspection(const DisplayInput& input, const CameraMatrices& camera, const FrameSettings& settings) {
+    const ShaderProgram& program = *input.inspectProgram;
+    bindInspection(program, input.atlas, *input.relit, settings.inspection);
+    bindCamera(program, camera, settings);
     drawOpaque(program, input);
-    drawBlended(pass, input, camera, settings);
-    glDepthMask(GL_TRUE);
-    input.clock.ended(Pass::display);
-}
-
-void accumulate(const DisplayPass& pass, const FrameTargets& targets, const PictureSum& sum) {
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE, GL_ONE);
-    pass.accumulate.program.bind("picture", 0, targets.picture.name());
-    pass.accumulate.draw(sum.target, sum.size);
-    glDisable(GL_BLEND);
 }
 
 }  // namespace
@@ -316,26 +236,92 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, 
     return pass;
 }
 
-ReflectionCost display(const DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
-                       const FrameTargets& targets, PictureSum& sum) {
-    const int count = std::max(1, settings.samplesPerPixel);
-    if (sum.samples >= count) sum.samples = 0;
+void prepareSample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
+                   PendingSample& sample) {
+    const FrameSettings& settings = sample.settings;
+    const CameraMatrices camera =
+        matricesOf(settings.camera, targets.size, input.scene.bounds, sample.jitter);
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
+    glViewport(0, 0, GLsizei(targets.size.x), GLsizei(targets.size.y));
+    glDisable(GL_BLEND);
+    const bool sky = settings.inspection.what == Inspected::nothing && shownParts(settings.component).x > 0;
+    drawBackground(pass, input, camera, targets.size, sky);
+
+    glBindVertexArray(input.scene.vertexArray.name());
+    drawDepth(pass, input, camera);
+    input.clock.ended(Pass::depth);
+    if (input.inspectProgram || settings.method != Method::phat) return;
+    glDepthMask(GL_FALSE);  // clearing the targets must leave the depth
+    lookUp(input, camera, settings, targets.lookup, sample.view.frame);
+    findTracedSurfaces(input, camera, targets, sample);
+}
+
+void displaySample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
+                   const PendingSample& sample, std::span<const SeenBySurface> incident) {
+    const FrameSettings& settings = sample.settings;
+    const CameraMatrices camera =
+        matricesOf(settings.camera, targets.size, input.scene.bounds, sample.jitter);
+    const bool traced = !sample.surfaces.empty();
+    if (traced) {
+        uploadReflections(*input.reflectionPass, targets.reflections, sample.surfaces, incident,
+                          targets.lookup.incident.name(), lookedUpLayers(*input.lookupPass));
+        input.clock.ended(Pass::none);  // with the rays
+    }
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
+    glViewport(0, 0, GLsizei(targets.size.x), GLsizei(targets.size.y));
+    if (input.inspectProgram) {
+        drawInspection(input, camera, settings);
+    } else {
+        const LookupTargets* looked = settings.method == Method::phat ? &targets.lookup : nullptr;
+        const ShaderProgram& program = looked ? pass.lookedUpProgram : pass.displayProgram;
+        bindShared(program, input, camera, settings, looked, traced);
+        drawOpaque(program, input);
+        drawBlended(pass, input, camera, settings);
+    }
+    glDepthMask(GL_TRUE);
+    input.clock.ended(Pass::display);
+}
+
+void addSample(const DisplayPass& pass, const FrameTargets& targets, PictureSum& sum) {
     if (sum.samples == 0) {
         glBindFramebuffer(GL_FRAMEBUFFER, sum.target.name());
         const GLfloat black[4] = {0, 0, 0, 0};
         glClearBufferfv(GL_COLOR, 0, black);
     }
-    const int left = count - sum.samples;
-    const int now = settings.samplesPerDraw > 0 ? std::min(settings.samplesPerDraw, left) : left;
-    ReflectionCost cost;
-    for (int i = 0; i < now; ++i) {
-        const glm::vec2 jitter =
-            settings.filter == PixelFilter::box ? jitterOf(sum.samples, count) : glm::vec2(0);
-        drawPicture(pass, input, settings, targets, jitter, uint32_t(sum.samples), cost);
-        accumulate(pass, targets, sum);
-        ++sum.samples;
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE);
+    pass.accumulate.program.bind("picture", 0, targets.picture.name());
+    pass.accumulate.draw(sum.target, sum.size);
+    glDisable(GL_BLEND);
+    ++sum.samples;
+}
+
+// Sobol's first two dimensions [Kollig and Keller 2002 for the second], moved so that the first of many
+// points is near the pixel's centre and the mean of a power of two of them is there.
+glm::vec2 jitterOf(int index, int count) {
+    if (count == 1) return glm::vec2(0);
+    uint32_t y = 0;
+    for (uint32_t direction = 1u << 31, i = uint32_t(index); i != 0; i >>= 1, direction ^= direction >> 1)
+        if (i & 1) y ^= direction;
+    const glm::vec2 point = glm::vec2(glm::uvec2(reverseBits(uint32_t(index), 16), y >> 16)) / 65536.0f +
+                            0.5f + 0.5f / float(count);
+    return glm::fract(point) - 0.5f;
+}
+
+glm::vec3 shownParts(Component component) {
+    switch (component) {
+        case Component::all:
+            return {1, 1, 1};
+        case Component::direct:
+            return {1, 0, 0};
+        case Component::indirect:
+            return {0, 1, 1};
+        case Component::glossyIndirect:
+            return {0, 1, 0};
+        case Component::diffuseIndirect:
+            return {0, 0, 1};
     }
-    return cost;
+    return glm::vec3(1);
 }
 
 Eye eyeOf(const Camera& camera) {

@@ -45,21 +45,27 @@ struct DisplayInput {
     const RelightPass* relit;
     const LookupPass* lookupPass;
     const ReflectionPass* reflectionPass;
-    const ShaderProgram* inspectProgram;  // inspect.frag, to be shown in place of light
+    const ShaderProgram* inspectProgram;  // inspect.frag, drawn instead of the light
     PassClock& clock;
     float environmentTurn = 0;  // see background.frag
 };
 
-/// What rays cost a frame.
-struct ReflectionCost {
-    double seconds = 0;
-    uint64_t rays = 0;
-};
-
-/// Adds the next jittered pictures of `settings.samplesPerPixel` to `sum`. Blended surfaces take their glossy
+/// Draws what the display pass reads, from the background to the lookup, and finds `sample.surfaces`. pre:
+/// the rest of `sample` is set.
+void prepareSample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
+                   PendingSample& sample);
+/// The display pass. `incident`: what rays brought to `sample.surfaces`. Blended surfaces take their glossy
 /// light from the pyramid with either method, for a pixel of the lookup holds one surface.
-ReflectionCost display(const DisplayPass& pass, const DisplayInput& input, const FrameSettings& settings,
-                       const FrameTargets& targets, PictureSum& sum);
+void displaySample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
+                   const PendingSample& sample, std::span<const SeenBySurface> incident);
+/// Adds the picture that was displayed; the first one clears `sum`.
+void addSample(const DisplayPass& pass, const FrameTargets& targets, PictureSum& sum);
+
+/// Where in the pixel sample `index` of `count` lies, from -.5 to .5. twin: jitterOf in
+/// web/src/sample_numbers.js.
+glm::vec2 jitterOf(int index, int count);
+/// Direct, glossy indirect and diffuse indirect light: 1 for those that are shown.
+glm::vec3 shownParts(Component component);
 
 /// The eye of a camera.
 Eye eyeOf(const Camera& camera);

@@ -14,8 +14,8 @@ namespace {
 // twin: kTablesWide in shaders/lib/lookup_tables.glsl.
 constexpr uint32_t kTablesWide = 512;
 constexpr uint32_t kTableSide = 16;
-// Pixels of a group (4x4) that make different draws. twin: shaders/lib/lookup.glsl, with kMostDraws.
-constexpr uint32_t kRanks = 16, kMostDraws = 32;
+// Pixels of a group (4x4) that take different samples. twin: shaders/lib/lookup.glsl, with kMaxSamples.
+constexpr uint32_t kRanks = 16, kMaxSamples = 32;
 
 template <typename Table>
 GlTexture uploadTables(GLenum internal, GLenum format, const std::vector<Table>& tables) {
@@ -71,19 +71,19 @@ GlTexture uploadProbes(const std::vector<DistanceProbe>& probes, glm::uvec2 tile
 }
 
 // Sobol's points, of which every rank has an aligned run; each seed shifts them all.
-void setDraws(const ShaderProgram& program, uint32_t drawCount, uint32_t seed) {
-    // Bayer's order: pixels side by side make draws that are far apart.
+void setSampleNumbers(const ShaderProgram& program, uint32_t sampleCount, uint32_t seed) {
+    // Bayer's order: neighbouring pixels take samples that are far apart.
     constexpr uint32_t kBayer[kRanks] = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
-    std::array<glm::uvec4, kMostDraws> draws;
+    std::array<glm::uvec4, kMaxSamples> numbers;
     std::array<glm::uvec4, kRanks> ranks;
-    const uint32_t run = std::bit_ceil(drawCount);
+    const uint32_t run = std::bit_ceil(sampleCount);
     for (uint32_t rank = 0; rank < kRanks; ++rank) ranks[rank] = sobolBits(run * kBayer[rank]);
     glm::uvec4 shift;
     for (int d = 0; d < 4; ++d) shift[d] = uint32_t(hashOf(seed, uint64_t(d)));
-    for (uint32_t k = 0; k < kMostDraws; ++k) draws[k] = sobolBits(k) ^ shift;
-    program.set("draws", std::span<const glm::uvec4>(draws));
+    for (uint32_t k = 0; k < kMaxSamples; ++k) numbers[k] = sobolBits(k) ^ shift;
+    program.set("sampleNumbers", std::span<const glm::uvec4>(numbers));
     program.set("ranks", std::span<const glm::uvec4>(ranks));
-    program.set("drawCount", int(drawCount));
+    program.set("sampleCount", int(sampleCount));
 }
 
 GlTexture uploadScrambles(const std::vector<const std::vector<uint16_t>*>& scrambles) {
@@ -112,13 +112,13 @@ GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas) {
     gpu.layerCount = int(phatexture.indirect.size());
     gpu.guideCount = int(phatexture.indirectGuides.size());
     if (area) gpu.areaGuideCount = int(phatexture.areaGuides.size());
-    std::vector<Warp> warps;
+    std::vector<Warp> inverseCdfs;
     std::vector<const std::vector<uint16_t>*> scrambles;
     for (const auto* guides : {&phatexture.indirectGuides, &phatexture.areaGuides})
-        for (const Guide& guide : *guides) warps.push_back(warpOf(guide));
+        for (const Guide& guide : *guides) inverseCdfs.push_back(warpOf(guide));
     for (const auto* layers : {&phatexture.indirect, &phatexture.area})
         for (const PhatexelLayer& layer : *layers) scrambles.push_back(&layer.scrambles);
-    gpu.warps = uploadTables(GL_RGBA8, GL_RGBA, warps);
+    gpu.inverseCdfs = uploadTables(GL_RGBA8, GL_RGBA, inverseCdfs);
     if (scrambles.size() > 1) gpu.scrambles = uploadScrambles(scrambles);
     gpu.probes = uploadProbes(phatexture.probes, atlas.sizeTiles());
     checkGl("uploading the lookup tables");
@@ -127,10 +127,10 @@ GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas) {
 
 void updateLookupGuides(const GpuLookup& gpu, const LightUpdate::Guides& block) {
     const auto upload = [&](uint32_t table, const Guide& guide) {
-        const Warp warp = warpOf(guide);
+        const Warp inverseCdf = warpOf(guide);
         const glm::uvec2 corner = glm::uvec2(table % kTablesWide, table / kTablesWide) * kTableSide;
-        glTextureSubImage2D(gpu.warps.name(), 0, GLint(corner.x), GLint(corner.y), kTableSide, kTableSide,
-                            GL_RGBA, GL_UNSIGNED_BYTE, warp.data());
+        glTextureSubImage2D(gpu.inverseCdfs.name(), 0, GLint(corner.x), GLint(corner.y), kTableSide,
+                            kTableSide, GL_RGBA, GL_UNSIGNED_BYTE, inverseCdf.data());
     };
     // Where there is one guide for all blocks, it stays.
     if (int(block.block) < gpu.guideCount) upload(block.block, block.indirect);
@@ -170,46 +170,46 @@ LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuin
     const int layers = lookedUpLayers(pass);
     // Two a lobe, see uploadReflections.
     const int tracedLayers = traced ? (pass.clearcoat ? 4 : 2) : 0;
-    t.seen = createTextureArray(GL_RGBA32UI, size, layers + tracedLayers);
+    t.incident = createTextureArray(GL_RGBA32UI, size, layers + tracedLayers);
     t.pooled = createTextureArray(GL_RGBA32UI, size, layers);
-    std::vector<Attachment> seen, pooled;
+    std::vector<Attachment> incident, pooled;
     for (int i = 0; i < layers; ++i) {
-        seen.push_back({t.seen.name(), 0, i});
+        incident.push_back({t.incident.name(), 0, i});
         pooled.push_back({t.pooled.name(), 0, i});
     }
-    t.seenTarget = createFramebuffer(seen, depth);
+    t.incidentTarget = createFramebuffer(incident, depth);
     t.pooledTarget = createFramebuffer(pooled);
     checkGl("creating the lookup's targets");
     return t;
 }
 
 void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
-                 const LookupTargets& targets, const LookupDraws& draws, uint32_t seed) {
-    glBindFramebuffer(GL_FRAMEBUFFER, targets.seenTarget.name());
+                 const LookupTargets& targets, const LookupSampling& sampling, uint32_t seed) {
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.incidentTarget.name());
     const GLuint none[4] = {0, 0, 0, 0};
     for (int i = 0; i < lookedUpLayers(pass); ++i) glClearBufferuiv(GL_COLOR, i, none);
     const ShaderProgram& program = pass.lookupProgram;
     program.bind("tilePatches", 0, atlas.tilePatches.name());
     program.bind("phatexels", 1, atlas.phatexels.name());
-    program.bind("warps", 2, lookup.warps.name());
+    program.bind("inverseCdfs", 2, lookup.inverseCdfs.name());
     program.bind("probes", 3, lookup.probes.name());
     program.bind("charts", 4, atlas.charts.name());
     if (lookup.scrambles) program.bind("scrambles", 5, lookup.scrambles.name());
     program.set("guideCount", lookup.guideCount);
     program.set("layerCount", lookup.layerCount);
     program.set("areaGuideCount", lookup.areaGuideCount);
-    program.set("lampBits", draws.lampBits);
-    setDraws(program, uint32_t(std::clamp(draws.count, 1, int(kMostDraws))), seed);
+    program.set("lightBits", sampling.lightBits);
+    setSampleNumbers(program, uint32_t(std::clamp(sampling.sampleCount, 1, int(kMaxSamples))), seed);
 }
 
-void poolDraws(const LookupPass& pass, const LookupTargets& targets) {
+void poolSums(const LookupPass& pass, const LookupTargets& targets) {
     const auto pool = [&](const GlTexture& from, const GlFramebuffer& to, glm::ivec2 alongWhich) {
-        pass.pool.program.bind("seen", 0, from.name());
+        pass.pool.program.bind("incident", 0, from.name());
         pass.pool.program.set("alongWhich", alongWhich);
         pass.pool.draw(to, targets.size);
     };
-    pool(targets.seen, targets.pooledTarget, {1, 0});
-    pool(targets.pooled, targets.seenTarget, {0, 1});
+    pool(targets.incident, targets.pooledTarget, {1, 0});
+    pool(targets.pooled, targets.incidentTarget, {0, 1});
 }
 
 }  // namespace phat

@@ -12,10 +12,10 @@ namespace phat {
 
 /// What shaders/lib/lookup.glsl reads beside the PHATexels.
 struct GpuLookup {
-    GlTexture warps;      // RGBA8, 16x16 a guide; the area lights' guides come last
-    GlTexture probes;     // RGBA32UI [4 tileY][2 tileX]: 8x4 levels of a DistanceProbe each
-    GlTexture scrambles;  // R16UI [block row][layer][block], where there are several layers
-    int guideCount = 0;   // of the indirect light; 0: these PHATexels cannot be looked up
+    GlTexture inverseCdfs;  // RGBA8, 16x16 a guide; the area lights' guides come last
+    GlTexture probes;       // RGBA32UI [4 tileY][2 tileX]: 8x4 levels of a DistanceProbe each
+    GlTexture scrambles;    // R16UI [block row][layer][block], where there are several layers
+    int guideCount = 0;     // of the indirect light; 0: these PHATexels cannot be looked up
     int layerCount = 0;
     int areaGuideCount = 0;  // 0: no area lights
 };
@@ -29,9 +29,10 @@ void updateProbe(const GpuLookup& gpu, const LightUpdate::Place& tile, glm::uvec
 /// Pictures between the passes, of the frame's size.
 struct LookupTargets {
     glm::uvec2 size{0};
-    GlTexture seen;  // RGBA32UI [layer], see shaders/lib/draws_out.glsl; then what rays see, see display.frag
+    GlTexture
+        incident;  // RGBA32UI [layer], see shaders/lib/sums_out.glsl; then traced radiance, see display.frag
     GlTexture pooled;  // the same, pooled along the rows
-    GlFramebuffer seenTarget, pooledTarget;
+    GlFramebuffer incidentTarget, pooledTarget;
 };
 
 struct LookupPass {
@@ -44,22 +45,22 @@ struct LookupPass {
 /// `countReads`: the pictures hold how many texels were read for them. Throws GlError.
 LookupPass createLookupPass(const std::string& shaderFolder, const GpuLookup& lookup, bool clearcoat,
                             bool countReads);
-/// `traced`: with layers for what rays see, see reflection_pass.h.
+/// `traced`: with layers for traced radiance, see reflection_pass.h.
 LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth, bool traced);
-/// How many layers of `seen` are the lookup's own.
+/// How many layers of `incident` are the lookup's own.
 inline int lookedUpLayers(const LookupPass& pass) {
     return (pass.clearcoat ? 2 : 1) * (pass.areaLights ? 2 : 1);
 }
 
-/// What a pixel asks.
-struct LookupDraws {
-    int count = 8;     // directions of a lobe, at most 32
-    int lampBits = 3;  // see shaders/lib/lookup.glsl
+/// How many samples a pixel takes.
+struct LookupSampling {
+    int sampleCount = 8;  // directions of a lobe, at most 32
+    int lightBits = 3;    // see shaders/lib/lookup.glsl
 };
-/// Clears the targets, binds what the lookup of every surface shares, and reseeds the draws.
+/// Clears the targets, binds what the lookup of every surface shares, and reseeds the samples.
 void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
-                 const LookupTargets& targets, const LookupDraws& draws, uint32_t seed);
-/// Adds the neighbours' draws to each pixel's.
-void poolDraws(const LookupPass& pass, const LookupTargets& targets);
+                 const LookupTargets& targets, const LookupSampling& sampling, uint32_t seed);
+/// Adds the neighbours' sums to each pixel's.
+void poolSums(const LookupPass& pass, const LookupTargets& targets);
 
 }  // namespace phat

@@ -80,11 +80,11 @@ GlTexture uploadTileTable(const Atlas& atlas) {
     return texture;
 }
 
-GlTexture uploadTilePatches(const Atlas& atlas, const std::vector<PackedTile>& places) {
+GlTexture uploadTilePatches(const Atlas& atlas, const std::vector<PackedTile>& patches) {
     const glm::uvec2 size(2 * atlas.sizeTiles().x, atlas.sizeTiles().y);
     GlTexture texture = createTexture2D(GL_RGBA32UI, size);
     glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(size.x), GLsizei(size.y), GL_RGBA_INTEGER,
-                        GL_UNSIGNED_INT, places.data());
+                        GL_UNSIGNED_INT, patches.data());
     return texture;
 }
 
@@ -192,7 +192,7 @@ void updateIrradiance(const GpuAtlas& gpu, const LightUpdate::Irradiance& tile) 
                         GL_FLOAT, values.data());
 }
 
-void updatePlace(const GpuAtlas& gpu, const LightUpdate::Place& tile) {
+void updateTilePatch(const GpuAtlas& gpu, const LightUpdate::Place& tile) {
     const uint32_t wide = gpu.sizeTexels.x / kTileSize;
     glTextureSubImage2D(gpu.tilePatches.name(), 0, GLint(2 * (tile.tile % wide)), GLint(tile.tile / wide), 2,
                         1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, tile.packed.data());

@@ -36,7 +36,7 @@ GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const Phatexture& p
 /// Parts of it anew. `block`: of LightUpdate::Guides.
 void updatePhatexels(const GpuAtlas& gpu, const LightUpdate::Phatexels& tile);
 void updateIrradiance(const GpuAtlas& gpu, const LightUpdate::Irradiance& tile);
-void updatePlace(const GpuAtlas& gpu, const LightUpdate::Place& tile);
+void updateTilePatch(const GpuAtlas& gpu, const LightUpdate::Place& tile);
 void updateGuides(const GpuAtlas& gpu, const LightUpdate::Guides& block);
 void updateTileLight(const GpuAtlas& gpu, const std::vector<glm::vec4>& light);
 

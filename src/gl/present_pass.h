@@ -27,7 +27,7 @@ struct Presented {
 struct PresentSettings {
     ToneMap toneMap = ToneMap::agx;
     float exposureStops = 0;
-    float wipe = 1;           // the left picture's share of the width
+    float wipe = 1;           // fraction of the width that shows the left picture
     bool difference = false;  // |left - right| / (right + .05) after tone mapping, as heat from 0 to 1
 };
 

@@ -16,9 +16,9 @@ std::vector<Pixel> readPixels(GLuint texture, glm::uvec2 size, GLenum format, GL
 }
 
 TracedLobe lobeOf(glm::vec4 normalAlpha, glm::vec2 reflectance, uint32_t traced) {
-    const glm::vec2 shareDistance = glm::unpackHalf2x16(traced);
-    return {glm::vec3(normalAlpha), normalAlpha.a,   reflectance.x,
-            reflectance.y,          shareDistance.x, shareDistance.y};
+    const glm::vec2 weightDistance = glm::unpackHalf2x16(traced);
+    return {glm::vec3(normalAlpha), normalAlpha.a,    reflectance.x,
+            reflectance.y,          weightDistance.x, weightDistance.y};
 }
 
 }  // namespace
@@ -77,11 +77,11 @@ std::vector<TracedSurface> readTracedSurfaces(const ReflectionTargets& targets, 
 }
 
 void uploadReflections(const ReflectionPass& pass, const ReflectionTargets& targets,
-                       std::span<const TracedSurface> surfaces, std::span<const SeenBySurface> seen,
+                       std::span<const TracedSurface> surfaces, std::span<const SeenBySurface> incident,
                        GLuint pictures, int firstLayer) {
     const auto upload = [&](int layer, const auto& valueOf) {
         std::vector<glm::vec4> pixels(size_t(targets.size.x) * targets.size.y, glm::vec4(0));
-        for (size_t i = 0; i < surfaces.size(); ++i) pixels[surfaces[i].pixel] = valueOf(seen[i]);
+        for (size_t i = 0; i < surfaces.size(); ++i) pixels[surfaces[i].pixel] = valueOf(incident[i]);
         glTextureSubImage3D(pictures, 0, 0, 0, firstLayer + layer, GLsizei(targets.size.x),
                             GLsizei(targets.size.y), 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, pixels.data());
     };

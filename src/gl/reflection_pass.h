@@ -1,5 +1,5 @@
 #pragma once
-// Lobes by rays: what the rasteriser shows goes to core/render/traced_reflections.h, what comes back to
+// Traced lobes: the visible surfaces go to core/render/traced_reflections.h, the radiance that comes back to
 // display.frag.
 
 #include "core/render/traced_reflections.h"
@@ -30,14 +30,14 @@ ReflectionTargets createReflectionTargets(glm::uvec2 size, GLuint depth);
 void beginReflections(const ReflectionPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
                       const ReflectionTargets& targets, Reflections reflections, uint32_t frame);
 
-/// The surfaces that were drawn and ask for rays; `jitter`: where in the pixels, see jitterOf in
+/// The surfaces that were drawn and are to be traced; `jitter`: where in the pixels, see jitterOf in
 /// display_pass.cpp.
 std::vector<TracedSurface> readTracedSurfaces(const ReflectionTargets& targets, glm::vec2 jitter);
 
-/// Writes what they see to layers `firstLayer` on of `pictures` (RGBA32UI): indirect and area, then the
-/// coat's. The bits of RGB, and of the share in A.
+/// Writes their incident radiance to layers `firstLayer` on of `pictures` (RGBA32UI): indirect and area, then
+/// the coat's. The bits of RGB, and of the weight in A.
 void uploadReflections(const ReflectionPass& pass, const ReflectionTargets& targets,
-                       std::span<const TracedSurface> surfaces, std::span<const SeenBySurface> seen,
+                       std::span<const TracedSurface> surfaces, std::span<const SeenBySurface> incident,
                        GLuint pictures, int firstLayer);
 
 }  // namespace phat

@@ -25,7 +25,7 @@ struct RelightPass {
     GlTexture texelBrdf;   // RGBA16F, see shaders/texel_material.frag
     GlTexture lobes;       // RGBA32F [lobe][y][x], levels 0 to 3: sum a L, sum w
     GlTexture statistics;  // RG32F, the same; see shaders/relight.frag
-    GlTexture radii;       // RGBA32F [lobe][tileY][tileX]: radius, brightest radiance
+    GlTexture radii;       // RGBA32F [lobe][tileY][tileX]: radius, radiance bound
     GlFramebuffer brdfTarget;
     std::vector<GlFramebuffer> relightTargets;               // [source]
     std::vector<std::vector<GlFramebuffer>> pyramidTargets;  // [lobe][level - 1]
@@ -42,7 +42,7 @@ void applyMaterials(const RelightPass& pass, const GpuAtlas& atlas, const GpuTex
 
 /// Where the eye is; for parallel projections the direction toward it.
 struct Eye {
-    glm::vec3 place{0};
+    glm::vec3 position{0};
     bool atInfinity = false;
 };
 void relight(const RelightPass& pass, const GpuAtlas& atlas, const GpuTexelSurfaces& surfaces,

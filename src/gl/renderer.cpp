@@ -3,31 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
+#include <cassert>
 
 #include "core/base/stopwatch.h"
 #include "core/phatexel/lookup_tables.h"
-#include "gl/display_pass.h"
 #include "gl/gl_error.h"
-#include "gl/phatexture_upload.h"
-#include "gl/picture_sum.h"
-#include "gl/reflection_pass.h"
-#include "gl/relight_pass.h"
+#include "gl/renderer_state.h"
 #include "gl/resident_bytes.h"
-#include "gl/scene_upload.h"
-#include "gl/shadow_maps.h"
 #include "gl/textures.h"
 
 namespace phat {
 namespace {
 
-bool anyBlended(const std::vector<Material>& materials) {
-    return std::any_of(materials.begin(), materials.end(),
-                       [](const Material& m) { return m.alphaMode == AlphaMode::blend; });
-}
-
-bool anyClearcoat(const std::vector<Material>& materials) {
-    return std::any_of(materials.begin(), materials.end(), [](const Material& m) { return m.clearcoat > 0; });
+// Whether shadow maps of two versions of a material are the same: depth.frag reads no more of it.
+bool castSameShadow(const Material& a, const Material& b) {
+    return a.alphaMode == b.alphaMode && a.alphaCutoff == b.alphaCutoff && a.baseColor.a == b.baseColor.a;
 }
 
 void requireOpenGl45() {
@@ -45,123 +35,6 @@ double bytesOfPhatexel(const Phatexture& phatexture) {
 }
 
 }  // namespace
-
-struct Renderer::State {
-    /// The relit PHATexels and what they were relit for.
-    struct Relit {
-        RelightPass pass;
-        bool materialsChanged = true;
-        Eye eye;
-    };
-
-    std::string shaderFolder;
-    // The scene as it is now, for what is made of it later.
-    const Scene* shownScene = nullptr;
-    const Atlas* shownAtlas = nullptr;
-    const TexelPoints* shownPoints = nullptr;
-    std::vector<Material> materials;
-    std::vector<PunctualLight> lights;
-    float environmentTurn = 0;
-    int environmentWidth = 1;
-    GpuScene scene;
-    GpuAtlas atlas;
-    GpuLookup lookup;
-    ShadowMaps shadows;
-    FrameTargets targets;
-    PassClock clock;
-    double bytesPerPhatexel = 0;
-    ReflectionCost reflectionCost;
-
-    // Made when they are first needed: compiling takes a while, and so do the texels' surfaces.
-    std::optional<GpuTexelSurfaces> surfaces;
-    bool surfacesTurned = false;
-    std::optional<Relit> relit, relitPaper;
-    std::optional<LookupPass> lookupPass, countingLookupPass;
-    std::optional<ReflectionPass> reflectionPass;
-    std::optional<DisplayPass> display, displayPaper, countingDisplay;
-    std::optional<ShaderProgram> inspectProgram;
-
-    Relit& relitFor(bool paper) {
-        std::optional<Relit>& made = paper ? relitPaper : relit;
-        if (!made)
-            made.emplace().pass = createRelightPass(shaderFolder, atlas, anyClearcoat(materials), paper);
-        return *made;
-    }
-    void show(const Scene& now, const Atlas& itsAtlas, const TexelPoints& points) {
-        shownScene = &now;
-        shownAtlas = &itsAtlas;
-        shownPoints = &points;
-    }
-    /// What the pyramids are made of has changed.
-    void texelsChanged() {
-        for (auto* made : {&relit, &relitPaper})
-            if (*made) (*made)->materialsChanged = true;
-    }
-    const GpuTexelSurfaces& surfacesNow() {
-        if (!surfaces)
-            surfaces = uploadTexelSurfaces(*shownScene, *shownAtlas, *shownPoints);
-        else if (surfacesTurned)
-            updateNormals(*surfaces, *shownScene, *shownAtlas, *shownPoints);
-        surfacesTurned = false;
-        return *surfaces;
-    }
-    /// The pyramid as it is seen from `from`.
-    const RelightPass& renewed(bool paper, const Eye& from) {
-        Relit& of = relitFor(paper);
-        if (!of.materialsChanged && from.place == of.eye.place && from.atInfinity == of.eye.atInfinity)
-            return of.pass;
-        const GpuTexelSurfaces& under = surfacesNow();
-        clock.ended(Pass::none);  // the CPU's work
-        if (of.materialsChanged) applyMaterials(of.pass, atlas, under, materials);
-        relight(of.pass, atlas, under, scene.splitSum.name(), from);
-        clock.ended(Pass::relight);
-        buildPyramid(of.pass, atlas);
-        clock.ended(Pass::pyramid);
-        of.materialsChanged = false;
-        of.eye = from;
-        return of.pass;
-    }
-    const LookupPass& lookupFor(bool counting) {
-        std::optional<LookupPass>& made = counting ? countingLookupPass : lookupPass;
-        if (!made) made = createLookupPass(shaderFolder, lookup, anyClearcoat(materials), counting);
-        return *made;
-    }
-    const DisplayPass& displayFor(bool paper, bool counting) {
-        std::optional<DisplayPass>& made = paper ? displayPaper : counting ? countingDisplay : display;
-        if (!made) made = createDisplayPass(shaderFolder, atlas, anyClearcoat(materials), paper, counting);
-        return *made;
-    }
-    const ReflectionPass& reflections() {
-        if (!reflectionPass) reflectionPass = createReflectionPass(shaderFolder, anyClearcoat(materials));
-        return *reflectionPass;
-    }
-    const ShaderProgram& inspecting() {
-        if (!inspectProgram) inspectProgram.emplace(shaderFolder, "surface.vert", "inspect.frag");
-        return *inspectProgram;
-    }
-    /// What of the settings this bake can show.
-    FrameSettings possible(FrameSettings settings) const {
-        const Inspected what = settings.inspection.what;
-        // The views of the pyramid are of ours, not of the paper's.
-        if (what == Inspected::reads)
-            settings.method = Method::phat;
-        else if (what != Inspected::nothing)
-            settings.method = Method::phatPyramid;
-        if (settings.method == Method::phat && lookup.guideCount == 0) settings.method = Method::phatPyramid;
-        if (settings.method != Method::phat ||
-            (settings.traced && settings.traced->reflections == Reflections::lookup))
-            settings.traced = nullptr;
-        return settings;
-    }
-    /// A clear coat changes what the shaders are made of.
-    void dropPasses() {
-        relit.reset(), relitPaper.reset();
-        lookupPass.reset(), countingLookupPass.reset();
-        reflectionPass.reset();
-        display.reset(), displayPaper.reset(), countingDisplay.reset();
-        targets = {};
-    }
-};
 
 Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) {
     requireOpenGl45();
@@ -182,39 +55,42 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
 
 Renderer::~Renderer() = default;
 
-void Renderer::draw(const FrameSettings& wanted, PictureSum& sum) {
+void Renderer::draw(const FrameSettings& settings, PictureSum& sum) {
+    restartTimes();
+    for (int left = samplesToDraw(settings, sum); left > 0; --left)
+        finishSample(beginSample(settings, Reflections::lookup, sum), {}, sum);
+}
+
+PendingSample Renderer::beginSample(const FrameSettings& settings, Reflections reflections, PictureSum& sum) {
     State& s = *state_;
-    const FrameSettings settings = s.possible(wanted);
-    const Inspected what = settings.inspection.what;
-    const bool lookedUp = settings.method == Method::phat, paper = settings.method == Method::phatPaper;
-    const bool counting = lookedUp && what == Inspected::reads;
-    const LookupPass* lookupPass = s.lookup.guideCount > 0 ? &s.lookupFor(counting) : nullptr;
-    const ReflectionPass* reflectionPass = settings.traced ? &s.reflections() : nullptr;
-    const DisplayPass& displayPass = s.displayFor(paper, counting);
-
-    const glm::uvec2 size(std::max(settings.width, 1), std::max(settings.height, 1));
-    if (s.targets.size != size || (reflectionPass && !s.targets.reflections.target))
-        s.targets = createFrameTargets(size, lookupPass, reflectionPass != nullptr);
-    if (sum.size != size) sum = createPictureSum(size);
-
-    // A query needs a complete framebuffer; a context without a window has none of its own.
-    glBindFramebuffer(GL_FRAMEBUFFER, sum.target.name());
-    s.clock.restart();
-    glDisable(GL_BLEND);
-    if (!s.shadows.depth) {
-        s.shadows = renderShadowMaps(s.lights, s.scene, s.materials, displayPass.depthProgram);
-        s.clock.ended(Pass::shadows);
-    }
-    const RelightPass* relit = nullptr;
-    if (!lookedUp || anyBlended(s.materials)) relit = &s.renewed(paper, eyeOf(settings.camera));
-    const bool texelsShown = what != Inspected::nothing && what != Inspected::reads;
-    filterTextures(s.scene, settings.filter);
-    s.reflectionCost =
-        display(displayPass,
-                {s.scene, s.atlas, s.shadows, s.lookup, s.materials, relit, lookupPass, reflectionPass,
-                 texelsShown ? &s.inspecting() : nullptr, s.clock, s.environmentTurn},
-                settings, s.targets, sum);
+    PendingSample sample{s.possible(settings), reflections, {}, {}, {}};
+    if (sample.settings.method != Method::phat) sample.reflections = Reflections::lookup;
+    const int count = std::max(1, settings.samplesPerPixel);
+    if (sum.size != sizeOf(settings)) sum = createPictureSum(sizeOf(settings));
+    if (sum.samples >= count) sum.samples = 0;
+    if (settings.filter == PixelFilter::box) sample.jitter = jitterOf(sum.samples, count);
+    const glm::vec3 parts = shownParts(settings.component);
+    sample.view = {settings.camera,          int(sum.size.x), int(sum.size.y), uint32_t(sum.samples),
+                   settings.samplesPerPixel, parts.y > 0,     parts.x > 0};
+    const State::Prepared prepared = s.prepare(sample.settings, sample.reflections != Reflections::lookup);
+    prepareSample(prepared.pass, prepared.input, s.targets, sample);
     checkGl("drawing a frame");
+    return sample;
+}
+
+void Renderer::finishSample(const PendingSample& sample, std::span<const SeenBySurface> incident,
+                            PictureSum& sum) {
+    assert(incident.size() == sample.surfaces.size());
+    assert(sum.samples == int(sample.view.frame));
+    State& s = *state_;
+    const State::Prepared prepared = s.prepare(sample.settings, sample.reflections != Reflections::lookup);
+    displaySample(prepared.pass, prepared.input, s.targets, sample, incident);
+    addSample(prepared.pass, s.targets, sum);
+    checkGl("drawing a frame");
+}
+
+void Renderer::restartTimes() {
+    state_->clockRestarts = true;
 }
 
 Image Renderer::render(const FrameSettings& settings) {
@@ -233,8 +109,6 @@ FrameTimes Renderer::lastFrameTimes() const {
     times.lookup = clock.seconds(Pass::lookup);
     times.pool = clock.seconds(Pass::pool);
     times.display = clock.seconds(Pass::display);
-    times.reflections = state_->reflectionCost.seconds;
-    times.reflectionRays = state_->reflectionCost.rays;
     return times;
 }
 
@@ -256,12 +130,14 @@ void Renderer::setMaterials(const std::vector<Material>& materials) {
     if (materials.size() != s.materials.size())
         throw GlError("materials may be changed, not added or removed");
     const bool coatAppears = anyClearcoat(materials) && !anyClearcoat(s.materials);
+    if (!std::equal(materials.begin(), materials.end(), s.materials.begin(), castSameShadow)) s.shadows = {};
     s.materials = materials;
     s.texelsChanged();
     if (coatAppears) s.dropPasses();
 }
 
 void Renderer::setLights(const std::vector<PunctualLight>& lights) {
+    if (lights == state_->lights) return;
     state_->lights = lights;
     state_->shadows = {};
 }
@@ -283,16 +159,16 @@ bool Renderer::takeUpdate(LightUpdate& update, double seconds) {
     if (!update.empty()) s.texelsChanged();
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     const glm::uvec2 tiles = s.atlas.sizeTexels / kTileSize;
-    for (const LightUpdate::Place& place : update.places) {
-        updatePlace(s.atlas, place);
-        if (s.lookup.guideCount > 0) updateProbe(s.lookup, place, tiles);
+    for (const LightUpdate::Place& tile : update.places) {
+        updateTilePatch(s.atlas, tile);
+        if (s.lookup.guideCount > 0) updateProbe(s.lookup, tile, tiles);
     }
     update.places.clear();
     if (!update.tileLight.empty()) updateTileLight(s.atlas, update.tileLight);
     update.tileLight.clear();
     update.covers.clear();
 
-    // One portion at least, so that however little time there is, all is done one day.
+    // One portion at least, so that all is done in the end, however little time there is.
     size_t tile = 0, block = 0;
     while (tile < update.phatexels.size() && (tile == 0 || !late())) {
         const uint32_t now = update.phatexels[tile].block;
@@ -310,12 +186,19 @@ bool Renderer::takeUpdate(LightUpdate& update, double seconds) {
     for (; done < update.irradiance.size() && ((tile == 0 && done < 64) || done % 64 != 0 || !late()); ++done)
         updateIrradiance(s.atlas, update.irradiance[done]);
     update.irradiance.erase(update.irradiance.begin(), update.irradiance.begin() + ptrdiff_t(done));
-    checkGl("taking over renewed PHATexels");
+    checkGl("taking over updated PHATexels");
     return update.empty();
 }
 
 void Renderer::turnEnvironment(int columns) {
     state_->environmentTurn = float(columns) / float(state_->environmentWidth);
+}
+
+int samplesToDraw(const FrameSettings& settings, const PictureSum& sum) {
+    const int count = std::max(1, settings.samplesPerPixel);
+    const bool continues = sum.size == sizeOf(settings) && sum.samples < count;
+    const int left = continues ? count - sum.samples : count;
+    return settings.samplesPerDraw > 0 ? std::min(settings.samplesPerDraw, left) : left;
 }
 
 ReadCount countReads(const Image& picture, int source) {

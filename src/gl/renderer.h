@@ -5,8 +5,10 @@
 // Needs a current context (HeadlessContext, or the viewer's window). Draws what phat render writes and what
 // the viewer shows; holds no light transport of its own.
 
+#include <algorithm>
 #include <array>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,7 +26,7 @@ struct PictureSum;
 
 /// Where indirect light on glossy surfaces comes from.
 enum class Method : uint8_t {
-    phat,         // looked up by the pixel: draws from the BRDF, answered by PHATexels around
+    phat,         // looked up by the pixel: BRDF samples with the radiance of PHATexels around
     phatPyramid,  // the paper's passes: the BRDF on every PHATexel, a pyramid, a cone
     phatPaper,    // the same to the letter: no densities, plain means, the paper's filter; diffuse light too
 };
@@ -32,7 +34,7 @@ enum class Method : uint8_t {
 enum class Quality : uint8_t { fast, standard, high };
 enum class ToneMap : uint8_t { linear, agx, aces };
 
-/// Stored data that can be shown in place of the light. twin: shaders/inspect.frag.
+/// Stored data that can be shown instead of the light. twin: shaders/inspect.frag.
 enum class Inspected : uint8_t {
     nothing,    // the light
     radiance,   // of the PHATexels: light, as figure 4 of the paper shows it
@@ -52,19 +54,11 @@ struct Inspection {
     int level = 0;   // of the pyramid
 };
 
-/// Rays that take the place of the lookup for sharp lobes. What they read is the caller's, as are its
-/// materials.
-struct TracedReflections {
-    const ReflectionScene& scene;
-    Reflections reflections = Reflections::automatic;
-    Progress& progress;  // render() throws Interrupted when it asks
-};
-
 struct FrameSettings {
     int width = 640;
     int height = 360;
     Camera camera;
-    Method method = Method::phat;  // phatPyramid takes its place where directions follow no invertible layout
+    Method method = Method::phat;         // phatPyramid where directions follow no invertible layout
     Quality quality = Quality::standard;  // of Method::phat
     Component component = Component::all;
     Inspection inspection;
@@ -76,8 +70,23 @@ struct FrameSettings {
     PixelFilter filter = PixelFilter::box;
     /// How many of them one draw() adds; 0: all.
     int samplesPerDraw = 0;
-    /// Of Method::phat; null: all reflections are looked up.
-    const TracedReflections* traced = nullptr;
+};
+
+/// Pixels; at least one.
+inline glm::uvec2 sizeOf(const FrameSettings& settings) {
+    return {std::max(settings.width, 1), std::max(settings.height, 1)};
+}
+
+/// How many samples Renderer::draw adds to `sum`.
+int samplesToDraw(const FrameSettings& settings, const PictureSum& sum);
+
+/// One sample of a frame, drawn up to its display pass.
+struct PendingSample {
+    FrameSettings settings;               // as far as the bake can show them
+    Reflections reflections;              // which lobes are traced
+    glm::vec2 jitter{0};                  // of the image plane, pixels
+    ReflectionView view;                  // what the rays' estimator must know of the frame
+    std::vector<TracedSurface> surfaces;  // whose lobes are traced; none where all is looked up
 };
 
 /// Whether a view is of radiance, for a tone map; else of display-linear colours, or Inspected::reads.
@@ -91,7 +100,7 @@ struct ReadCount {
 };
 ReadCount countReads(const Image& picture, int source);
 
-/// Seconds by pass, on the GPU unless said otherwise; of all samples that a draw added.
+/// Seconds by pass on the GPU, of all samples that a draw added.
 struct FrameTimes {
     double relight = 0;
     double pyramid = 0;
@@ -100,8 +109,6 @@ struct FrameTimes {
     double lookup = 0;
     double pool = 0;
     double display = 0;
-    double reflections = 0;  // rays on the CPU
-    uint64_t reflectionRays = 0;
 
     double gpu() const;
 };
@@ -125,9 +132,9 @@ inline double FrameTimes::gpu() const {
 
 /// Bytes in the GPU's memory.
 struct ResidentBytes {
-    uint64_t scene = 0;  // triangles, pictures, sky
+    uint64_t scene = 0;  // triangles, textures, environment
     uint64_t phatexels = 0;
-    uint64_t lookup = 0;      // warps, distances, places of texels
+    uint64_t lookup = 0;      // inverse CDFs, depth probes, tile patches
     uint64_t irradiance = 0;  // diffuse light
     uint64_t pyramid = 0;     // with what relighting reads
     uint64_t shadows = 0;
@@ -155,30 +162,45 @@ class Renderer {
     Renderer& operator=(const Renderer&) = delete;
 
     /// Adds samples to `sum`, which begins anew when its size or its number of samples is not this picture's.
+    /// All reflections are looked up.
     void draw(const FrameSettings& settings, PictureSum& sum);
-    /// The whole picture in linear radiance, row 0 on top. Waits for the GPU.
+    /// The same, from the first sample on, in linear radiance, row 0 on top. Waits for the GPU.
     Image render(const FrameSettings& settings);
-    /// Of the last draw. Waits for the GPU.
+
+    /// One sample in two steps, for lobes that the caller traces between them (drawFrame in
+    /// gl/traced_frame.h). First all that the display pass reads, and the surfaces to be traced, for
+    /// which it waits for the GPU unless `reflections` is lookup. A sample may be left unfinished.
+    PendingSample beginSample(const FrameSettings& settings, Reflections reflections, PictureSum& sum);
+    /// Then the display pass, which adds the sample to `sum`. `incident`: of each of the sample's surfaces.
+    /// pre: nothing has been drawn or changed since beginSample.
+    void finishSample(const PendingSample& sample, std::span<const SeenBySurface> incident, PictureSum& sum);
+
+    /// lastFrameTimes() counts from the next sample on. draw() and render() call it.
+    void restartTimes();
+    /// Waits for the GPU.
     FrameTimes lastFrameTimes() const;
     /// On the GPU, for one PHATexel of the indirect light: itself, and all that the lookup reads beside it. 0
     /// where nothing can be looked up.
     double bytesPerPhatexel() const;
     ResidentBytes residentBytes() const;
 
-    /// Materials may change between frames (roughness, colour ...); textures stay.
+    /// Materials may change between frames (roughness, colour ...); textures stay. Shadow maps are drawn
+    /// again when an opacity is another one.
     void setMaterials(const std::vector<Material>& materials);
-    /// Punctual lights may change too; their direct light follows, the bake's indirect light does not.
+    /// Punctual lights may change too; their direct light follows, the bake's indirect light does not. Shadow
+    /// maps are drawn again when a light is another one.
     void setLights(const std::vector<PunctualLight>& lights);
-    /// The sky behind the scene as turned() of the one that was given; what it lit stays as it was baked.
+    /// The environment behind the scene as turned() of the one that was given; what it lit stays as it was
+    /// baked.
     void turnEnvironment(int columns);
 
     /// Everything is where it is in `scene` now, which has the triangles of the one that was uploaded;
-    /// shadows follow at the next frame. `points`: of the same scene. All three take the place of
+    /// shadows follow at the next frame. `points`: of the same scene. All three replace
     /// RendererInput's and must stay until the next call.
     void moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points);
-    /// Takes over parts of a bake that were renewed, for at most about `seconds`. Places go first, because
-    /// moveScene has moved what is there already; a block's tiles are never parted. What is done is taken out
-    /// of `update`; returns whether all is.
+    /// Takes over parts of a bake that were updated, for at most about `seconds`. Tile patches go first,
+    /// because moveScene has moved what is there already; a block's tiles are never parted. What is done is
+    /// taken out of `update`; returns whether all is.
     bool takeUpdate(LightUpdate& update, double seconds);
 
   private:

@@ -30,12 +30,12 @@ ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, cons
         bytes.phatexels += textureBytes(source.texelPdf);
         bytes.pyramid += textureBytes(source.guidePdf);
     }
-    bytes.lookup = bytesOf(lookup.warps, lookup.probes, lookup.scrambles, atlas.tilePatches, atlas.charts,
-                           atlas.tileTable, atlas.tileLight);
+    bytes.lookup = bytesOf(lookup.inverseCdfs, lookup.probes, lookup.scrambles, atlas.tilePatches,
+                           atlas.charts, atlas.tileTable, atlas.tileLight);
     bytes.irradiance = textureBytes(atlas.irradiance);
     bytes.shadows = bytesOf(shadows.depth, shadows.lightTable);
     const ReflectionTargets& traced = targets.reflections;
-    bytes.frame = bytesOf(targets.picture, targets.depth, targets.lookup.seen, targets.lookup.pooled,
+    bytes.frame = bytesOf(targets.picture, targets.depth, targets.lookup.incident, targets.lookup.pooled,
                           traced.base, traced.coat, traced.surface);
     return bytes;
 }

@@ -124,12 +124,12 @@ std::vector<GlSampler> createSamplers() {
 }
 
 // 1 where the driver knows of no such filter. twin: the anisotropy of web/viewer/viewer.js.
-float mostAnisotropy() {
-    float most = 1;
+float maxAnisotropy() {
+    float limit = 1;
     if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic") ||
         epoxy_has_gl_extension("GL_ARB_texture_filter_anisotropic"))
-        glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &most);
-    return std::min(most, 8.0f);  // beyond 8 the sharper textures at grazing angles are hardly seen
+        glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &limit);
+    return std::min(limit, 8.0f);  // beyond 8 textures at grazing angles hardly become sharper
 }
 
 GlTexture uploadEnvironment(const Image& image) {
@@ -140,17 +140,17 @@ GlTexture uploadEnvironment(const Image& image) {
 }
 
 std::vector<DrawRange> drawRanges(const Scene& scene) {
-    std::vector<DrawRange> draws;
+    std::vector<DrawRange> ranges;
     for (const Surface& surface : scene.surfaces) {
         if (surface.triangleCount == 0) continue;
         Bounds bounds;
         for (uint32_t t = 0; t < surface.triangleCount; ++t)
             for (int corner = 0; corner < 3; ++corner)
                 bounds.add(scene.positions[scene.triangles[surface.firstTriangle + t][corner]]);
-        draws.push_back({GLint(surface.firstTriangle * 3), GLsizei(surface.triangleCount * 3),
-                         surface.material, bounds.center()});
+        ranges.push_back({GLint(surface.firstTriangle * 3), GLsizei(surface.triangleCount * 3),
+                          surface.material, bounds.center()});
     }
-    return draws;
+    return ranges;
 }
 
 }  // namespace
@@ -167,7 +167,7 @@ GpuScene uploadScene(const Scene& scene, const Atlas& atlas) {
         glNamedBufferStorage(name, GLsizeiptr(vertices.size() * sizeof(Vertex)), vertices.data(),
                              GL_DYNAMIC_STORAGE_BIT);
     describeVertices(gpu.vertexArray.name(), name);
-    gpu.draws = drawRanges(scene);
+    gpu.drawRanges = drawRanges(scene);
     gpu.bounds = boundsOf(scene);
 
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -189,7 +189,7 @@ void filterTextures(GpuScene& gpu, PixelFilter filter) {
     if (gpu.filtered == filter) return;
     gpu.filtered = filter;
     const bool points = filter == PixelFilter::center;
-    const float anisotropy = mostAnisotropy();
+    const float anisotropy = maxAnisotropy();
     for (size_t i = 0; i < gpu.samplers.size(); ++i) {
         const GLuint name = gpu.samplers[i].name();
         const bool nearest = i % 2 == 1;
@@ -206,7 +206,7 @@ void moveScene(GpuScene& gpu, const Scene& scene, const Atlas& atlas) {
     if (!vertices.empty())
         glNamedBufferSubData(gpu.vertices.name(), 0, GLsizeiptr(vertices.size() * sizeof(Vertex)),
                              vertices.data());
-    gpu.draws = drawRanges(scene);
+    gpu.drawRanges = drawRanges(scene);
     gpu.bounds = boundsOf(scene);
     checkGl("moving the scene");
 }

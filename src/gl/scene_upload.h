@@ -23,7 +23,7 @@ struct DrawRange {
 struct GpuScene {
     GlVertexArray vertexArray;
     GlBuffer vertices;
-    std::vector<DrawRange> draws;
+    std::vector<DrawRange> drawRanges;
     std::vector<GlTexture> imagesLinear;  // [image], empty where no slot reads it so
     std::vector<GlTexture> imagesSrgb;
     GlTexture white;

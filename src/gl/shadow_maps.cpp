@@ -47,7 +47,7 @@ void addViews(const PunctualLight& light, const Bounds& bounds, int size, std::v
     }
     const float farMeters =
         std::max(glm::distance(light.position, bounds.center()) + 0.5f * bounds.diagonal(), 1e-3f);
-    // Geometry nearer than this to a lamp casts no shadow; float depth keeps the precision beyond.
+    // Geometry nearer than this to a light casts no shadow; float depth keeps the precision beyond.
     const float nearMeters = farMeters * 2e-4f;
     if (layersOf(light) == 1) {
         const float tangent = std::sqrt(1 - square(light.cosOuterCone)) / light.cosOuterCone;
@@ -71,17 +71,22 @@ GlTexture createDepthArray(int size, int layers) {
     return depth;
 }
 
-void drawView(const glm::mat4& clipFromWorld, GLuint depth, int layer, int size, const GpuScene& gpu,
-              const std::vector<Material>& materials, const ShaderProgram& program) {
+// Binds a layer to be drawn to while what it returns lives.
+GlFramebuffer bindLayer(const GlTexture& depth, int layer, int size) {
     GLuint name = 0;
     glCreateFramebuffers(1, &name);
-    const GlFramebuffer framebuffer(name);
-    glNamedFramebufferTextureLayer(name, GL_DEPTH_ATTACHMENT, depth, 0, layer);
+    GlFramebuffer framebuffer(name);
+    glNamedFramebufferTextureLayer(name, GL_DEPTH_ATTACHMENT, depth.name(), 0, layer);
     glBindFramebuffer(GL_FRAMEBUFFER, name);
     glViewport(0, 0, size, size);
     glClear(GL_DEPTH_BUFFER_BIT);
+    return framebuffer;
+}
+
+void drawView(const glm::mat4& clipFromWorld, const GpuScene& gpu, const std::vector<Material>& materials,
+              const ShaderProgram& program) {
     program.set("clipFromWorld", clipFromWorld);
-    for (const DrawRange& draw : gpu.draws) {
+    for (const DrawRange& draw : gpu.drawRanges) {
         const Material& material = materials[draw.material];
         bindMaterial(gpu, program, material, 0, false);
         program.set("alphaMode", int(material.alphaMode));
@@ -128,8 +133,10 @@ ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, const GpuS
     glClearDepth(1);
     glBindVertexArray(gpu.vertexArray.name());
     depthProgram.use();
-    for (size_t i = 0; i < views.size(); ++i)
-        drawView(views[i], maps.depth.name(), int(i), size, gpu, materials, depthProgram);
+    for (size_t i = 0; i < views.size(); ++i) {
+        const GlFramebuffer target = bindLayer(maps.depth, int(i), size);
+        drawView(views[i], gpu, materials, depthProgram);
+    }
     glDisable(GL_DEPTH_TEST);
     checkGl("drawing the shadow maps");
     return maps;

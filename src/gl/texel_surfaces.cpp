@@ -43,7 +43,8 @@ TexelTextures sampleTextures(const Scene& scene, uint32_t triangle, glm::vec2 ba
          unorm8(look(m.clearcoatTexture, false).r), unorm8(look(m.clearcoatRoughnessTexture, false).g), 255}};
 }
 
-// visit(texel, triangle) for every texel on the extended plane of one; covered ones may be bare one day.
+// visit(texel, triangle) for every texel on the extended plane of one; occluded ones may be disoccluded
+// later.
 template <class Visit>
 void forTexels(const Atlas& atlas, const TexelPoints& points, const Visit& visit) {
     oneapi::tbb::parallel_for(size_t(0), size_t(atlas.sizeTexels.y), [&](size_t y) {
@@ -56,8 +57,8 @@ void forTexels(const Atlas& atlas, const TexelPoints& points, const Visit& visit
 std::vector<glm::i16vec4> sampleNormals(const Scene& scene, const Atlas& atlas, const TexelPoints& points) {
     std::vector<glm::i16vec4> normals(atlas.texelCount(), glm::i16vec4(0));
     forTexels(atlas, points, [&](size_t texel, uint32_t triangle) {
-        const glm::uvec2 place(texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x);
-        const bool back = atlas.charts[atlas.chartAt(place)].back;
+        const glm::uvec2 texelXy(texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x);
+        const bool back = atlas.charts[atlas.chartAt(texelXy)].back;
         const SurfacePoint at = surfaceAt(scene, triangle, points.barycentric[texel], back);
         const glm::vec3 coat = at.shading.toWorld(at.brdf.clearcoatNormal);
         const glm::vec4 folded(octahedralFromDirection(at.shading.normal), octahedralFromDirection(coat));

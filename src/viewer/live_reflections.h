@@ -3,7 +3,7 @@
 
 #include "core/base/stopwatch.h"
 #include "core/scene/lights.h"
-#include "gl/renderer.h"
+#include "gl/traced_frame.h"
 #include "viewer/document.h"
 
 namespace phat {

@@ -91,15 +91,16 @@ void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 
     settings.height = int(size.y);
     settings.samplesPerPixel = samplesPerPixel;
     settings.samplesPerDraw = 1;
-    if (rays) settings.traced = &reflections(state, sum.samples == 0 ? kRaySeconds : 0);
+    const TracedReflections* traced =
+        rays ? &reflections(state, sum.samples == 0 ? kRaySeconds : 0) : nullptr;
     side.wanted = samplesPerPixel;
     side.byRays = rays;
     side.counts = settings.inspection.what == Inspected::reads;
     side.light = showsLight(settings.inspection.what);
     try {
-        state.renderer->draw(settings, sum);
+        reflectionSeconds_ = drawFrame(*state.renderer, settings, traced, sum).seconds;
     } catch (const Interrupted&) {
-        // At once without them: what was begun is black.
+        // At once without them.
         side.tooManyRays = true;
         sum.samples = 0;
         return draw(state, side, sum, size, samplesPerPixel, false);

@@ -37,6 +37,7 @@ class Pictures {
     std::optional<Metrics> metrics() const { return metrics_; }
     /// Seconds of the last drawn frame by pass, and how many times fewer pixels a side it had.
     FrameTimes frameTimes() const { return frameTimes_; }
+    double reflectionSeconds() const { return reflectionSeconds_; }  // of its rays on the CPU
     int coarseness() const { return coarseness_; }
     /// Of the last picture of Inspected::reads.
     struct Reads {
@@ -86,6 +87,7 @@ class Pictures {
     std::chrono::steady_clock::time_point lastChange_{};
     double secondsPerPixel_ = 0;
     FrameTimes frameTimes_;
+    double reflectionSeconds_ = 0;
     int coarseness_ = 1;
     std::optional<LiveReflections> reflections_;
     uint64_t reflectionsVersion_ = 0;  // Document::rayVersion

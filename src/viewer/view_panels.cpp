@@ -161,7 +161,7 @@ void drawPerformancePanel(ViewerState& state, const Pictures& pictures) {
     const FrameTimes times = pictures.frameTimes();
     for (const NamedPass& pass : kGpuPasses) row(pass.name, 1e3 * times.*pass.seconds);
     row("GPU total", 1e3 * times.gpu());
-    row("CPU rays", 1e3 * times.reflections);
+    row("CPU rays", 1e3 * pictures.reflectionSeconds());
     valueRow("Window pixels per rendered pixel", fmt::format("{0} x {0}", pictures.coarseness()));
     if (pictures.tooManyRays())
         wrappedText("Sharp reflections are looked up, because tracing them would take too long.");

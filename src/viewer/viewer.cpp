@@ -210,8 +210,11 @@ Image Viewer::drawWhole(const Camera& camera) {
     settings.camera = camera;
     settings.samplesPerPixel = kKeptSamples;
     std::optional<LiveReflections> reflections;
-    if (settings.method == Method::phat) settings.traced = &reflections.emplace(*state_.document).within(0);
-    return state_.renderer->render(settings);
+    const TracedReflections* traced =
+        settings.method == Method::phat ? &reflections.emplace(*state_.document).within(0) : nullptr;
+    PictureSum sum;
+    drawFrame(*state_.renderer, settings, traced, sum);
+    return readMean(sum);
 }
 
 // Views of data are colours already.

@@ -232,6 +232,21 @@ TEST_F(Inspect, ReadsAreWholeNumbers) {
     for (const glm::vec3& pixel : image.pixels) EXPECT_EQ(pixel.x, std::round(pixel.x));
 }
 
+// A coat is a second lobe: what is looked up, pooledSums and displayed of it counts as the base's does.
+TEST_F(Inspect, ReadsOfTheClearCoatCount) {
+    followTheLayout();
+    const double base = countReads(shown({Inspected::reads}), 0).mean;
+    std::vector<Material> materials = world_.scene.materials;
+    for (Material& material : materials) {
+        material.clearcoat = 1;
+        material.clearcoatRoughness = material.roughness;
+    }
+    renderer_->setMaterials(materials);
+    // Coat and base have one normal and one roughness, so the same directions; the bound of the radiance is
+    // read once for both.
+    EXPECT_NEAR(countReads(shown({Inspected::reads}), 0).mean, 2 * base - 1, 0.01 * base);
+}
+
 // Views and methods take turns in a window.
 TEST_F(Inspect, LeavesThePicturesAsTheyAre) {
     followTheLayout();

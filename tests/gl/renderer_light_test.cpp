@@ -136,6 +136,38 @@ TEST_F(RendererLight, DirectionalLight) {
     comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 100);
 }
 
+// The window sets lights and materials after every edit, whatever it was of.
+TEST_F(RendererLight, ShadowMapsAreDrawnAgainWhenTheyChangeAndOnlyThen) {
+    Scene scene = floorAndShelf(0.4f);
+    scene.lights.push_back(pointLight({3, 4, 5}, {0.3f, 1.5f, 0.2f}));
+    RendererWorld world = worldOfQuads(scene, 2);
+    Renderer renderer(world.input(), kShaderFolder);
+    const FrameSettings settings = frame(lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50));
+    const auto drawsShadows = [&] {
+        renderer.render(settings);
+        return renderer.lastFrameTimes().shadows > 0;
+    };
+    EXPECT_TRUE(drawsShadows());
+    EXPECT_FALSE(drawsShadows());
+    renderer.setLights(world.scene.lights);
+    EXPECT_FALSE(drawsShadows()) << "the same lights";
+    world.scene.materials[1].roughness = 0.9f;
+    world.scene.materials[1].baseColor.r = 0.1f;
+    renderer.setMaterials(world.scene.materials);
+    EXPECT_FALSE(drawsShadows()) << "a material that is as opaque as before";
+    world.scene.materials[1].baseColor.a = 0.2f;
+    world.scene.materials[1].alphaMode = AlphaMode::mask;
+    renderer.setMaterials(world.scene.materials);
+    EXPECT_TRUE(drawsShadows()) << "the shelf is gone";
+    world.scene.lights[0].position.x += 0.1f;
+    renderer.setLights(world.scene.lights);
+    EXPECT_TRUE(drawsShadows()) << "another light";
+    renderer.moveScene(world.scene, world.atlas, world.points);
+    EXPECT_TRUE(drawsShadows()) << "geometry has moved";
+    EXPECT_EQ(renderer.render(settings).pixels,
+              Renderer(world.input(), kShaderFolder).render(settings).pixels);
+}
+
 // A lamp almost in the plane of the floor: neither acne nor a gap.
 TEST_F(RendererLight, GrazingLightHasNoAcne) {
     Scene scene;

@@ -8,6 +8,7 @@
 #include "core/phatexel/lookup_tables.h"
 #include "core/scene/lights.h"
 #include "gl/renderer_world.h"
+#include "gl/traced_frame.h"
 
 namespace phat::test {
 namespace {
@@ -203,9 +204,8 @@ uint64_t raysFor(float roughness, float height, float texelsPerMeter) {
     settings.height = 12;
     settings.camera = lookAtCamera({0, 0.5f * height, 0.5f * height}, {0.1f, 0, 0}, 20);
     settings.samplesPerPixel = 1;
-    settings.traced = &traced;
-    renderer.render(settings);
-    return renderer.lastFrameTimes().reflectionRays;
+    PictureSum sum;
+    return drawFrame(renderer, settings, &traced, sum).rays;
 }
 
 TEST(TracedReflections, LobesSharperThanThePhatexelsAroundAreTraced) {
@@ -230,10 +230,12 @@ TEST(TracedReflections, TakeThePlaceOfTheLookup) {
     settings.height = 24;
     settings.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 30);
     settings.samplesPerPixel = 2;
+    uint64_t rays = 0;
     const auto middle = [&](const TracedReflections* traced, Component component) {
-        settings.traced = traced;
         settings.component = component;
-        return renderer.render(settings).at(16, 12).x;
+        PictureSum sum;
+        rays = drawFrame(renderer, settings, traced, sum).rays;
+        return readMean(sum).at(16, 12).x;
     };
     EXPECT_NEAR(middle(nullptr, Component::glossyIndirect), 2, 0.02f);
     EXPECT_NEAR(middle(nullptr, Component::direct), 0, 1e-4f);
@@ -241,10 +243,36 @@ TEST(TracedReflections, TakeThePlaceOfTheLookup) {
     EXPECT_NEAR(middle(&traced, Component::all), 5, 0.02f);
     EXPECT_NEAR(middle(&traced, Component::direct), 5, 0.02f);
     EXPECT_NEAR(middle(&traced, Component::glossyIndirect), 0, 1e-4f);
-    EXPECT_GT(renderer.lastFrameTimes().reflectionRays, 0u);
+    EXPECT_GT(rays, 0u);
     const TracedReflections none{traceable.scene, Reflections::lookup, silent};
     EXPECT_NEAR(middle(&none, Component::all), 2, 0.02f);
-    EXPECT_EQ(renderer.lastFrameTimes().reflectionRays, 0u);
+    EXPECT_EQ(rays, 0u);
+}
+
+// A sample that is given up, for its rays take too long, leaves the sum as it was and the next one right.
+TEST(TracedReflections, AnUnfinishedSampleLeavesNothing) {
+    const HeadlessContext context;
+    RendererWorld world = worldOfQuads(floorAndCeiling(metal(0.05f), emitter(glm::vec3(5))), 4);
+    fillWithLookups(world, 2, 0);
+    const WorldOfRays traceable(world);
+    SilentProgress silent;
+    Renderer renderer(world.input(), kShaderFolder);
+    FrameSettings settings;
+    settings.width = 32;
+    settings.height = 24;
+    settings.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 30);
+    settings.samplesPerPixel = 2;
+    settings.samplesPerDraw = 1;
+    const TracedReflections traced{traceable.scene, Reflections::automatic, silent};
+    PictureSum whole, interrupted;
+    for (int i = 0; i < 2; ++i) drawFrame(renderer, settings, &traced, whole);
+    drawFrame(renderer, settings, &traced, interrupted);
+    const PendingSample sample = renderer.beginSample(settings, Reflections::automatic, interrupted);
+    EXPECT_GT(sample.surfaces.size(), 0u);
+    EXPECT_EQ(interrupted.samples, 1);
+    drawFrame(renderer, settings, &traced, interrupted);
+    EXPECT_EQ(interrupted.samples, 2);
+    EXPECT_EQ(readMean(interrupted).pixels, readMean(whole).pixels);
 }
 
 // Every pixel's ray starts where the rasteriser drew it: the floor mirrors a ceiling whose left half is
@@ -266,8 +294,9 @@ TEST(TracedReflections, AgreeWithTheRasterisersGeometry) {
     settings.height = 48;
     settings.camera = lookAtCamera({0.3f, 1, 1}, {-0.2f, 0, 0}, 40);
     settings.samplesPerPixel = 1;
-    settings.traced = &traced;
-    const Image image = renderer.render(settings);
+    PictureSum sum;
+    drawFrame(renderer, settings, &traced, sum);
+    const Image image = readMean(sum);
     const glm::vec3 eye(settings.camera.worldFromCamera[3]);
     int dark = 0, bright = 0, wrong = 0;
     for (int y = 0; y < image.height; ++y) {

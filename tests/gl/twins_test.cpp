@@ -106,15 +106,15 @@ TEST_P(Twins, PackedRadianceAndMirrorDirections) {
     const std::string pack =
         "vec3 rgb = a.xyz * exp2(a.w * 20.0 - 10.0);"
         "vec3 mirror = normalize(b.xyz - 0.5);"
-        "Draws drawn = noDraws();"
+        "LobeSums drawn = noLobeSums();"
         "drawn.indirect = vec4(rgb, 1.0);"
         "drawn.mirror = mirror;"
         "drawn.surface = 5u;"
         "drawn.alpha = b.w;"
-        "Draws back = unpackDraws(packDraws(drawn));";
-    const auto alpha = run("lib/packed_draws.glsl", pack + "result = vec4(back.alpha);", rows);
+        "LobeSums back = unpackLobeSums(packLobeSums(drawn));";
+    const auto alpha = run("lib/packed_sums.glsl", pack + "result = vec4(back.alpha);", rows);
     const auto there =
-        run("lib/packed_draws.glsl",
+        run("lib/packed_sums.glsl",
             pack + "result = vec4(back.indirect.rgb, dot(back.mirror, mirror) * float(back.surface) / 5.0);",
             rows);
     for (int row = 0; row < kRows; ++row) {

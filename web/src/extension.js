@@ -58,7 +58,7 @@ export class BakedLight {
         const pictures = () => ({ light: new ExternalTexture(), depth: new ExternalTexture() });
         this.pictures = { opaque: pictures(), blended: pictures() };
         const materials = new Set();
-        this.undo = bake.surfaces.draws.map(({ mesh }) => {
+        this.undo = bake.surfaces.drawRanges.map(({ mesh }) => {
             const { onBeforeRender } = mesh;
             mesh.onBeforeRender = (renderer, scene, camera, ...rest) => {
                 onBeforeRender.call(mesh, renderer, scene, camera, ...rest);
@@ -83,8 +83,11 @@ export class BakedLight {
         const { indirect, area } = description,
             { atlas } = this.bake,
             hasArea = area.layers.length > 0;
-        if (description.environment)
-            this.environment = environmentTexture(await readEnvironment(parser, description.environment));
+        if (description.environment) {
+            const environment = await readEnvironment(parser, description.environment);
+            if (this.disposed) return this;
+            this.environment = environmentTexture(environment);
+        }
         // Area lights need both, their PHATexels and their irradiance.
         if (!canLookUp(indirect) || hasArea !== Boolean(area.irradiance) || (hasArea && !canLookUp(area)))
             return this;
@@ -92,8 +95,8 @@ export class BakedLight {
         if (hasArea) steps.unshift([area, 0]);
         const distances = await readDistances(parser, description, atlas);
         const sources = new Map([
-            [indirect, unseen(atlas)],
-            [area, hasArea ? unseen(atlas) : null],
+            [indirect, emptySource(atlas)],
+            [area, hasArea ? emptySource(atlas) : null],
         ]);
         for (const [step, [source, i]] of steps.entries()) {
             if (i === 0) {
@@ -149,8 +152,8 @@ export class BakedLight {
     }
 }
 
-// A source of light of which nothing is loaded: no PHATexel has a value.
-function unseen({ width, height, blockCount }) {
+// A source of light of which nothing is loaded: no PHATexel is valid.
+function emptySource({ width, height, blockCount }) {
     const layer = { texels: new Uint32Array(2 * width * height), scrambles: new Uint16Array(blockCount) };
     return { guides: new Uint16Array(256).fill(256), layers: [layer] };
 }

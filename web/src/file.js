@@ -58,25 +58,30 @@ export async function readAtlas(parser, description, triangleCount) {
     const tileCount = (width / 8) * (height / 8),
         texels = width * height;
     const payload = (of, Type, count, what) => readPayload(parser, of, Type, count, what);
-    const [chartWords, tileChart, triangleChart, places, brightest, indirectIrradiance, areaIrradiance] =
-        await Promise.all([
-            payload(atlas.charts, Uint32Array, 8 * atlas.chartCount, 'the list of charts'),
-            payload(atlas.tiles, Uint32Array, tileCount, 'the list of tiles'),
-            payload(atlas.triangles, Uint32Array, triangleCount, 'the list of triangles'),
-            payload(tiles.places, Uint32Array, 8 * tileCount, 'the places of the tiles'),
-            payload(tiles.brightest, Float32Array, 3 * tileCount, 'the bound of the light'),
-            payload(indirect.irradiance, Uint32Array, texels, 'the indirect irradiance'),
-            area.irradiance
-                ? payload(area.irradiance, Uint32Array, texels, "the area lights' irradiance")
-                : null,
-        ]);
+    const [
+        chartWords,
+        tileChart,
+        triangleChart,
+        tilePatches,
+        radianceBound,
+        indirectIrradiance,
+        areaIrradiance,
+    ] = await Promise.all([
+        payload(atlas.charts, Uint32Array, 8 * atlas.chartCount, 'the list of charts'),
+        payload(atlas.tiles, Uint32Array, tileCount, 'the list of tiles'),
+        payload(atlas.triangles, Uint32Array, triangleCount, 'the list of triangles'),
+        payload(tiles.places, Uint32Array, 8 * tileCount, 'the places of the tiles'),
+        payload(tiles.brightest, Float32Array, 3 * tileCount, 'the bound of the light'),
+        payload(indirect.irradiance, Uint32Array, texels, 'the indirect irradiance'),
+        area.irradiance ? payload(area.irradiance, Uint32Array, texels, "the area lights' irradiance") : null,
+    ]);
     return {
         width,
         height,
         tileChart,
         triangleChart,
-        places,
-        brightest,
+        tilePatches,
+        radianceBound,
         indirectIrradiance,
         areaIrradiance,
         ...chartsFrom(chartWords),

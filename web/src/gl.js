@@ -14,10 +14,10 @@ precision highp usampler2DArray;
 
 // A file of shaders/ with everything that it includes, each once and in order.
 export function assembleShader(name, defines = []) {
-    const seen = new Set();
+    const included = new Set();
     const expand = (file) => {
-        if (seen.has(file)) return '';
-        seen.add(file);
+        if (included.has(file)) return '';
+        included.add(file);
         return files[file].replace(/^#include "(.*)"$/gm, (_, included) => expand(included));
     };
     return preamble + defines.map((define) => `#define ${define}\n`).join('') + expand(name);

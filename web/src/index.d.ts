@@ -16,19 +16,19 @@ export class BakedLight {
     private constructor();
     /** Resolves when the reflections are loaded, diffuse light being there at once; rejects when the file is damaged. */
     readonly ready: Promise<BakedLight>;
-    /** 0 to 1: how much of the reflections is loaded. Each part makes the picture better: lamps' highlights come first. */
+    /** 0 to 1: how much of the reflections is loaded. Each part makes the picture better: area lights' highlights come first. */
     readonly progress: number;
     /** Called when `progress` has changed; pages that draw on demand draw then. */
     onProgress: (() => void) | null;
-    /** The sky that the file was baked under, for `scene.background`; null if there is none, or before `ready`. */
+    /** The environment that the file was baked under, for `scene.background`; null if there is none, or before `ready`. */
     readonly environment: DataTexture | null;
     /** Whether the bake's light is drawn. */
     enabled: boolean;
-    /** Directions drawn a pixel: 2, 12 or 32. */
+    /** Directions sampled a pixel: 2, 8 or 32. */
     quality: 'fast' | 'default' | 'high';
     /** Chooses among the noise patterns; give each picture another one where pictures are averaged. */
     seed: number;
-    /** To the left of this share of the picture all light is drawn, to the right only direct light. 1: all. */
+    /** Left of this fraction of the picture all light is drawn, to the right only direct light. 1: all. */
     wipe: number;
     /** The object that the light belongs to. */
     readonly root: Object3D;
@@ -39,5 +39,5 @@ export class BakedLight {
 /** Whether a context can draw baked light: WebGL 2 with float render targets. */
 export function isSupported(context: WebGLRenderingContext | WebGL2RenderingContext | null): boolean;
 
-/** Place of picture `index` of `count` inside the pixel, for averaging pictures (`Camera.setViewOffset`). */
+/** Position of picture `index` of `count` inside the pixel, for averaging pictures (`Camera.setViewOffset`). */
 export function jitterOf(index: number, count: number): [number, number];

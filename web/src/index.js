@@ -1,3 +1,3 @@
 export { BakedLight, PhatexturesExtension } from './extension.js';
 export { isSupported } from './gl.js';
-export { jitterOf } from './draws.js';
+export { jitterOf } from './sample_numbers.js';

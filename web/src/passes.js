@@ -3,7 +3,7 @@
 // surfaces; where there are blended ones, another is of the nearest of these.
 // twin: src/gl/lookup_pass.cpp, src/gl/display_pass.cpp.
 import { ShaderProgram, createTextureArray } from './gl.js';
-import { drawsOf } from './draws.js';
+import { sampleNumberTables } from './sample_numbers.js';
 import { drawSplitSum, noShadows, resetState, whiteTexture } from './fixed.js';
 import {
     alphaMode,
@@ -16,23 +16,25 @@ import {
 } from './material.js';
 import { createVertices } from './vertices.js';
 import { createTargets, disposeTargets } from './targets.js';
-import { uploadAtlas, uploadProbes, uploadScrambles, uploadWarps } from './tables.js';
+import { requireRevision, uploadTexture, webglTexture } from './three_internals.js';
+import { uploadAtlas, uploadProbes, uploadScrambles, uploadInverseCdfs } from './tables.js';
 
 const kFirstMaterialUnit = 7;
 const kFloatOne = 0x3f800000; // bits
 // Views whose pictures are kept: a page's own and a second one, as long as both are drawn.
 const kKeptSizes = 2,
-    kKeptDraws = 8;
-// twin: drawsOf in src/gl/display_pass.cpp
-const kDraws = {
-    fast: { count: 2, lampBits: 2 },
-    default: { count: 8, lampBits: 4 },
-    high: { count: 32, lampBits: 4 },
+    kKeptFrames = 8;
+// twin: samplingOf in src/gl/display_pass.cpp
+const kSampling = {
+    fast: { sampleCount: 2, lightBits: 2 },
+    default: { sampleCount: 8, lightBits: 4 },
+    high: { sampleCount: 32, lightBits: 4 },
 };
 
 export class Passes {
     // `bake`: { surfaces, atlas }, see BakedLight.
     constructor(renderer, bake) {
+        requireRevision();
         this.renderer = renderer;
         this.bake = bake;
         this.lookup = null;
@@ -45,9 +47,9 @@ export class Passes {
         this.shadows = noShadows(gl);
         this.atlas = uploadAtlas(gl, bake.atlas);
         this.targets = [];
-        this.drawCount = 0;
+        this.frameCount = 0;
         this.rows = new Float32Array(4 * kMaterialRows);
-        this.createPrograms(bake.surfaces.draws.some(({ mesh }) => hasClearcoat(mesh.material)));
+        this.createPrograms(bake.surfaces.drawRanges.some(({ mesh }) => hasClearcoat(mesh.material)));
         this.splitSum = drawSplitSum(gl);
     }
 
@@ -67,7 +69,7 @@ export class Passes {
         this.lookup = lookup;
         this.freeLookup();
         this.prepareUploads();
-        this.warps = uploadWarps(gl, lookup.guides);
+        this.inverseCdfs = uploadInverseCdfs(gl, lookup.guides);
         this.probes = uploadProbes(gl, lookup.distances, atlas.width / 8, atlas.height / 8);
         this.phatexels = createTextureArray(
             gl,
@@ -83,7 +85,7 @@ export class Passes {
     }
 
     freeLookup() {
-        for (const texture of [this.warps, this.probes, this.phatexels, this.scrambles])
+        for (const texture of [this.inverseCdfs, this.probes, this.phatexels, this.scrambles])
             this.gl.deleteTexture(texture ?? null);
     }
 
@@ -113,9 +115,9 @@ export class Passes {
             hasBlended = this.hasBlended(),
             fits = (t) => t.width === width && t.height === height && Boolean(t.blended) === hasBlended;
         const targets = this.targets.find(fits) ?? createTargets(gl, width, height, this.layers, hasBlended);
-        targets.lastUse = ++this.drawCount;
+        targets.lastUse = ++this.frameCount;
         const all = [targets, ...this.targets.filter((t) => t !== targets)];
-        const isKept = (t, i) => i < kKeptSizes && this.drawCount - t.lastUse < kKeptDraws;
+        const isKept = (t, i) => i < kKeptSizes && this.frameCount - t.lastUse < kKeptFrames;
         all.filter((t, i) => !isKept(t, i)).forEach((t) => disposeTargets(gl, t));
         this.targets = all.filter(isKept);
         return targets;
@@ -127,7 +129,7 @@ export class Passes {
     }
 
     hasBlended() {
-        return this.bake.surfaces.draws.some(({ mesh }) => isBlended(mesh.material));
+        return this.bake.surfaces.drawRanges.some(({ mesh }) => isBlended(mesh.material));
     }
 
     bindMaterial(program, material, allSlots) {
@@ -137,19 +139,17 @@ export class Passes {
         program.set('alphaMode', isBlended(material) ? kOpaque : alphaMode(material));
         kSlots.slice(0, allSlots ? kSlots.length : 1).forEach(([sampler, textureOf], i) => {
             const texture = textureOf(material);
-            const handle = texture && renderer.properties.get(texture).__webglTexture;
-            program.bind(sampler, kFirstMaterialUnit + i, gl.TEXTURE_2D, handle ?? this.white);
+            const uploaded = texture && webglTexture(renderer, texture);
+            program.bind(sampler, kFirstMaterialUnit + i, gl.TEXTURE_2D, uploaded ?? this.white);
         });
         program.set('material', this.rows);
     }
 
-    // three.js uploads a texture when it first draws with it, which is after these passes.
     uploadMaps() {
-        for (const { mesh } of this.bake.surfaces.draws) {
+        for (const { mesh } of this.bake.surfaces.drawRanges) {
             for (const [, textureOf] of kSlots) {
                 const texture = textureOf(mesh.material);
-                if (texture?.image && this.renderer.properties.get(texture).__version !== texture.version)
-                    this.renderer.initTexture(texture);
+                if (texture) uploadTexture(this.renderer, texture);
             }
         }
     }
@@ -159,7 +159,7 @@ export class Passes {
         program.set('clipFromWorld', view.clipFromWorld);
         program.offer('eyeWorld', view.eye);
         program.offer('eyeAtInfinity', view.eyeAtInfinity);
-        this.bake.surfaces.draws.forEach(({ mesh, first, count }, i) => {
+        this.bake.surfaces.drawRanges.forEach(({ mesh, first, count }, i) => {
             if (isBlended(mesh.material) !== view.blended || !view.isVisible(mesh)) return;
             if (mesh.material.side === 2) gl.disable(gl.CULL_FACE);
             else gl.enable(gl.CULL_FACE);
@@ -187,18 +187,18 @@ export class Passes {
 
     lookUp(view, shared, target, quality, seed) {
         const { gl, atlas, lookup, lookupProgram: program } = this;
-        gl.bindFramebuffer(gl.FRAMEBUFFER, target.seenTarget);
-        // A lobe that has seen nothing shows the mean over the hemisphere (display.frag). Of lamps that would
-        // be far too much nearly everywhere: until their PHATexels are there, a lobe sees them black, by a
-        // weight of 1.
-        const ofLamps = (layer) => this.bake.atlas.areaIrradiance && layer % 2 === 1;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, target.incidentTarget);
+        // A lobe without samples shows the mean over the hemisphere (display.frag). Of area lights that would
+        // be far too much nearly everywhere: until their PHATexels are there, they are black, with a weight
+        // of 1.
+        const isOfArea = (layer) => this.bake.atlas.areaIrradiance && layer % 2 === 1;
         for (let layer = 0; layer < this.layers; ++layer)
-            gl.clearBufferuiv(gl.COLOR, layer, [0, !lookup && ofLamps(layer) ? kFloatOne : 0, 0, 0]);
+            gl.clearBufferuiv(gl.COLOR, layer, [0, !lookup && isOfArea(layer) ? kFloatOne : 0, 0, 0]);
         if (!lookup) return;
         program.use();
         program.bind('tilePatches', 0, gl.TEXTURE_2D, atlas.tilePatches);
         program.bind('phatexels', 1, gl.TEXTURE_2D_ARRAY, this.phatexels);
-        program.bind('warps', 2, gl.TEXTURE_2D, this.warps);
+        program.bind('inverseCdfs', 2, gl.TEXTURE_2D, this.inverseCdfs);
         program.bind('probes', 3, gl.TEXTURE_2D, this.probes);
         program.bind('charts', 4, gl.TEXTURE_2D, atlas.charts);
         if (this.scrambles) program.bind('scrambles', 5, gl.TEXTURE_2D, this.scrambles);
@@ -206,17 +206,17 @@ export class Passes {
         program.set('guideCount', lookup.guideCount);
         program.set('layerCount', lookup.layerCount);
         program.set('areaGuideCount', lookup.areaGuideCount);
-        const { count, lampBits } = kDraws[quality];
-        const { draws, ranks } = drawsOf(count, seed);
-        program.set('draws', draws);
+        const { sampleCount, lightBits } = kSampling[quality];
+        const { sampleNumbers, ranks } = sampleNumberTables(sampleCount, seed);
+        program.set('sampleNumbers', sampleNumbers);
         program.set('ranks', ranks);
-        program.set('drawCount', count);
-        program.set('lampBits', lampBits);
+        program.set('sampleCount', sampleCount);
+        program.set('lightBits', lightBits);
         this.drawSurfaces(program, view, true);
-        this.poolDraws(shared, target);
+        this.poolSums(shared, target);
     }
 
-    poolDraws(shared, target) {
+    poolSums(shared, target) {
         const { gl, poolProgram: program } = this;
         gl.disable(gl.DEPTH_TEST);
         gl.disable(gl.CULL_FACE);
@@ -224,12 +224,12 @@ export class Passes {
         program.use();
         const pool = (from, to, alongWhich) => {
             gl.bindFramebuffer(gl.FRAMEBUFFER, to);
-            program.bind('seen', 0, gl.TEXTURE_2D_ARRAY, from);
+            program.bind('incident', 0, gl.TEXTURE_2D_ARRAY, from);
             program.set('alongWhich', alongWhich);
             gl.drawArrays(gl.TRIANGLES, 0, 3);
         };
-        pool(shared.seen, shared.pooledTarget, [1, 0]);
-        pool(shared.pooled, target.seenTarget, [0, 1]);
+        pool(shared.incident, shared.pooledTarget, [1, 0]);
+        pool(shared.pooled, target.incidentTarget, [0, 1]);
         gl.bindVertexArray(this.vertices.vertexArray);
         gl.enable(gl.DEPTH_TEST);
     }
@@ -238,7 +238,7 @@ export class Passes {
         const { gl, atlas, displayProgram: program } = this;
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.lightTarget);
         program.use();
-        program.bind('seen', 0, gl.TEXTURE_2D_ARRAY, shared.seen);
+        program.bind('incident', 0, gl.TEXTURE_2D_ARRAY, shared.incident);
         program.bind('tileLight', 1, gl.TEXTURE_2D, atlas.tileLight);
         program.bind('tileTable', 2, gl.TEXTURE_2D, atlas.tileTable);
         program.bind('irradiance', 3, gl.TEXTURE_2D_ARRAY, atlas.irradiance);
@@ -256,7 +256,7 @@ export class Passes {
     draw(view, { quality, seed, wipe }) {
         this.uploadMaps();
         const coatAppears =
-            !this.clearcoat && this.bake.surfaces.draws.some(({ mesh }) => hasClearcoat(mesh.material));
+            !this.clearcoat && this.bake.surfaces.drawRanges.some(({ mesh }) => hasClearcoat(mesh.material));
         if (coatAppears) {
             this.disposePrograms();
             this.createPrograms(true);

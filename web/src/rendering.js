@@ -60,9 +60,9 @@ export class Rendering {
         try {
             this.passes ??= this.createPasses(gl, light.bake);
             this.passes.useLookup(light.bake.lookup);
-            const isSeen = (mesh) => light.enabled && isVisible(mesh) && camera.layers.test(mesh.layers);
+            const isDrawn = (mesh) => light.enabled && isVisible(mesh) && camera.layers.test(mesh.layers);
             const targets = this.passes.draw(
-                { ...viewOf(light.root, camera), width, height, isVisible: isSeen },
+                { ...viewOf(light.root, camera), width, height, isVisible: isDrawn },
                 light,
             );
             this.drawnFor = { frame, camera, target, shown: { targets, corner: [x, y] } };

@@ -1,4 +1,4 @@
-// The baked surfaces as three.js loaded them, with their places in the atlas.
+// The baked surfaces as three.js loaded them, with their tilePatches in the atlas.
 // twin: src/gl/scene_upload.cpp.
 import { Matrix3, Matrix4, Vector3 } from 'three';
 import { kNoChart } from './file.js';
@@ -79,8 +79,36 @@ function component(attribute, vertex, c, otherwise) {
     return attribute && c < attribute.itemSize ? attribute.getComponent(vertex, c) : otherwise;
 }
 
+// Writes the corners of a mesh in the space of the root, from word `at` of `floats` on.
+function writeCorners(floats, at, geometry, rootFromMesh) {
+    const { position, normal, tangent, uv, uv1, color } = geometry.attributes,
+        normalMatrix = new Matrix3().getNormalMatrix(rootFromMesh),
+        isMirrored = rootFromMesh.determinant() < 0,
+        vector = new Vector3();
+    for (let v = 0; v < position.count; ++v, at += kVertexWords) {
+        vector.fromBufferAttribute(position, v).applyMatrix4(rootFromMesh).toArray(floats, at);
+        vector
+            .fromBufferAttribute(normal, v)
+            .applyMatrix3(normalMatrix)
+            .normalize()
+            .toArray(floats, at + 3);
+        if (tangent) {
+            vector
+                .fromBufferAttribute(tangent, v)
+                .transformDirection(rootFromMesh)
+                .toArray(floats, at + 6);
+            floats[at + 9] = tangent.getW(v) * (isMirrored ? -1 : 1);
+        }
+        for (let c = 0; c < 2; ++c) {
+            floats[at + 10 + c] = component(uv, v, c, 0);
+            floats[at + 12 + c] = component(uv1, v, c, 0);
+        }
+        for (let c = 0; c < 4; ++c) floats[at + 14 + c] = component(color, v, c, 1);
+    }
+}
+
 // Corners and triangles of all surfaces in the space of `root`, where the light was baked.
-// Returns { vertices, indices, draws: [{ mesh, first, count }] }.
+// Returns { vertices, indices, drawRanges: [{ mesh, first, count }] }.
 export function gatherSurfaces(root, meshes, atlas, texCoord) {
     root.updateWorldMatrix(true, true);
     const rootFromWorld = new Matrix4().copy(root.matrixWorld).invert();
@@ -90,41 +118,16 @@ export function gatherSurfaces(root, meshes, atlas, texCoord) {
     );
     const indices = new Uint32Array(3 * meshes.reduce((sum, mesh) => sum + triangleCount(mesh), 0));
     const floats = new Float32Array(vertices.buffer);
-    const draws = [];
+    const drawRanges = [];
     let firstVertex = 0,
         first = 0;
-    const vector = new Vector3(),
-        normalMatrix = new Matrix3(),
-        matrix = new Matrix4();
     meshes.forEach((mesh, surface) => {
         const geometry = geometries[surface],
-            { position, normal, tangent, uv, uv1, color } = geometry.attributes;
-        const uvAtlas = atlasUv(geometry, texCoord);
+            uvAtlas = atlasUv(geometry, texCoord);
         if (!uvAtlas) throw new Error('the baked light cannot be read: the atlas UVs are missing');
-        matrix.multiplyMatrices(rootFromWorld, mesh.matrixWorld);
-        normalMatrix.getNormalMatrix(matrix);
-        const mirrored = matrix.determinant() < 0;
-        for (let v = 0; v < position.count; ++v) {
-            const at = kVertexWords * (firstVertex + v);
-            vector.fromBufferAttribute(position, v).applyMatrix4(matrix).toArray(floats, at);
-            vector
-                .fromBufferAttribute(normal, v)
-                .applyMatrix3(normalMatrix)
-                .normalize()
-                .toArray(floats, at + 3);
-            if (tangent) {
-                vector
-                    .fromBufferAttribute(tangent, v)
-                    .transformDirection(matrix)
-                    .toArray(floats, at + 6);
-                floats[at + 9] = tangent.getW(v) * (mirrored ? -1 : 1);
-            }
-            for (let c = 0; c < 2; ++c) {
-                floats[at + 10 + c] = component(uv, v, c, 0);
-                floats[at + 12 + c] = component(uv1, v, c, 0);
-            }
-            for (let c = 0; c < 4; ++c) floats[at + 14 + c] = component(color, v, c, 1);
-        }
+        const rootFromMesh = new Matrix4().multiplyMatrices(rootFromWorld, mesh.matrixWorld),
+            isMirrored = rootFromMesh.determinant() < 0;
+        writeCorners(floats, kVertexWords * firstVertex, geometry, rootFromMesh);
         const count = triangleCount(mesh);
         for (let t = 0; t < count; ++t) {
             const sides = sidesOf(atlas, atlas.triangleChart[first / 3 + t]);
@@ -138,12 +141,12 @@ export function gatherSurfaces(root, meshes, atlas, texCoord) {
                     vertices[at + kChartsOffset + c] = sides.charts[c];
                 }
                 // Turned around where the node is mirrored, so that fronts stay counter-clockwise.
-                indices[first + 3 * t + (mirrored && corner > 0 ? 3 - corner : corner)] = firstVertex + v;
+                indices[first + 3 * t + (isMirrored && corner > 0 ? 3 - corner : corner)] = firstVertex + v;
             }
         }
-        draws.push({ mesh, first, count: 3 * count });
-        firstVertex += position.count;
+        drawRanges.push({ mesh, first, count: 3 * count });
+        firstVertex += geometry.attributes.position.count;
         first += 3 * count;
     });
-    return { vertices, indices, draws };
+    return { vertices, indices, drawRanges };
 }

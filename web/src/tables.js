@@ -15,13 +15,13 @@ export function warpOf(weights) {
         rows[i >> 4] += weight;
     });
     const total = rows.reduce((sum, row) => sum + row, 0);
-    const warp = new Uint8Array(4 * weights.length);
+    const cells = new Uint8Array(4 * weights.length);
     let above = 0;
     for (let y = 0; y < kTableSide; ++y) {
         let before = 0;
         for (let x = 0; x < kTableSide; ++x) {
             const weight = weights[kTableSide * y + x];
-            warp.set(
+            cells.set(
                 [
                     code(before / rows[y]),
                     code((before + weight) / rows[y]),
@@ -34,22 +34,22 @@ export function warpOf(weights) {
         }
         above += rows[y];
     }
-    return warp;
+    return cells;
 }
 
 // Tables of 16x16 entries, many side by side.
-export function uploadWarps(gl, guides) {
+export function uploadInverseCdfs(gl, guides) {
     const count = guides.length / 256;
     const width = Math.min(count, kTablesWide) * kTableSide,
         height = Math.ceil(count / kTablesWide) * kTableSide;
     const pixels = new Uint8Array(4 * width * height);
     for (let i = 0; i < count; ++i) {
-        const warp = warpOf(guides.subarray(256 * i, 256 * i + 256));
+        const cells = warpOf(guides.subarray(256 * i, 256 * i + 256));
         const x = (i % kTablesWide) * kTableSide,
             y = Math.floor(i / kTablesWide) * kTableSide;
         for (let row = 0; row < kTableSide; ++row)
             pixels.set(
-                warp.subarray(4 * kTableSide * row, 4 * kTableSide * (row + 1)),
+                cells.subarray(4 * kTableSide * row, 4 * kTableSide * (row + 1)),
                 4 * ((y + row) * width + x),
             );
     }
@@ -136,9 +136,10 @@ function uploadCharts(gl, charts) {
     return createTexture2D(gl, gl.RGBA32UI, kTableWidth, rows, table);
 }
 
-function uploadTileLight(gl, brightest, tilesWide, tilesHigh) {
-    const texels = new Float32Array((brightest.length / 3) * 4);
-    for (let i = 0; i < brightest.length / 3; ++i) texels.set(brightest.subarray(3 * i, 3 * i + 3), 4 * i);
+function uploadTileLight(gl, radianceBound, tilesWide, tilesHigh) {
+    const texels = new Float32Array((radianceBound.length / 3) * 4);
+    for (let i = 0; i < radianceBound.length / 3; ++i)
+        texels.set(radianceBound.subarray(3 * i, 3 * i + 3), 4 * i);
     return createTexture2D(gl, gl.RGBA32F, tilesWide, tilesHigh, texels);
 }
 
@@ -151,9 +152,9 @@ export function uploadAtlas(gl, atlas) {
         : [atlas.indirectIrradiance];
     return {
         tileTable: uploadTileTable(gl, atlas, tilesWide, tilesHigh),
-        tilePatches: createTexture2D(gl, gl.RGBA32UI, 2 * tilesWide, tilesHigh, atlas.places),
+        tilePatches: createTexture2D(gl, gl.RGBA32UI, 2 * tilesWide, tilesHigh, atlas.tilePatches),
         charts: uploadCharts(gl, atlas.charts),
-        tileLight: uploadTileLight(gl, atlas.brightest, tilesWide, tilesHigh),
+        tileLight: uploadTileLight(gl, atlas.radianceBound, tilesWide, tilesHigh),
         irradiance: createTextureArray(gl, gl.RGB9_E5, atlas.width, atlas.height, irradiance),
     };
 }

@@ -2,23 +2,24 @@
 // twin: LookupTargets in src/gl/lookup_pass.h, FrameTargets in src/gl/display_pass.h.
 import { createFramebuffer, createTexture2D, createTextureArray } from './gl.js';
 
-// `layers`: of the draws, see shaders/lib/draws_out.glsl. Returns { width, height, seen, pooled, pooledTarget, opaque,
-// blended }; the last, if wanted, like `opaque` { depth, light, seenTarget, lightTarget }.
+// `layers`: of the sums, see shaders/lib/sums_out.glsl. Returns { width, height, incident, pooled,
+// pooledTarget, opaque, blended }; the last, if wanted, like `opaque` { depth, light, incidentTarget,
+// lightTarget }.
 export function createTargets(gl, width, height, layers, hasBlended) {
     const texture = (format) => createTexture2D(gl, format, width, height);
     const array = () => createTextureArray(gl, gl.RGBA32UI, width, height, layers);
-    const target = (draws, depth) => {
-        const attachments = Array.from({ length: layers }, (_, layer) => ({ texture: draws, layer }));
+    const target = (sums, depth) => {
+        const attachments = Array.from({ length: layers }, (_, layer) => ({ texture: sums, layer }));
         return createFramebuffer(gl, attachments, depth);
     };
-    const seen = array();
+    const incident = array();
     const pooled = array();
-    const targets = { width, height, seen, pooled, pooledTarget: target(pooled) };
+    const targets = { width, height, incident, pooled, pooledTarget: target(pooled) };
     for (const kind of hasBlended ? ['opaque', 'blended'] : ['opaque']) {
         const depth = texture(gl.DEPTH_COMPONENT32F);
         const light = texture(gl.RGBA16F);
         const lightTarget = createFramebuffer(gl, [light], depth);
-        targets[kind] = { depth, light, seenTarget: target(seen, depth), lightTarget };
+        targets[kind] = { depth, light, incidentTarget: target(incident, depth), lightTarget };
     }
     return targets;
 }

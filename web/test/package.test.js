@@ -1,10 +1,12 @@
 // What needs no browser: the package, its tables, its size.
 import assert from 'node:assert/strict';
-import { readFile } from 'node:fs/promises';
+import { readFile, readdir } from 'node:fs/promises';
 import { test } from 'node:test';
-import { drawsOf, jitterOf, sobolBits } from '../src/draws.js';
+import { sampleNumberTables, jitterOf, sobolBits } from '../src/sample_numbers.js';
 import { packMaterial } from '../src/material.js';
-import { MeshPhysicalMaterial, Texture } from 'three';
+import { requireRevision, uploadTexture, webglTexture } from '../src/three_internals.js';
+import { deflateSync } from 'node:zlib';
+import { DataTexture, MeshPhysicalMaterial, Object3D, REVISION, Texture } from 'three';
 
 const dist = new URL('../dist/', import.meta.url);
 
@@ -55,12 +57,12 @@ test("Sobol's first points", () => {
 });
 
 test('ranks are aligned runs and seeds shift all draws alike', () => {
-    const a = drawsOf(12, 1),
-        b = drawsOf(12, 2);
+    const a = sampleNumberTables(12, 1),
+        b = sampleNumberTables(12, 2);
     assert.deepEqual(a.ranks, b.ranks);
-    const shift = a.draws[0] ^ b.draws[0];
+    const shift = a.sampleNumbers[0] ^ b.sampleNumbers[0];
     assert.notEqual(shift, 0);
-    for (let k = 0; k < 32; ++k) assert.equal(a.draws[4 * k] ^ b.draws[4 * k], shift);
+    for (let k = 0; k < 32; ++k) assert.equal(a.sampleNumbers[4 * k] ^ b.sampleNumbers[4 * k], shift);
 });
 
 test('jitter is centred in the pixel', () => {
@@ -88,4 +90,89 @@ test('materials become rows as the shaders read them', () => {
     near(row(5), [2, 0, 0.25, 1]); // u = 2 u0 + .25, of the second UV set
     near(row(6), [0, 3, 0.5, 1]);
     assert.equal(row(8)[3], 0); // no metallicRoughness texture
+});
+
+// A light with nothing but an environment, whose bytes `deliver` sends.
+async function lightOfEnvironment() {
+    const { BakedLight } = await import('../dist/phatextures.js');
+    let deliver;
+    const parser = {
+        getDependency: () =>
+            new Promise((done) => {
+                deliver = () => done(deflateSync(new Uint8Array(4)));
+            }),
+    };
+    const description = {
+        environment: { size: [1, 1], scale: 1, radiance: { bufferView: 0, byteLength: 4 } },
+        indirect: { guideCount: 0, layers: [] },
+        area: { layers: [] },
+    };
+    const bake = { atlas: {}, surfaces: { drawRanges: [] }, lookup: null };
+    return { light: new BakedLight(new Object3D(), parser, description, bake), deliver };
+}
+
+test('an environment that arrives after dispose() is not kept', async () => {
+    for (const isDisposed of [false, true]) {
+        const { light, deliver } = await lightOfEnvironment();
+        if (isDisposed) light.dispose();
+        deliver();
+        await light.ready;
+        assert.equal(light.environment === null, isDisposed);
+    }
+});
+
+// A renderer that keeps textures as three.js does, under `names`.
+function rendererWith(names) {
+    const all = new Map();
+    const get = (texture) => all.get(texture) ?? all.set(texture, {}).get(texture);
+    const renderer = { uploads: 0, properties: { get } };
+    renderer.initTexture = (texture) => {
+        ++renderer.uploads;
+        Object.assign(get(texture), { [names.handle]: 'handle', [names.version]: texture.version });
+    };
+    return renderer;
+}
+
+test('textures are uploaded once a version', () => {
+    const renderer = rendererWith({ handle: '__webglTexture', version: '__version' });
+    const texture = new DataTexture(new Uint8Array(4), 1, 1);
+    assert.equal(webglTexture(renderer, texture), undefined);
+    for (const uploads of [1, 1, 2]) {
+        if (uploads !== renderer.uploads) texture.needsUpdate = true;
+        uploadTexture(renderer, texture);
+        assert.equal(renderer.uploads, uploads);
+        assert.equal(webglTexture(renderer, texture), 'handle');
+    }
+    uploadTexture(renderer, new Texture()); // without an image there is nothing to upload
+    assert.equal(renderer.uploads, 2);
+});
+
+test('a three.js that keeps its textures otherwise is told from one that does not', () => {
+    for (const names of [
+        { handle: '__handle', version: '__version' },
+        { handle: '__webglTexture', version: '__uploaded' },
+    ]) {
+        const texture = new DataTexture(new Uint8Array(4), 1, 1);
+        texture.needsUpdate = true;
+        assert.throws(() => uploadTexture(rendererWith(names), texture), new RegExp(`r${REVISION}: it keeps`));
+    }
+    assert.throws(() => requireRevision('179'), /r179: it needs r180 or newer/);
+    assert.throws(() => requireRevision('next'), /needs r180/);
+    for (const revision of ['180', '187', '188dev', REVISION]) requireRevision(revision);
+});
+
+test('the first revision is the one of peerDependencies', async () => {
+    const { peerDependencies } = JSON.parse(await readFile(new URL('../package.json', import.meta.url)));
+    const [, revision] = peerDependencies.three.match(/^>=0\.(\d+)$/);
+    requireRevision(revision);
+    assert.throws(() => requireRevision(String(Number(revision) - 1)));
+});
+
+test('one file alone uses what three.js does not document', async () => {
+    const folder = new URL('../src/', import.meta.url);
+    for (const name of await readdir(folder)) {
+        const text = await readFile(new URL(name, folder), 'utf8');
+        const isInternal = /\.properties\b|\b__\w+/.test(text);
+        assert.equal(isInternal, name === 'three_internals.js', name);
+    }
 });

@@ -1,8 +1,8 @@
-// The numbers that the lookup draws directions with.
-// twin: src/core/base/sobol.cpp, setDraws in src/gl/lookup_pass.cpp.
+// The numbers that the lookup samples directions with.
+// twin: src/core/base/sobol.cpp, setSampleNumbers in src/gl/lookup_pass.cpp.
 
 const kRanks = 16,
-    kMostDraws = 32; // twin: shaders/lib/lookup.glsl
+    kMaxSamples = 32; // twin: shaders/lib/lookup.glsl
 
 // A primitive polynomial over GF(2) of degree s with inner coefficients a, and the first numbers m.
 function directionNumbers(s, a, m) {
@@ -46,23 +46,23 @@ function hashOf(a, b) {
 }
 
 // Sobol's points, of which every rank has an aligned run; each seed shifts them all.
-export function drawsOf(drawCount, seed) {
-    // Bayer's order: pixels side by side make draws that are far apart.
+export function sampleNumberTables(sampleCount, seed) {
+    // Bayer's order: neighbouring pixels take samples that are far apart.
     const bayer = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
-    const run = 2 ** Math.ceil(Math.log2(drawCount));
+    const run = 2 ** Math.ceil(Math.log2(sampleCount));
     const ranks = new Uint32Array(4 * kRanks),
-        draws = new Uint32Array(4 * kMostDraws);
+        sampleNumbers = new Uint32Array(4 * kMaxSamples);
     bayer.forEach((order, rank) => ranks.set(sobolBits(run * order), 4 * rank));
     const shift = [0, 1, 2, 3].map((d) => hashOf(seed, d));
-    for (let k = 0; k < kMostDraws; ++k)
-        draws.set(
+    for (let k = 0; k < kMaxSamples; ++k)
+        sampleNumbers.set(
             sobolBits(k).map((bits, d) => bits ^ shift[d]),
             4 * k,
         );
-    return { draws, ranks };
+    return { sampleNumbers, ranks };
 }
 
-// Place of picture `index` of `count` inside the pixel. twin: jitterOf in src/gl/display_pass.cpp.
+// Position of picture `index` of `count` inside the pixel. twin: jitterOf in src/gl/display_pass.cpp.
 export function jitterOf(index, count) {
     if (count === 1) return [0, 0];
     const [x, y] = sobolBits(index);

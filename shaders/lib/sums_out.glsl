@@ -1,6 +1,6 @@
-// Where lookup.frag and pool.frag leave a pixel's draws: a layer for the indirect light of the base, with AREA one for its
-// area lights, then the same of the coat.
-#include "lib/packed_draws.glsl"
+// The outputs of lookup.frag and pool.frag, a pixel's sums: a layer for the indirect light of the base, with AREA one
+// for its area lights, then the same of the coat.
+#include "lib/packed_sums.glsl"
 
 layout(location = 0) out uvec4 base;
 #ifdef AREA
@@ -17,18 +17,18 @@ layout(location = 1) out uvec4 coat;
 const int kLayersPerLobe = 1;
 #endif
 
-void writeBase(Draws d) {
-    base = packDraws(d);
+void writeBase(LobeSums d) {
+    base = packLobeSums(d);
 #ifdef AREA
-    baseArea = packArea(d);
+    baseArea = packAreaSums(d);
 #endif
 }
 
 #ifdef CLEARCOAT
-void writeCoat(Draws d) {
-    coat = packDraws(d);
+void writeCoat(LobeSums d) {
+    coat = packLobeSums(d);
 #ifdef AREA
-    coatArea = packArea(d);
+    coatArea = packAreaSums(d);
 #endif
 }
 #endif

@@ -1,21 +1,21 @@
-// What a pixel's draws saw, in one texel between the passes of the lookup.
+// The sums over a pixel's samples of one lobe, as they are stored between the passes of the lookup.
 #include "lib/fetch.glsl"
 #include "lib/phatexel.glsl"
 
-struct Draws {
+struct LobeSums {
     vec4 indirect;  // sum g L, sum g
-    vec4 area;      // the same of area lights, see SeenLight
-    vec4 lamps;
+    vec4 area;      // the same of area lights, less what `areaByLight` has
+    vec4 areaByLight;
     vec3 mirror;    // world, the pixel's mirror direction
     uint surface;   // and its side; 0: nothing, below 2^24
-    float alpha;    // of the lobe as it was drawn
+    float alpha;    // of the lobe after the roughness clamp
 };
 
-Draws noDraws() {
-    return Draws(vec4(0.0), vec4(0.0), vec4(0.0), vec3(0.0, 0.0, 1.0), 0u, 0.0);
+LobeSums noLobeSums() {
+    return LobeSums(vec4(0.0), vec4(0.0), vec4(0.0), vec3(0.0, 0.0, 1.0), 0u, 0.0);
 }
 
-// twin: packRgb9e5 in src/core/phatexel/phatexture.h; tests/shader compares the two.
+// twin: packRgb9e5 in src/core/phatexel/phatexture.h; tests/gl compares the two.
 uint packRgb9e5(vec3 rgb) {
     rgb = clamp(rgb, vec3(0.0), vec3(65408.0));
     float largest = max(rgb.r, max(rgb.g, rgb.b));
@@ -44,23 +44,23 @@ vec4 unpackSum(uvec2 bits) {
     return uintBitsToFloat(bits.y) * vec4(unpackRgb9e5(bits.x), 1.0);
 }
 
-// Area lights have a texel of their own: packArea.
-uvec4 packDraws(Draws d) {
+// Area lights have a texel of their own: packAreaSums.
+uvec4 packLobeSums(LobeSums d) {
     return uvec4(packSum(d.indirect), packSnorm2x16(directionToOctahedral(d.mirror)),
                  d.surface | (uint(sqrt(clamp(d.alpha, 0.0, 1.0)) * 255.0 + 0.5) << 24));
 }
 
-Draws unpackDraws(uvec4 bits) {
+LobeSums unpackLobeSums(uvec4 bits) {
     float root = float(bits.w >> 24) / 255.0;
-    return Draws(unpackSum(bits.xy), vec4(0.0), vec4(0.0), octahedralToDirection(unpackSnorm2x16(bits.z)), bits.w & 0xffffffu,
-                 root * root);
+    vec3 mirror = octahedralToDirection(unpackSnorm2x16(bits.z));
+    return LobeSums(unpackSum(bits.xy), vec4(0.0), vec4(0.0), mirror, bits.w & 0xffffffu, root * root);
 }
 
-uvec4 packArea(Draws d) {
-    return uvec4(packSum(d.area), packSum(d.lamps));
+uvec4 packAreaSums(LobeSums d) {
+    return uvec4(packSum(d.area), packSum(d.areaByLight));
 }
 
-void unpackArea(uvec4 bits, inout Draws d) {
+void unpackAreaSums(uvec4 bits, inout LobeSums d) {
     d.area = unpackSum(bits.xy);
-    d.lamps = unpackSum(bits.zw);
+    d.areaByLight = unpackSum(bits.zw);
 }

@@ -1,0 +1,132 @@
+#include "gl/renderer_state.h"
+
+#include <algorithm>
+
+#include "gl/textures.h"
+
+namespace phat {
+namespace {
+
+bool anyBlended(const std::vector<Material>& materials) {
+    return std::any_of(materials.begin(), materials.end(),
+                       [](const Material& m) { return m.alphaMode == AlphaMode::blend; });
+}
+
+}  // namespace
+
+bool anyClearcoat(const std::vector<Material>& materials) {
+    return std::any_of(materials.begin(), materials.end(), [](const Material& m) { return m.clearcoat > 0; });
+}
+
+Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings, bool traced) {
+    const Inspected what = settings.inspection.what;
+    const bool lookedUp = settings.method == Method::phat, paper = settings.method == Method::phatPaper;
+    const bool counting = lookedUp && what == Inspected::reads;
+    const LookupPass* lookups = lookup.guideCount > 0 ? &lookupFor(counting) : nullptr;
+    const ReflectionPass* tracedPass = traced ? &reflections() : nullptr;
+    const DisplayPass& displayPass = displayFor(paper, counting);
+    const glm::uvec2 size = sizeOf(settings);
+    if (targets.size != size || (traced && !targets.reflections.target))
+        targets = createFrameTargets(size, lookups, traced);
+
+    // A query needs a complete framebuffer; a context without a window has none of its own.
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
+    if (std::exchange(clockRestarts, false)) clock.restart();
+    glDisable(GL_BLEND);
+    if (!shadows.depth) {
+        shadows = renderShadowMaps(lights, scene, materials, displayPass.depthProgram);
+        clock.ended(Pass::shadows);
+    }
+    const RelightPass* pyramid = nullptr;
+    if (!lookedUp || anyBlended(materials)) pyramid = &pyramidFrom(eyeOf(settings.camera), paper);
+    const bool texelsShown = what != Inspected::nothing && what != Inspected::reads;
+    filterTextures(scene, settings.filter);
+    return {displayPass,
+            {scene, atlas, shadows, lookup, materials, pyramid, lookups, tracedPass,
+             texelsShown ? &inspecting() : nullptr, clock, environmentTurn}};
+}
+
+FrameSettings Renderer::State::possible(FrameSettings settings) const {
+    const Inspected what = settings.inspection.what;
+    // The views of the pyramid are of ours, not of the paper's.
+    if (what == Inspected::reads)
+        settings.method = Method::phat;
+    else if (what != Inspected::nothing)
+        settings.method = Method::phatPyramid;
+    if (settings.method == Method::phat && lookup.guideCount == 0) settings.method = Method::phatPyramid;
+    return settings;
+}
+
+void Renderer::State::show(const Scene& now, const Atlas& itsAtlas, const TexelPoints& points) {
+    shownScene = &now;
+    shownAtlas = &itsAtlas;
+    shownPoints = &points;
+}
+
+void Renderer::State::texelsChanged() {
+    for (auto* made : {&relit, &relitPaper})
+        if (*made) (*made)->materialsChanged = true;
+}
+
+void Renderer::State::dropPasses() {
+    relit.reset(), relitPaper.reset();
+    lookupPass.reset(), countingLookupPass.reset();
+    reflectionPass.reset();
+    display.reset(), displayPaper.reset(), countingDisplay.reset();
+    targets = {};
+}
+
+const LookupPass& Renderer::State::lookupFor(bool counting) {
+    std::optional<LookupPass>& made = counting ? countingLookupPass : lookupPass;
+    if (!made) made = createLookupPass(shaderFolder, lookup, anyClearcoat(materials), counting);
+    return *made;
+}
+
+const DisplayPass& Renderer::State::displayFor(bool paper, bool counting) {
+    std::optional<DisplayPass>& made = paper ? displayPaper : counting ? countingDisplay : display;
+    if (!made) made = createDisplayPass(shaderFolder, atlas, anyClearcoat(materials), paper, counting);
+    return *made;
+}
+
+Renderer::State::Relit& Renderer::State::relitFor(bool paper) {
+    std::optional<Relit>& made = paper ? relitPaper : relit;
+    if (!made) made.emplace().pass = createRelightPass(shaderFolder, atlas, anyClearcoat(materials), paper);
+    return *made;
+}
+
+const GpuTexelSurfaces& Renderer::State::currentSurfaces() {
+    if (!surfaces)
+        surfaces = uploadTexelSurfaces(*shownScene, *shownAtlas, *shownPoints);
+    else if (surfacesTurned)
+        updateNormals(*surfaces, *shownScene, *shownAtlas, *shownPoints);
+    surfacesTurned = false;
+    return *surfaces;
+}
+
+const RelightPass& Renderer::State::pyramidFrom(const Eye& eye, bool paper) {
+    Relit& of = relitFor(paper);
+    if (!of.materialsChanged && eye.position == of.eye.position && eye.atInfinity == of.eye.atInfinity)
+        return of.pass;
+    const GpuTexelSurfaces& under = currentSurfaces();
+    clock.ended(Pass::none);  // the CPU's work
+    if (of.materialsChanged) applyMaterials(of.pass, atlas, under, materials);
+    phat::relight(of.pass, atlas, under, scene.splitSum.name(), eye);
+    clock.ended(Pass::relight);
+    buildPyramid(of.pass, atlas);
+    clock.ended(Pass::pyramid);
+    of.materialsChanged = false;
+    of.eye = eye;
+    return of.pass;
+}
+
+const ReflectionPass& Renderer::State::reflections() {
+    if (!reflectionPass) reflectionPass = createReflectionPass(shaderFolder, anyClearcoat(materials));
+    return *reflectionPass;
+}
+
+const ShaderProgram& Renderer::State::inspecting() {
+    if (!inspectProgram) inspectProgram.emplace(shaderFolder, "surface.vert", "inspect.frag");
+    return *inspectProgram;
+}
+
+}  // namespace phat

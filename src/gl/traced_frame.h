@@ -1,0 +1,29 @@
+#pragma once
+// Frames of the renderer whose sharp lobes are traced on the CPU.
+
+#include "core/base/progress.h"
+#include "gl/picture_sum.h"
+#include "gl/renderer.h"
+
+namespace phat {
+
+/// Rays that replace the lookup for sharp lobes. What they read is the caller's, as are its
+/// materials.
+struct TracedReflections {
+    const ReflectionScene& scene;
+    Reflections reflections = Reflections::automatic;
+    Progress& progress;  // drawFrame() throws Interrupted when it asks
+};
+
+/// What rays cost a frame.
+struct ReflectionCost {
+    double seconds = 0;
+    uint64_t rays = 0;
+};
+
+/// Renderer::draw with rays; `traced` null: all reflections are looked up. After Interrupted `sum` holds the
+/// samples that were finished.
+ReflectionCost drawFrame(Renderer& renderer, const FrameSettings& settings, const TracedReflections* traced,
+                         PictureSum& sum);
+
+}  // namespace phat
