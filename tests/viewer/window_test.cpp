@@ -270,7 +270,6 @@ TEST_F(ViewerWindow, RepeatedUseTakesNoMoreMemory) {
         window.drag({360, 180}, {390, 190});
         window.key("ctrl+z");
         for (const char* key : {"c", "c", "Tab", "Tab", "f", "Home"}) window.key(key);
-        window.settle();
         after = double(window.residentBytes()) * 1e-6;
         if (round < kFirstRounds) before = after;
     }
