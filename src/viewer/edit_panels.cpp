@@ -13,19 +13,19 @@ void drawEmission(Edit& edit, Material& m, bool glows) {
     if (!glows || m.unlit) return;
     float power = std::max({m.emission.x, m.emission.y, m.emission.z});
     glm::vec3 color = power > 0 ? m.emission / power : glm::vec3(1);
-    bool changed = ImGui::DragFloat("Emission, nit", &power, 0.01f * std::max(power, 0.1f), 0, 1e6f, "%.3g");
-    if (power > 0) changed |= ImGui::ColorEdit3("Emission colour", &color.x, ImGuiColorEditFlags_Float);
+    bool changed = widgets::dragPositive("Emission, nit", &power);
+    if (power > 0) changed |= widgets::colorEdit("Emission colour", &color.x);
     if (changed) m.emission = power * color;
     edit.note(changed);
 }
 
 void drawMaterial(Edit& edit, Material& m, bool glows) {
     const auto slider = [&](const char* label, float& value, float most) {
-        edit.note(ImGui::SliderFloat(label, &value, 0, most, "%.3f", ImGuiSliderFlags_AlwaysClamp));
+        edit.note(widgets::sliderFloat(label, &value, 0, most, "%.3f", ImGuiSliderFlags_AlwaysClamp));
     };
     slider("Roughness", m.roughness, 1);
     slider("Metallic", m.metallic, 1);
-    edit.note(ImGui::ColorEdit3("Base colour", &m.baseColor.x, ImGuiColorEditFlags_Float));
+    edit.note(widgets::colorEdit("Base colour", &m.baseColor.x));
     slider("Specular", m.specular, 1);
     drawEmission(edit, m, glows);
     if (m.normalTexture.image >= 0) slider("Normal strength", m.normalScale, 3);
@@ -38,8 +38,8 @@ void drawMaterial(Edit& edit, Material& m, bool glows) {
 // The sky turns by whole columns of its picture, so that a file keeps every one of its values.
 void drawSky(Edit& edit, int width) {
     float degrees = 360 * float(edit.next.environmentColumns) / float(width);
-    if (ImGui::SliderFloat("Environment rotation", &degrees, -180, 180, "%.1f degrees",
-                           ImGuiSliderFlags_AlwaysClamp)) {
+    if (widgets::sliderFloat("Environment rotation", &degrees, -180, 180, "%.1f degrees",
+                             ImGuiSliderFlags_AlwaysClamp)) {
         edit.next.environmentColumns = int(std::lround(degrees / 360 * float(width)));
         edit.changed = true;
     }
@@ -50,7 +50,7 @@ void drawSky(Edit& edit, int width) {
 }  // namespace
 
 void drawSelectionPanel(ViewerState& state, Edit& edit) {
-    if (!ImGui::CollapsingHeader("Selection", ImGuiTreeNodeFlags_DefaultOpen)) return;
+    if (!widgets::header("Selection", ImGuiTreeNodeFlags_DefaultOpen)) return;
     const Scene& scene = state.document->scene();
     if (!state.selectedSurface) {
         wrappedText("Click an object in the picture.");
@@ -64,7 +64,7 @@ void drawSelectionPanel(ViewerState& state, Edit& edit) {
     const bool canGlow = !state.document->baked.phatexture.area.empty();
     const glm::vec3 original = state.document->edits.original().materials[surface.material].emission;
     drawMaterial(edit, material, canGlow && original != glm::vec3(0));
-    if (ImGui::Button("Reset material")) {
+    if (widgets::button("Reset material")) {
         material = state.document->edits.original().materials[surface.material];
         edit.changed = true;
     }
@@ -72,7 +72,7 @@ void drawSelectionPanel(ViewerState& state, Edit& edit) {
 
 void drawLightsPanel(ViewerState& state, Edit& edit) {
     const auto& sky = state.document->scene().environment;
-    if ((edit.next.lights.empty() && !sky) || !ImGui::CollapsingHeader("Lights")) return;
+    if ((edit.next.lights.empty() && !sky) || !widgets::header("Lights")) return;
     state.switchedOff.resize(edit.next.lights.size());
     for (size_t i = 0; i < edit.next.lights.size(); ++i) {
         ImGui::PushID(int(i));
@@ -80,19 +80,19 @@ void drawLightsPanel(ViewerState& state, Edit& edit) {
         wrappedText(light.name);
         float power = std::max({light.intensity.x, light.intensity.y, light.intensity.z});
         glm::vec3 color = power > 0 ? light.intensity / power : glm::vec3(1);
-        bool changed = ImGui::ColorEdit3("Colour", &color.x, ImGuiColorEditFlags_Float);
-        changed |= ImGui::DragFloat("Intensity", &power, 0.01f * std::max(power, 0.1f), 0, 1e6f, "%.3g");
+        bool changed = widgets::colorEdit("Colour", &color.x);
+        changed |= widgets::dragPositive("Intensity", &power);
         if (changed) light.intensity = power * color;
         edit.note(changed);
         bool shines = light.intensity != glm::vec3(0);
-        if (ImGui::Checkbox("On", &shines)) {
+        if (widgets::checkbox("On", &shines)) {
             if (!shines) state.switchedOff[i] = light.intensity;
             // It comes back as it was.
             light.intensity = shines ? state.switchedOff[i].value_or(glm::vec3(1)) : glm::vec3(0);
             edit.changed = true;
         }
         if (light.type != PunctualLight::Type::directional)
-            edit.note(ImGui::DragFloat3("Position, m", &light.position.x, 0.01f, 0, 0, "%.2f"));
+            edit.note(widgets::dragVector("Position, m", &light.position.x, 0.01f, "%.2f"));
         ImGui::PopID();
     }
     if (sky) drawSky(edit, sky->radiance.width);

@@ -16,9 +16,9 @@ void drawNodeMotion(ViewerState& state, Edit& edit) {
     // Without effect it is no edit until a field is changed.
     NodeMotion& motion = motionFor(edit.next.motions, state.document->scene(), surface.node);
     panelText(surface.name);
-    edit.note(ImGui::DragFloat3("Translation, m", &motion.meters.x, 0.005f, 0, 0, "%.3f"));
-    edit.note(ImGui::DragFloat3("Rotation, degrees", &motion.degrees.x, 0.5f, 0, 0, "%.1f"));
-    if (ImGui::Button("Reset transform")) {
+    edit.note(widgets::dragVector("Translation, m", &motion.meters.x, 0.005f, "%.3f"));
+    edit.note(widgets::dragVector("Rotation, degrees", &motion.degrees.x, 0.5f, "%.1f"));
+    if (widgets::button("Reset transform")) {
         motion.meters = motion.degrees = glm::vec3(0);
         edit.changed = true;
     }
@@ -33,20 +33,20 @@ void drawPlayback(ViewerState& state) {
         const std::string& name = animations[size_t(i)].name;
         return name.empty() ? fmt::format("animation {}", i) : name;
     };
-    if (ImGui::BeginCombo("Animation", nameOf(playback.animation).c_str())) {
+    if (widgets::beginList("Animation", nameOf(playback.animation).c_str())) {
         for (int i = -1; i < int(animations.size()); ++i) {
             ImGui::PushID(i);
-            if (ImGui::Selectable(nameOf(i).c_str(), i == playback.animation)) playback = {i, 0, false};
+            if (widgets::listItem("Animation", nameOf(i), i == playback.animation)) playback = {i, 0, false};
             ImGui::PopID();
         }
         ImGui::EndCombo();
     }
     const int index = std::max(playback.animation, 0);
     float seconds = float(playback.seconds);
-    if (ImGui::SliderFloat("Time, s", &seconds, 0, animations[size_t(index)].seconds(), "%.2f",
-                           ImGuiSliderFlags_AlwaysClamp))
+    if (widgets::sliderFloat("Time, s", &seconds, 0, animations[size_t(index)].seconds(), "%.2f",
+                             ImGuiSliderFlags_AlwaysClamp))
         playback = {index, double(seconds), false};
-    if (ImGui::Button(playback.playing ? "Pause" : "Play"))
+    if (widgets::button(playback.playing ? "Pause" : "Play"))
         playback = {index, playback.seconds, !playback.playing};
 }
 
@@ -55,15 +55,15 @@ void drawPlayback(ViewerState& state) {
 void drawMotionPanel(ViewerState& state, Edit& edit) {
     // What can play is shown to do so.
     ImGui::SetNextItemOpen(!state.document->scene().animations.empty(), ImGuiCond_Once);
-    if (!ImGui::CollapsingHeader("Transform")) return;
+    if (!widgets::header("Transform")) return;
     drawPlayback(state);
     drawNodeMotion(state, edit);
 }
 
 void drawLivePanel(ViewerState& state, const PanelInput& input) {
-    if (!ImGui::CollapsingHeader("Dynamic lighting")) return;
-    ImGui::Checkbox("Update lighting (L)", &state.view.liveLight);
-    ImGui::Checkbox("Refine at rest (Shift+L)", &state.view.refine);
+    if (!widgets::header("Dynamic lighting")) return;
+    widgets::checkbox("Update lighting (L)", &state.view.liveLight);
+    widgets::checkbox("Refine at rest (Shift+L)", &state.view.refine);
     if (!input.light) {
         wrappedText("Indirect lighting is updated when an object, a light or a material changes.");
         return;

@@ -1,11 +1,10 @@
 #pragma once
 // The sections of the panels, in the order in which they stand.
 
-#include <imgui.h>
-
 #include <array>
 
 #include "viewer/panels.h"
+#include "viewer/widgets.h"
 
 namespace phat {
 
@@ -18,7 +17,7 @@ void valueRow(const std::string& name, const std::string& value);
 template <class Enum, size_t n>
 bool choose(const char* label, Enum& value, const std::array<const char*, n>& names) {
     int index = int(value);
-    if (!ImGui::Combo(label, &index, names.data(), int(n))) return false;
+    if (!widgets::list(label, &index, names)) return false;
     value = Enum(index);
     return true;
 }

@@ -17,24 +17,24 @@ constexpr float kPanelWidth = 330;
 constexpr int kTurntableFrames = 120;
 
 void drawOutput(ViewerState& state, bool turning, PanelActions& actions) {
-    if (!ImGui::CollapsingHeader("Output")) return;
-    actions.saveImage = ImGui::Button("Save image (P)");
+    if (!widgets::header("Output")) return;
+    actions.saveImage = widgets::button("Save image (P)");
     ImGui::SameLine();
     ImGui::BeginDisabled(state.view.left == Source::phatexels);
-    actions.copyCommand = ImGui::Button("Copy render command");
+    actions.copyCommand = widgets::button("Copy render command");
     ImGui::EndDisabled();
     ImGui::BeginDisabled(!state.document->hasBake);
-    actions.save = ImGui::Button("Save file (Ctrl+S)");
+    actions.save = widgets::button("Save file (Ctrl+S)");
     ImGui::SameLine();
     if (turning)
-        actions.stopTurntable = ImGui::Button("Stop turntable");
-    else if (ImGui::Button("Render turntable"))
+        actions.stopTurntable = widgets::button("Stop turntable");
+    else if (widgets::button("Render turntable"))
         actions.turntableFrames = kTurntableFrames;
     ImGui::EndDisabled();
 }
 
 void drawKeys() {
-    if (!ImGui::CollapsingHeader("Keyboard and mouse")) return;
+    if (!widgets::header("Keyboard and mouse")) return;
     if (!ImGui::BeginTable("keys", 2)) return;
     for (const KeyHelp& help : kKeyHelp) {
         ImGui::TableNextColumn();
@@ -85,12 +85,13 @@ void drawFiles(const ViewerState& state, PanelActions& actions) {
     if (state.fileChanged) {
         wrappedText("The file has changed on disk.");
         ImGui::SameLine();
-        if (ImGui::SmallButton("Reload")) actions.open = state.document->path;
+        if (widgets::smallButton("Reload")) actions.open = state.document->path;
     }
-    if (state.recentFiles.empty() || !ImGui::CollapsingHeader("Recent files")) return;
+    if (state.recentFiles.empty() || !widgets::header("Recent files")) return;
     for (const std::string& path : state.recentFiles) {
         ImGui::PushID(path.c_str());
-        if (ImGui::Selectable(std::filesystem::path(path).filename().c_str())) actions.open = path;
+        if (widgets::listItem("Recent files", std::filesystem::path(path).filename(), false))
+            actions.open = path;
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", path.c_str());
         ImGui::PopID();
     }

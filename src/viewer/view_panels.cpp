@@ -28,10 +28,11 @@ void drawCameras(ViewerState& state) {
     const char* shown = state.camera < 0  ? "free"
                         : cameras.empty() ? "overview"
                                           : cameras[size_t(state.camera)].name.c_str();
-    if (!ImGui::BeginCombo("Camera", shown)) return;
+    if (!widgets::beginList("Camera", shown)) return;
     for (size_t i = 0; i < std::max<size_t>(cameras.size(), 1); ++i) {
         ImGui::PushID(int(i));
-        if (ImGui::Selectable(cameras.empty() ? "overview" : cameras[i].name.c_str(), state.camera == int(i)))
+        if (widgets::listItem("Camera", cameras.empty() ? "overview" : cameras[i].name,
+                              state.camera == int(i)))
             showCamera(state, int(i));
         ImGui::PopID();
     }
@@ -76,7 +77,7 @@ void drawTexelUnderMouse(const ViewerState& state) {
 }  // namespace
 
 void drawPicturePanel(ViewerState& state) {
-    if (!ImGui::CollapsingHeader("View", ImGuiTreeNodeFlags_DefaultOpen)) return;
+    if (!widgets::header("View", ImGuiTreeNodeFlags_DefaultOpen)) return;
     ViewSettings& view = state.view;
     drawCameras(state);
     bool changed = choose("Method", view.left, kSourceNames);
@@ -84,21 +85,21 @@ void drawPicturePanel(ViewerState& state) {
                                                         "diffuse indirect"};
     changed |= choose("Component", view.component, kComponents);
     // Tone and exposure are applied on the way to the window.
-    ImGui::SliderFloat("Exposure", &view.exposureStops, -8, 8, "%.1f stops");
+    widgets::sliderFloat("Exposure", &view.exposureStops, -8, 8, "%.1f stops");
     constexpr std::array<const char*, 3> kToneMaps = {"linear", "AgX", "ACES"};
     choose("Tone mapping", view.toneMap, kToneMaps);
-    changed |= ImGui::Checkbox("Trace sharp reflections at rest", &view.raysAtRest);
+    changed |= widgets::checkbox("Trace sharp reflections at rest", &view.raysAtRest);
     if (changed) state.touch();
 }
 
 void drawComparePanel(ViewerState& state, const Pictures& pictures) {
     ImGui::SetNextItemOpen(state.view.compare, ImGuiCond_Appearing);
-    if (!ImGui::CollapsingHeader("Compare")) return;
+    if (!widgets::header("Compare")) return;
     ViewSettings& view = state.view;
-    ImGui::Checkbox("Split view", &view.compare);  // the left picture stays as far as it is
+    widgets::checkbox("Split view", &view.compare);  // the left picture stays as far as it is
     if (choose("Right side", view.right, kSourceNames)) state.touch();
-    ImGui::SliderFloat("Split position", &view.wipe, 0, 1, "%.2f");
-    ImGui::Checkbox("Show difference", &view.difference);
+    widgets::sliderFloat("Split position", &view.wipe, 0, 1, "%.2f");
+    widgets::checkbox("Show difference", &view.difference);
     if (!view.compare || view.left == Source::phatexels || view.right == Source::phatexels) return;
     if (const auto metrics = pictures.metrics()) {
         valueRow("MAE/mean", fmt::format("{:.4f}", metrics->maeOverMean));
@@ -111,11 +112,11 @@ void drawComparePanel(ViewerState& state, const Pictures& pictures) {
 }
 
 void drawPhatexelPanel(ViewerState& state, const Pictures& pictures) {
-    if (!ImGui::CollapsingHeader("PHATexels")) return;
+    if (!widgets::header("PHATexels")) return;
     ViewSettings& view = state.view;
     Inspection& inspection = view.inspection;
     ImGui::BeginDisabled(!state.document->hasBake);
-    if (ImGui::Button("Compare PHATexels with the result")) {
+    if (widgets::button("Compare PHATexels with the result")) {
         inspection = {Inspected::radiance};
         view.left = Source::phatexels;
         view.right = Source::phat;
@@ -125,8 +126,7 @@ void drawPhatexelPanel(ViewerState& state, const Pictures& pictures) {
     }
     bool changed = false;
     int index = int(inspection.what) - 1;
-    if (ImGui::Combo("Quantity", &index, kInspectedNames.data(), int(kInspectedNames.size()),
-                     int(kInspectedNames.size()))) {
+    if (widgets::list("Quantity", &index, kInspectedNames)) {
         inspection.what = Inspected(index + 1);
         view.left = Source::phatexels;
         changed = true;
@@ -135,19 +135,19 @@ void drawPhatexelPanel(ViewerState& state, const Pictures& pictures) {
     constexpr std::array<const char*, 2> kSources = {"indirect", "area lights"};
     if (!phatexture.area.empty()) changed |= choose("Light source", inspection.source, kSources);
     const size_t layers = (inspection.source == 0 ? phatexture.indirect : phatexture.area).size();
-    if (layers > 1) changed |= ImGui::SliderInt("Layer", &inspection.layer, 0, int(layers) - 1);
+    if (layers > 1) changed |= widgets::sliderInt("Layer", &inspection.layer, 0, int(layers) - 1);
     if (inspection.what == Inspected::pyramid)
-        changed |= ImGui::SliderInt("Level", &inspection.level, 0, 3, "%d", ImGuiSliderFlags_AlwaysClamp);
+        changed |= widgets::sliderInt("Level", &inspection.level, 0, 3, ImGuiSliderFlags_AlwaysClamp);
     const bool lookedUp = state.renderer && state.renderer->bytesPerPhatexel() > 0;
     wrappedText(inspection.what == Inspected::reads && !lookedUp ? "These PHATexels cannot be looked up."
                                                                  : kLegends[size_t(index)]);
     if (const auto reads = pictures.reads(); reads && inspection.what == Inspected::reads) drawReads(*reads);
     if (view.left == Source::phatexels) {
-        if (ImGui::Button("Show rendered image")) {
+        if (widgets::button("Show rendered image")) {
             view.left = Source::phat;
             changed = true;
         }
-    } else if (ImGui::Button("Show PHATexels")) {
+    } else if (widgets::button("Show PHATexels")) {
         view.left = Source::phatexels;
         changed = true;
     }
@@ -157,7 +157,7 @@ void drawPhatexelPanel(ViewerState& state, const Pictures& pictures) {
 }
 
 void drawPerformancePanel(ViewerState& state, const Pictures& pictures) {
-    if (!ImGui::CollapsingHeader("Performance") || !state.renderer) return;
+    if (!widgets::header("Performance") || !state.renderer) return;
     const FrameTimes times = pictures.frameTimes();
     for (const NamedPass& pass : kGpuPasses) row(pass.name, 1e3 * times.*pass.seconds);
     row("GPU total", 1e3 * times.gpu());

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 
 #include "gl/gl_error.h"
 #include "io/image/image_file.h"
@@ -16,6 +17,7 @@
 #include "viewer/recent_files.h"
 #include "viewer/render_command_line.h"
 #include "viewer/sentence.h"
+#include "viewer/widgets.h"
 #include "viewer/window.h"
 
 namespace phat {
@@ -36,11 +38,18 @@ std::string freeName(const char* prefix, const Endings&... endings) {
     }
 }
 
+// For a program that drives the window, such as the tests.
+std::string widgetsFile() {
+    const char* path = std::getenv("PHAT_WIDGETS");
+    return path ? path : "";
+}
+
 class Viewer {
   public:
     explicit Viewer(const ViewerOptions& options)
         : options_(options),
           window_("PHATextures", options.size, options.uiScale),
+          widgets_(widgetsFile()),
           pictures_(options.shaderFolder, Window::wake) {
         if (!options.path.empty()) open(options.path);
         window_.show();
@@ -84,6 +93,7 @@ class Viewer {
 
     ViewerOptions options_;
     Window window_;
+    WidgetRecord widgets_;
     Pictures pictures_;
     ViewerState state_;
     std::unique_ptr<BackgroundBake> bake_;
@@ -302,6 +312,7 @@ bool Viewer::frame() {
     const glm::ivec4 area = pictureArea();
     const Actions keys = handleInput(state_, window_.takeKeyPresses(), area);
     const PanelActions actions = drawPanels(state_, panelInput());
+    widgets_.write();
     fulfill(actions, keys);
     bool more = play();
     try {

@@ -9,10 +9,10 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <utility>
 
 #include "gl/gl_error.h"
+#include "viewer/font.h"
 
 namespace phat {
 namespace {
@@ -22,6 +22,8 @@ std::string lastGlfwError() {
     glfwGetError(&description);
     return description ? description : "unknown reason";
 }
+
+constexpr float kFontPixels = 14;  // unscaled height of a line
 
 // Frees what the constructor had before it threw.
 struct GlfwLibrary {
@@ -33,26 +35,6 @@ struct GlfwLibrary {
     }
     bool owned = true;
 };
-
-// Of the Debian packages fonts-dejavu-core and fonts-noto-core, and of other systems' folders.
-constexpr const char* kFontFiles[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-                                      "/usr/share/fonts/TTF/DejaVuSans.ttf",
-                                      "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
-                                      "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf"};
-constexpr float kFontPixels = 14;  // unscaled height of a line
-
-// A scalable font, or Dear ImGui's own bitmap font where none is installed.
-void addFont(float uiScale) {
-    ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
-    std::error_code unreadable;
-    for (const char* file : kFontFiles)
-        if (std::filesystem::exists(file, unreadable) &&
-            fonts.AddFontFromFileTTF(file, kFontPixels * uiScale))
-            return;
-    ImFontConfig config;
-    config.SizePixels = kFontPixels * uiScale;
-    fonts.AddFontDefault(&config);
-}
 
 }  // namespace
 
@@ -93,7 +75,7 @@ Window::Window(const std::string& title, glm::ivec2 size, float uiScale) {
     uiScale_ = std::clamp(uiScale_, 0.5f, 4.0f);
     ImGui::StyleColorsDark();
     ImGui::GetStyle().ScaleAllSizes(uiScale_);
-    addFont(uiScale_);
+    addFont(kFontPixels * uiScale_);
 }
 
 Window::~Window() {

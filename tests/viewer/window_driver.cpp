@@ -5,6 +5,7 @@
 #include <X11/extensions/XTest.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -15,6 +16,8 @@
 #include <sstream>
 #include <stdexcept>
 #include <thread>
+
+#include "core/base/stopwatch.h"
 
 extern char** environ;
 
@@ -125,6 +128,7 @@ WindowDriver::WindowDriver(glm::ivec2 size, std::vector<std::string> arguments,
     });
     surroundings.push_back("DISPLAY=" + screen_.name());
     surroundings.push_back("XDG_STATE_HOME=" + folder_.path.string());
+    surroundings.push_back("PHAT_WIDGETS=" + folder_.file(kWidgetsFile));
     surroundings.insert(surroundings.end(), variables.begin(), variables.end());
     process_ = start(words, surroundings, folder_.path.string(), folder_.file("errors"));
     display_ = XOpenDisplay(screen_.name().c_str());
@@ -304,6 +308,20 @@ int WindowDriver::close() {
         sleepFor(0.05);
     }
     return WIFEXITED(status_) ? WEXITSTATUS(status_) : -1;
+}
+
+bool comesTrue(const std::function<bool()>& condition) {
+    const auto end = Clock::now() + std::chrono::seconds(600);
+    for (; !condition(); sleepFor(0.05))
+        if (Clock::now() > end) return false;
+    return true;
+}
+
+void expectSleep(const WindowDriver& window) {
+    const Stopwatch watch;
+    const double before = window.processorSeconds();
+    sleepFor(3);
+    EXPECT_LE(window.processorSeconds() - before, 0.01 * watch.seconds());
 }
 
 std::string WindowDriver::errors() const {

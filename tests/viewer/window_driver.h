@@ -3,7 +3,9 @@
 
 #include <sys/types.h>
 
+#include <functional>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +53,13 @@ class WindowDriver {
     void key(const std::string& name);
     void type(const std::string& digits);
 
+    // The panels' widgets by their labels, an item of an open list by LIST/ITEM. Each waits until the window
+    // has drawn the widget and turns the wheel until it is in the window. Of equal labels it is the first
+    // one.
+    void clickWidget(const std::string& label, bool control = false);
+    /// The place on a slider, from 0 at its left end to 1.
+    glm::ivec2 placeOnWidget(const std::string& label, float share);
+
     /// What the window put there.
     std::string clipboard();
 
@@ -72,6 +81,9 @@ class WindowDriver {
 
   private:
     void wait(double seconds);
+    static constexpr const char* kWidgetsFile = "widgets.json";
+    /// Left, top, right, bottom.
+    std::optional<glm::ivec4> areaOf(const std::string& label) const;
 
     glm::ivec2 size_;
     TemporaryFolder folder_;
@@ -81,5 +93,11 @@ class WindowDriver {
     pid_t process_ = -1;
     int status_ = 0;
 };
+
+/// Whether `condition` holds within ten minutes: a guard against hanging.
+bool comesTrue(const std::function<bool()>& condition);
+
+/// Expects that the window, at rest, takes less than a hundredth of a processor.
+void expectSleep(const WindowDriver& window);
 
 }  // namespace phat

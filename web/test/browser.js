@@ -3,6 +3,10 @@ import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
 import { extname, join, normalize } from 'node:path';
 import { chromium } from 'playwright-core';
+import { shared } from './shared.js';
+
+// A guard against hanging: pages take seconds, software that draws them and a busy machine a minute.
+const timeout = 600_000;
 
 const types = {
     '.html': 'text/html',
@@ -36,8 +40,9 @@ export async function serve(folder, prefix = '/', others = {}) {
 }
 
 // `angle`: what WebGL is drawn by, 'swiftshader' or 'gl-egl', the system's driver, which `phat render` uses, too.
-export function launch(angle = 'swiftshader') {
-    return chromium.launch({
+export async function launch(angle = 'swiftshader') {
+    const browser = await chromium.launch({
+        timeout,
         executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
         args: [
             '--no-sandbox',
@@ -52,4 +57,14 @@ export function launch(angle = 'swiftshader') {
             '--disable-sync',
         ],
     });
+    const newPage = browser.newPage.bind(browser);
+    browser.newPage = async (options) => {
+        const page = await newPage(options);
+        page.setDefaultTimeout(timeout);
+        return page;
+    };
+    return browser;
 }
+
+// The same, one for all: { value, dispose }.
+export const borrowBrowser = shared(launch, (browser) => browser.close());

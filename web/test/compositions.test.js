@@ -2,14 +2,15 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { launch, serve } from './browser.js';
-import { maeOverMean, makeRoom, meanOf } from './room.js';
+import { borrowBrowser, serve } from './browser.js';
+import { borrowRoom, maeOverMean, meanOf } from './room.js';
 
 const repository = new URL('../../', import.meta.url).pathname;
-let browser, room, server, page;
+let borrowed, browser, room, server, page;
 
 before(async () => {
-    [browser, room] = await Promise.all([launch(), makeRoom()]);
+    borrowed = await Promise.all([borrowBrowser('swiftshader'), borrowRoom('tabletop')]);
+    [browser, room] = borrowed.map(({ value }) => value);
     server = await serve(join(repository, 'web'), '/', { 'test/room.phat.glb': room.file });
     page = await browser.newPage();
     await page.goto(`${server.url}test/plugin.html`);
@@ -31,9 +32,9 @@ before(async () => {
     });
 });
 after(async () => {
-    await browser?.close();
+    await page?.close();
     server?.close();
-    await room?.dispose();
+    for (const { dispose } of borrowed ?? []) await dispose();
 });
 
 // Half floats between the passes round to 2^-11 of a value, bytes to half a step: two steps of 255 are

@@ -2,16 +2,20 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { launch, serve } from './browser.js';
-import { maeOverMean, makeRoom, meanOf, phat, readExr } from './room.js';
-import { closeRoom, loaded, open, openRoom, pixelsOf, rest, viewport } from './site.js';
+import { borrowBrowser, serve } from './browser.js';
+import { borrowRoom, maeOverMean, meanOf, phat, readExr } from './room.js';
+import { loaded, open, openRoom, pixelsOf, rest, viewport } from './site.js';
 
-let browser, room, server;
+let browser, room, server, close, mesa;
 
 before(async () => {
-    ({ browser, room, server } = await openRoom());
+    ({ browser, room, server, close } = await openRoom());
+    mesa = await borrowBrowser('gl-egl'); // for all tests: it compiles a page's shaders for half a minute
 });
-after(() => closeRoom({ browser, room, server }));
+after(async () => {
+    await mesa?.dispose();
+    await close?.();
+});
 
 // The samples and the shaders are the same. Half floats, the compiler's rounding and three.js's own filter of
 // shadows are left; by SwiftShader, edges of triangles too, which it places on 1/16 of a pixel (Mesa: 1/64 or
@@ -23,13 +27,15 @@ async function comparePictures(t, { file, folder, site }, angle, size) {
     await phat('render', file, '-o', reference, '--size', `${size.width}x${size.height}`, ...options);
     const { width, height, pixels: expected } = await readExr(reference);
     assert.deepEqual({ width, height }, size);
-    const other = await launch(angle),
+    const { value: other, dispose } = await borrowBrowser(angle),
         served = await serve(site, '/some/where/');
+    let page;
     t.after(async () => {
-        await other.close();
+        await page?.close();
+        await dispose();
         served.close();
     });
-    const page = await loaded(await open(other, served.url, { size }));
+    page = await loaded(await open(other, served.url, { size }));
     await rest(page);
     const pixels = await pixelsOf(page, 4, 'default');
     const error = maeOverMean(pixels, expected),
@@ -46,8 +52,8 @@ for (const angle of ['gl-egl', 'swiftshader'])
         comparePictures(t, room, angle, viewport));
 
 test('draws what phat render draws: gallery by both', async (t) => {
-    const gallery = await makeRoom('gallery');
-    t.after(() => gallery.dispose());
+    const { value: gallery, dispose } = await borrowRoom('gallery');
+    t.after(dispose);
     const size = { width: 320, height: 180 };
     const { pixels, expected } = await comparePictures(t, gallery, 'gl-egl', size);
     // The lamp's highlight on the copper sphere, which is lit by three.js.

@@ -5,14 +5,15 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import validator from 'gltf-validator';
-import { launch, serve } from './browser.js';
-import { maeOverMean, makeRoom, meanOf, phat } from './room.js';
+import { borrowBrowser, serve } from './browser.js';
+import { borrowRoom, maeOverMean, meanOf, phat } from './room.js';
 
 const repository = new URL('../../', import.meta.url).pathname;
-let browser, room, server, page, folder;
+let borrowed, browser, room, server, page, folder;
 
 before(async () => {
-    [browser, room] = await Promise.all([launch(), makeRoom()]);
+    borrowed = await Promise.all([borrowBrowser('swiftshader'), borrowRoom('tabletop')]);
+    [browser, room] = borrowed.map(({ value }) => value);
     folder = await mkdtemp(join(tmpdir(), 'phat-files-'));
     server = await serve(join(repository, 'web'), '/', {
         'test/room.phat.glb': room.file,
@@ -24,9 +25,9 @@ before(async () => {
     await page.waitForFunction(() => globalThis.ready);
 });
 after(async () => {
-    await browser?.close();
+    await page?.close();
     server?.close();
-    await room?.dispose();
+    for (const { dispose } of borrowed ?? []) await dispose();
     if (folder) await rm(folder, { recursive: true });
 });
 

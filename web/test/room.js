@@ -6,6 +6,7 @@ import { join } from 'node:path';
 import { promisify } from 'node:util';
 import { FloatType } from 'three';
 import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';
+import { shared } from './shared.js';
 
 const program = process.env.PHAT ?? new URL('../../build/dev/phat', import.meta.url).pathname;
 const scenes = new URL('../../scenes/', import.meta.url).pathname;
@@ -16,7 +17,7 @@ export async function phat(...args) {
 
 // tabletop: area lights, a textured metal and diffuse things; gallery has a point light, too. Small, because
 // SwiftShader draws it.
-export async function makeRoom(scene = 'tabletop') {
+async function makeRoom(scene) {
     const folder = await mkdtemp(join(tmpdir(), 'phat-web-'));
     const file = join(folder, `${scene}.phat.glb`),
         site = join(folder, 'site');
@@ -32,8 +33,11 @@ export async function makeRoom(scene = 'tabletop') {
         '--quiet',
     );
     await phat('web', file, '-o', site, '--title', 'A <table> & more', '--exposure', '1', '--quiet');
-    return { folder, file, site, dispose: () => rm(folder, { recursive: true }) };
+    return { folder, file, site };
 }
+
+// { value: { folder, file, site }, dispose } of a scene. The files are for all tests: nobody changes them.
+export const borrowRoom = shared(makeRoom, ({ folder }) => rm(folder, { recursive: true }));
 
 // { width, height, pixels } as RGBA floats, row 0 at the bottom.
 export async function readExr(path) {

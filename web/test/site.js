@@ -1,20 +1,20 @@
 // Pages of `phat web`, opened and read.
 import assert from 'node:assert/strict';
-import { launch, serve } from './browser.js';
-import { makeRoom } from './room.js';
+import { borrowBrowser, serve } from './browser.js';
+import { borrowRoom } from './room.js';
 
 export const viewport = { width: 160, height: 90 };
 
-// A browser, a baked room, and a server of its site. To be given back.
+// A browser, a baked room, and a server of its site. `close` gives them back.
 export async function openRoom() {
-    const [browser, room] = await Promise.all([launch(), makeRoom()]);
-    return { browser, room, server: await serve(room.site, '/some/where/') };
-}
-
-export async function closeRoom({ browser, room, server }) {
-    await browser?.close();
-    server?.close();
-    await room?.dispose();
+    const borrowed = await Promise.all([borrowBrowser('swiftshader'), borrowRoom('tabletop')]),
+        [browser, room] = borrowed.map(({ value }) => value),
+        server = await serve(room.site, '/some/where/');
+    const close = async () => {
+        server.close();
+        for (const { dispose } of borrowed) await dispose();
+    };
+    return { browser, room, server, close };
 }
 
 // A page of `url` that notes what must not be. `prepare` runs in it first.

@@ -1,19 +1,24 @@
 // The page that `phat web` writes, in Chromium.
 import assert from 'node:assert/strict';
-import { cp, readFile, truncate, writeFile } from 'node:fs/promises';
+import { cp, mkdtemp, readFile, rm, truncate, writeFile } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { serve } from './browser.js';
-import { maeOverMean, meanOf } from './room.js';
-import { closeRoom, loaded, open as openIn, openRoom, pixelsOf, rest, viewport } from './site.js';
+import { maeOverMean, meanOf, phat, readExr } from './room.js';
+import { loaded, open as openIn, openRoom, pixelsOf, rest, viewport } from './site.js';
 
 const open = (url, prepare, size) => openIn(browser, url, { prepare, size });
-let browser, room, server;
+let browser, room, server, close, folder;
 
 before(async () => {
-    ({ browser, room, server } = await openRoom());
+    ({ browser, room, server, close } = await openRoom());
+    folder = await mkdtemp(join(tmpdir(), 'phat-site-'));
 });
-after(() => closeRoom({ browser, room, server }));
+after(async () => {
+    await close?.();
+    if (folder) await rm(folder, { recursive: true });
+});
 
 test('a tall page shows from side to side what a wide one shows from top to bottom', async () => {
     const page = await loaded(await open(server.url, null, { width: 120, height: 240 }));
@@ -156,7 +161,7 @@ test('turns and zooms by fingers', async () => {
     await page.close();
 });
 
-test('follows its sliders', async () => {
+test('follows its sliders', async (t) => {
     const page = await loaded(await open(server.url));
     await rest(page);
     const pixels = await pixelsOf(page);
@@ -173,6 +178,14 @@ test('follows its sliders', async () => {
     await slide('roughness', '0.8');
     const rough = await pixelsOf(page);
     assert.ok(maeOverMean(rough, pixels) > 0.01, 'roughness');
+    // As `phat render` draws it with that roughness: pictures.test.js says why they are not the same.
+    const reference = join(folder, 'rough.exr');
+    const options = ['--spp', '4', '--reflections', 'lookup', '--set', 'table_top.roughness=0.8', '--quiet'];
+    await phat('render', room.file, '-o', reference, '--size', '160x90', ...options);
+    const { pixels: expected } = await readExr(reference),
+        error = maeOverMean(await pixelsOf(page, 4, 'default'), expected);
+    t.diagnostic(`MAE/mean ${error.toFixed(5)}`);
+    assert.ok(error < 0.01, `roughness: MAE/mean ${error}`);
     await slide('color', '#ff0000');
     // A red metal reflects less green than before, and red is not what is lost.
     const red = await pixelsOf(page);
@@ -219,7 +232,7 @@ async function messageOf(page) {
 }
 
 test('says what is wrong', async () => {
-    const cut = join(room.folder, 'cut');
+    const cut = join(folder, 'cut');
     for (const [name, length, expected] of [
         ['room.glb', 200_000, /could not be loaded/],
         ['room.lamps.bin', 300_000, /could not be loaded: .*(cut off|damaged)/],

@@ -1,0 +1,6 @@
+// All tests in one process, so that they share the browsers and the baked rooms. Each file runs alone, too.
+import './compositions.test.js';
+import './package.test.js';
+import './pictures.test.js';
+import './plugin.test.js';
+import './site.test.js';
