@@ -55,6 +55,27 @@ uint64_t follow(IncrementalBaker& engine, const AnimatedFrames& frames, Progress
     return work;
 }
 
+/// What a frame takes before it is drawn.
+struct FrameCost {
+    double move = 0, follow = 0, upload = 0;  // seconds
+    uint64_t work = 0;                        // of the engine
+};
+
+FrameCost moveTo(const SceneState& state, IncrementalBaker& engine, Renderer& renderer,
+                 const AnimatedFrames& frames, Progress& progress) {
+    FrameCost cost;
+    const DynamicScene& scene = engine.scene();
+    cost.move = secondsOf([&] {
+        if (engine.setSceneState(state)) renderer.moveScene(scene.scene(), scene.atlas(), scene.points());
+    });
+    cost.follow = secondsOf([&] { cost.work = follow(engine, frames, progress); });
+    cost.upload = secondsOf([&] {
+        LightUpdate update = engine.drainUpdate();
+        renderer.takeUpdate(update, std::numeric_limits<double>::infinity());
+    });
+    return cost;
+}
+
 }  // namespace
 
 std::vector<json> renderAnimated(const RenderOptions& options, Progress& progress) {
@@ -66,7 +87,6 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
     const auto poseAt = [&](double seconds) {
         return SceneState{worldFromRest(rest.nodes, animation, seconds), rest.lights, rest.materials};
     };
-
     IncrementalBaker engine(rest, baked.atlas, baked.points, baked.phatexture, settingsOf(baked.record));
     engine.setEye(&views.front().camera);
     engine.setSceneState(poseAt(frames.start));
@@ -83,34 +103,24 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
     for (int i = 0; i < count; ++i) {
         progress.throwIfStopped();
         const double seconds = frames.start + double(i) / frames.perSecond;
-        const double moving = secondsOf([&] {
-            if (engine.setSceneState(poseAt(seconds)))
-                renderer.moveScene(engine.scene().scene(), baked.atlas, engine.scene().points());
-        });
-        uint64_t work = 0;
-        const double followed = secondsOf([&] { work = follow(engine, frames, progress); });
-        const double uploaded = secondsOf([&] {
-            LightUpdate update = engine.drainUpdate();
-            renderer.takeUpdate(update, std::numeric_limits<double>::infinity());
-        });
-
+        const FrameCost cost = moveTo(poseAt(seconds), engine, renderer, frames, progress);
         const ReflectionScene reflectionScene(engine.rays(), engine.lights(), baked.atlas,
                                               engine.scene().points(), engine.phatexture());
         const TracedReflections traced{reflectionScene, options.reflections, progress};
         for (const View& view : views) {
             FrameSettings settings = frameOf(options, view);
             PictureSum sum;
-            const ReflectionCost cost = drawFrame(renderer, settings, &traced, sum);
+            const ReflectionCost rays = drawFrame(renderer, settings, &traced, sum);
             const Image picture = readMean(sum);
             progress.throwIfStopped();
             View frame = view;
             frame.label += fmt::format("{}{:04}", view.label.empty() ? "" : ".", i);
             writePicture(options, frame, picture);
             json report =
-                drawnReport(options, frame, renderer.lastFrameTimes(), cost, context.rendererName());
-            report["seconds"].update({{"move", moving}, {"follow", followed}, {"upload", uploaded}});
+                drawnReport(options, frame, renderer.lastFrameTimes(), rays, context.rendererName());
+            report["seconds"].update({{"move", cost.move}, {"follow", cost.follow}, {"upload", cost.upload}});
             report.update({{"animationSeconds", seconds},
-                           {"work", work},
+                           {"work", cost.work},
                            {"phatexels", engine.stats().phatexels - renewed},
                            {"settled", engine.converged()}});
             reports.push_back(std::move(report));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,6 +35,7 @@ inline constexpr std::array<FlagName<Reflections>, 3> kReflectionNames = {
 /// pre: the value is in the table.
 template <class Value, size_t n>
 constexpr const char* nameOf(const std::array<FlagName<Value>, n>& table, Value value) {
+    assert(std::any_of(table.begin(), table.end(), [&](const auto& entry) { return entry.value == value; }));
     return std::find_if(table.begin(), table.end(), [&](const auto& entry) { return entry.value == value; })
         ->name;
 }
@@ -41,6 +43,7 @@ constexpr const char* nameOf(const std::array<FlagName<Value>, n>& table, Value 
 /// pre: the name is in the table.
 template <class Value, size_t n>
 constexpr Value valueOf(const std::array<FlagName<Value>, n>& table, std::string_view name) {
+    assert(std::any_of(table.begin(), table.end(), [&](const auto& entry) { return entry.name == name; }));
     return std::find_if(table.begin(), table.end(), [&](const auto& entry) { return entry.name == name; })
         ->value;
 }

@@ -1,6 +1,7 @@
 #include "viewer/document.h"
 
 #include <algorithm>
+#include <cassert>
 #include <system_error>
 
 #include "core/scene/animation.h"
@@ -97,6 +98,7 @@ void Document::takeLight(const LightUpdate& update) {
 }
 
 std::string Document::save() {
+    assert(hasBake);
     if (isBakedFile(path)) {
         writeEdits(path, path, inFile_, edits.now());
         inFile_ = edits.now();

@@ -1,5 +1,6 @@
 #include "viewer/edit_history.h"
 
+#include <cassert>
 #include <utility>
 
 namespace phat {
@@ -25,6 +26,7 @@ void EditHistory::change(SceneEdits next, bool goesOn) {
 }
 
 void EditHistory::drop() {
+    assert(canUndo() && !canRedo());
     states_.resize(at_);
     --at_;
     ++revision_;

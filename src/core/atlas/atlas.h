@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -59,9 +60,13 @@ struct Atlas {
     /// `texel`: its place in an array of [y][x].
     uint32_t chartAt(size_t texel) const { return chartAt({texel % sizeTexels.x, texel / sizeTexels.x}); }
     /// pre: the texel's tile has a chart.
-    float texelMetersAt(size_t texel) const { return charts[chartAt(texel)].texelSizeMeters; }
+    float texelMetersAt(size_t texel) const {
+        assert(chartAt(texel) != kNoChart);
+        return charts[chartAt(texel)].texelSizeMeters;
+    }
     /// Block of a texel. pre: the texel's tile has a chart.
     uint32_t blockAt(glm::uvec2 texel) const {
+        assert(chartAt(texel) != kNoChart);
         const Chart& chart = charts[chartAt(texel)];
         const glm::uvec2 block = (texel - chart.originTexel()) / kBlockSize;
         return chart.firstBlock + block.y * chart.blocksWide() + block.x;

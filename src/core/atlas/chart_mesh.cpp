@@ -1,6 +1,7 @@
 #include "core/atlas/chart_mesh.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -8,6 +9,7 @@
 
 namespace phat {
 ChartMesh buildChartMesh(const Scene& scene, const MeshTopology& topology, std::vector<uint32_t> triangles) {
+    assert(std::is_sorted(triangles.begin(), triangles.end()));
     ChartMesh mesh;
     mesh.triangles = std::move(triangles);
     const uint32_t count = uint32_t(mesh.triangles.size());

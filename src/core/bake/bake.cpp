@@ -4,6 +4,7 @@
 
 #include "core/atlas/glossy_density.h"
 #include "core/bake/gather.h"
+#include "core/bake/indirect_irradiance.h"
 #include "core/bake/irradiance_finish.h"
 #include "core/bake/irradiance_ray.h"
 #include "core/base/stopwatch.h"
@@ -163,10 +164,20 @@ uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings) {
         // Packing and gutters take up to half as much again.
         texels = 1.5 * area / (double(settings.atlas.texelSizeMeters) * settings.atlas.texelSizeMeters);
     }
-    // Texel points, directions and their density, area layer and irradiance, guides, tiles, and the written
-    // file; of the nodes' rays (33) and maps (24) of indirect irradiance, what the directions' room does not
-    // hold.
-    const double bytesPerTexel = 53 + 28 + 12 + 3 + 3 + 29 + 24.0 * settings.layers;
+    constexpr double kTileTexels = kTileSize * kTileSize, kBlockTexels = kBlockSize * kBlockSize;
+    constexpr double kNodeTexels = kLevelSteps[0] * kLevelSteps[0];
+    // Of TexelPoints, and the distance to the surface while they are made.
+    constexpr double kPoints =
+        sizeof(TexelState) + 3 * sizeof(glm::vec3) + sizeof(glm::vec2) + sizeof(uint32_t) + sizeof(float);
+    constexpr double kDirections = 2 * sizeof(glm::vec3) + sizeof(float);  // of ChosenDirections
+    constexpr double kIndirectIrradiance = sizeof(NodeRays) / kNodeTexels + 2 * sizeof(glm::vec3);
+    constexpr double kAreaLight = sizeof(PackedPhatexel) + sizeof(uint32_t);  // a layer, a map
+    constexpr double kTables =
+        2 * sizeof(Guide) / kBlockTexels + (sizeof(DistanceProbe) + sizeof(PackedTile)) / kTileTexels;
+    constexpr double kLayer = 3 * sizeof(PackedPhatexel);  // itself, sorted for compression, compressed
+    // Irradiance is gathered before directions are chosen: the larger of the two counts.
+    const double bytesPerTexel = kPoints + std::max(kDirections, kIndirectIrradiance) + kAreaLight + kTables +
+                                 kLayer * settings.layers;
     // A photon meets about five surfaces before it is absorbed at albedo .8; the kd-tree adds an index.
     const double photonBytes = 5.0 * double(settings.photons.count) * (sizeof(Photon) + 16);
     // Embree's tree and copies of the geometry, the unwrapper's topology.

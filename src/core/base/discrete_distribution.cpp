@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 namespace phat {
 
@@ -9,7 +10,7 @@ DiscreteDistribution::DiscreteDistribution(std::span<const double> weights) {
     cumulative_.reserve(weights.size() + 1);
     cumulative_.push_back(0.0);
     for (double weight : weights) {
-        assert(weight >= 0.0);
+        assert(weight >= 0.0 && std::isfinite(weight));
         cumulative_.push_back(cumulative_.back() + weight);
     }
 }

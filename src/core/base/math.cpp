@@ -1,5 +1,7 @@
 #include "core/base/math.h"
 
+#include <cassert>
+
 namespace phat {
 
 Frame frameFromNormal(glm::vec3 n) {
@@ -10,6 +12,7 @@ Frame frameFromNormal(glm::vec3 n) {
 }
 
 Frame frameFromNormalAndTangent(glm::vec3 normal, glm::vec3 tangent) {
+    assert(isUnit(normal));
     const glm::vec3 t = tangent - glm::dot(tangent, normal) * normal;
     const float length2 = glm::dot(t, t);
     if (!(length2 > 1e-12f * glm::dot(tangent, tangent))) return frameFromNormal(normal);

@@ -26,6 +26,11 @@ inline float square(float x) {
     return x * x;
 }
 
+/// Whether a vector has length 1, but for rounding.
+inline bool isUnit(glm::vec3 v) {
+    return std::abs(glm::dot(v, v) - 1.0f) < 1e-3f;
+}
+
 /// Right-handed orthonormal frame; local +z is the normal.
 struct Frame {
     glm::vec3 tangent{1, 0, 0};

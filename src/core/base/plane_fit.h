@@ -1,6 +1,8 @@
 #pragma once
 // Local linear regression [Cleveland 1979] of colours over the plane.
 
+#include <cassert>
+
 #include "core/base/math.h"
 
 namespace phat {
@@ -33,6 +35,7 @@ class PlaneFit {
     };
     /// pre: not empty().
     Estimate atOrigin() const {
+        assert(!empty());
         const glm::vec2 m = offset_ / weights_;
         const glm::vec3 mean = value_ / weights_;
         const float xx = xx_ / weights_ - m.x * m.x + kRidge, yy = yy_ / weights_ - m.y * m.y + kRidge;

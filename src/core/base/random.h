@@ -2,6 +2,7 @@
 // Counter-based randomness: every consumer derives its own stream from (seed, purpose, index), so results do
 // not depend on the number of threads or on the order of work.
 
+#include <cassert>
 #include <cstdint>
 
 #include "core/base/math.h"
@@ -60,6 +61,7 @@ inline uint32_t reverseBits(uint32_t x) {
 }
 /// Reverses the lowest `bitCount` bits of x; higher bits must be 0. pre: bitCount in [1, 32].
 inline uint32_t reverseBits(uint32_t x, int bitCount) {
+    assert(bitCount >= 1 && bitCount <= 32 && (bitCount == 32 || x >> bitCount == 0));
     return reverseBits(x) >> (32 - bitCount);
 }
 

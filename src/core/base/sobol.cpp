@@ -1,6 +1,7 @@
 #include "core/base/sobol.h"
 
 #include <array>
+#include <cassert>
 
 #include "core/base/random.h"
 
@@ -87,6 +88,7 @@ glm::vec4 sobol4(uint32_t index, uint32_t seed) {
 }
 
 glm::vec4 shuffledSobol4(uint32_t index, uint64_t seed) {
+    assert(index < kMostShuffled);
     const uint64_t order = mixBits(seed), first = mixBits(seed + kSeedStep),
                    second = mixBits(seed + 2 * kSeedStep);
     // The index's digits, the highest of 16 first, are scrambled like a coordinate's.

@@ -1,5 +1,6 @@
 #include "core/dynamic/map_updater.h"
 
+#include <cassert>
 #include <numeric>
 
 #include "core/bake/indirect_irradiance.h"
@@ -176,6 +177,7 @@ uint64_t MapUpdater::advance(std::optional<MapJob>& slot) {
 }
 
 MapUpdater::Slice MapUpdater::advance() {
+    assert(isRunning());
     // The area lights' map first: it lights the other.
     std::optional<MapJob>& job = areaJob_ ? areaJob_ : indirectJob_;
     Slice slice{.kind = job->kind};
@@ -242,6 +244,7 @@ bool MapUpdater::replace(std::vector<uint32_t>& shown, std::vector<uint32_t> ren
 }
 
 void MapUpdater::beginPass() {
+    assert(!areaIsStale() && !indirectIsStale());
     if (state_.pass == 0) {
         areaMean_ = areaMap_;
         indirectMean_ = indirectMap_;

@@ -2,6 +2,7 @@
 // Updates the irradiance maps: the estimates and rays that they are made from, and the maps, slice by slice.
 
 #include <atomic>
+#include <cassert>
 
 #include "core/bake/seam_stitch.h"
 #include "core/base/resumable_task.h"
@@ -53,10 +54,16 @@ class MapUpdater {
     Slice advance();
 
     /// Begins with the map of some charts alone, whatever is being made of all. pre: !chartsAreRunning().
-    void beginCharts(MapKind kind, const ChartSet& charts) { begin(chartsJob_, kind, charts); }
+    void beginCharts(MapKind kind, const ChartSet& charts) {
+        assert(!chartsAreRunning());
+        begin(chartsJob_, kind, charts);
+    }
     bool chartsAreRunning() const { return chartsJob_.has_value(); }
     /// Goes on with it. Returns the work. pre: chartsAreRunning().
-    uint64_t advanceCharts() { return advance(chartsJob_); }
+    uint64_t advanceCharts() {
+        assert(chartsAreRunning());
+        return advance(chartsJob_);
+    }
 
     /// A pass of refinement begins: what has been made so far becomes part of the means. pre: no map is
     /// stale.

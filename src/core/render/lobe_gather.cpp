@@ -1,6 +1,7 @@
 #include "core/render/lobe_gather.h"
 
 #include <algorithm>
+#include <cassert>
 
 #include "core/base/hemisphere_map.h"
 
@@ -90,6 +91,7 @@ void LobeSums::add(float weight, float value, const WorldPhatexel& phatexel, flo
 }
 
 glm::vec3 LobeSums::regressed(float albedo) const {
+    assert(a > 0);
     const double unit = a / k;
     const glm::dvec3 meanLight = light / k;
     const double variance = aSquared / k - unit * unit;

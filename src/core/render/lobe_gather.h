@@ -2,6 +2,7 @@
 // One lobe of a BRDF over the PHATexels around a point, sample by sample.
 
 #include <array>
+#include <cassert>
 
 #include "core/render/phatexel_cloud.h"
 #include "core/scene/brdf.h"
@@ -76,7 +77,10 @@ struct LobeSums {
     /// Harmonic mean distance of what the lobe sees, metres; 0 if it sees nothing.
     float distance() const { return nearness > 0 ? float(a / nearness) : 0.0f; }
     /// Mean of the radiances, weighted by a. pre: a > 0.
-    glm::vec3 mean() const { return glm::vec3(light / a); }
+    glm::vec3 mean() const {
+        assert(a > 0);
+        return glm::vec3(light / a);
+    }
     /// The same where a's expectation is known to be `albedo`: the control variate that the samples
     /// themselves regress, between the plain mean of a L over the albedo and the ratio. pre: a > 0. source:
     /// Owen 2013, section 8.9.

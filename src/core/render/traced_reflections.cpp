@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <bit>
+#include <cassert>
 
 #include "core/base/parallel.h"
 #include "core/base/sobol.h"
@@ -66,6 +67,7 @@ struct LobeRays {
 // surely, and should weigh nothing rather than one.
 // pre: own > 0.
 float powerWeight(float own, float other) {
+    assert(own > 0.0f);
     return 1.0f / (1.0f + square(other / own));
 }
 

@@ -35,6 +35,7 @@ RowWeights rowWeights(int y, int height) {
 }  // namespace
 
 glm::vec3 environmentRadiance(const Environment& environment, glm::vec3 direction) {
+    assert(isUnit(direction));
     const Image& image = environment.radiance;
     assert(image.width > 0 && image.height > 0);
     const glm::vec2 p = directionToPicture(direction, image.width, image.height) - 0.5f;

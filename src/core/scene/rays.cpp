@@ -3,6 +3,7 @@
 #include <embree3/rtcore.h>
 
 #include <bit>
+#include <cassert>
 #include <stdexcept>
 
 #include "core/base/random.h"
@@ -103,6 +104,7 @@ RTCRay makeRay(glm::vec3 origin, glm::vec3 direction, float maxDistance) {
 }  // namespace
 
 Hit RayScene::closestHit(glm::vec3 origin, glm::vec3 direction, float maxDistance) const {
+    assert(isUnit(direction));
     RTCRayHit query;
     query.ray = makeRay(origin, direction, maxDistance);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -119,6 +121,7 @@ Hit RayScene::closestHit(glm::vec3 origin, glm::vec3 direction, float maxDistanc
 }
 
 bool RayScene::anyHit(glm::vec3 origin, glm::vec3 direction, float maxDistance) const {
+    assert(isUnit(direction));
     RTCRay ray = makeRay(origin, direction, maxDistance);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -127,6 +130,7 @@ bool RayScene::anyHit(glm::vec3 origin, glm::vec3 direction, float maxDistance) 
 }
 
 glm::vec3 offsetOrigin(glm::vec3 p, glm::vec3 normal) {
+    assert(isUnit(normal));
     // Far from the origin step by units in the last place; near it by a fixed length.
     constexpr float kOrigin = 1.0f / 32.0f, kFloatScale = 1.0f / 65536.0f, kIntScale = 256.0f;
     glm::vec3 moved;

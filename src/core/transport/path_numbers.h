@@ -1,6 +1,8 @@
 #pragma once
 // The random numbers of one path, in sets of four.
 
+#include <cassert>
+
 #include "core/base/random.h"
 #include "core/base/sobol.h"
 
@@ -14,7 +16,9 @@ class PathNumbers {
     explicit PathNumbers(Rng rng) : rng_(rng) {}
     /// pre: index < kMostShuffled.
     PathNumbers(uint64_t seed, uint32_t index)
-        : rng_(hashOf(seed, index)), seed_(seed), index_(index), stratifiedSets_(kStratifiedSets) {}
+        : rng_(hashOf(seed, index)), seed_(seed), index_(index), stratifiedSets_(kStratifiedSets) {
+        assert(index < kMostShuffled);
+    }
 
     /// The next set, in [0, 1).
     glm::vec4 next4() {

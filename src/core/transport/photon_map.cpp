@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <cassert>
 #include <limits>
 #include <stdexcept>
 
@@ -98,6 +99,7 @@ PhotonMap tracePhotons(const RayScene& rays, const LightSampler& lights, const P
 
 PhotonMap tracePhotonPart(const RayScene& rays, const LightSampler& lights, const PhotonSettings& settings,
                           uint64_t begin, uint64_t end, Progress& progress) {
+    assert(begin <= end && end <= settings.count);
     PhotonMap map;
     if (!(maxComponent(lights.powerPunctual() + lights.powerArea()) > 0)) return map;
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cassert>
 #include <cmath>
 #include <cstdlib>
 #include <set>
@@ -111,6 +112,7 @@ void editMaterial(const std::string& assignment, std::vector<Material>& material
 }
 
 std::vector<std::string> materialEdits(const std::vector<Material>& from, const std::vector<Material>& to) {
+    assert(from.size() == to.size());
     std::vector<std::string> edits;
     for (size_t i = 0; i < from.size(); ++i) {
         for (const ScalarProperty& scalar : kScalars)

@@ -2,6 +2,7 @@
 // What the writer and the reader of baked files agree on. docs/format.md says what each of these means.
 
 #include <bit>
+#include <cassert>
 #include <cstdint>
 
 #include "core/phatexel/depth_probes.h"
@@ -43,6 +44,7 @@ inline DistanceProbe unpackProbe(const LevelsRecord& record, const PackedTile& t
 
 /// Steps of one unit in the last place from a to b. pre: both finite and >= 0.
 inline int32_t ulpsBetween(float a, float b) {
+    assert(std::isfinite(a) && std::isfinite(b) && a >= 0 && b >= 0);
     return std::bit_cast<int32_t>(b) - std::bit_cast<int32_t>(a);
 }
 inline float movedByUlps(float a, int32_t ulps) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <set>
 
 #include "io/base/file_error.h"
@@ -70,6 +71,7 @@ WebParts split(const GltfSource& source, const std::string& stem) {
 }  // namespace
 
 WebParts splitForWeb(GltfSource& source, const std::string& stem) {
+    assert(source.buffers.empty());
     try {
         readGltfBuffers(source);
         return split(source, stem);
