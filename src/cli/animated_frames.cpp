@@ -59,17 +59,20 @@ uint64_t follow(IncrementalBaker& engine, const AnimatedFrames& frames, Progress
 
 std::vector<json> renderAnimated(const RenderOptions& options, Progress& progress) {
     const AnimatedFrames& frames = *options.animated;
-    const BakedScene baked = loadBaked(options, progress);
-    const Scene& rest = baked.loaded.scene;
+    BakedScene baked = loadBaked(options, progress);
+    PosedScene posed(std::move(baked.loaded.scene));
+    const Scene& rest = posed.rest();
     const Animation& animation = animationOf(options, rest);
     const std::vector<View> views = chooseViews(options, rest);
     const auto poseAt = [&](double seconds) {
-        return SceneState{worldFromRest(rest.nodes, animation, seconds), rest.lights, rest.materials};
+        posed.setState({worldFromRest(rest.nodes, animation, seconds), rest.lights, rest.materials});
+        return posed.snapshot();
     };
 
-    IncrementalBaker engine(rest, baked.atlas, baked.points, baked.phatexture, settingsOf(baked.record));
+    IncrementalBaker engine(posed.snapshotAtRest(), baked.atlas, baked.points, baked.phatexture,
+                            settingsOf(baked.record));
     engine.setEye(&views.front().camera);
-    engine.setSceneState(poseAt(frames.start));
+    engine.setScene(poseAt(frames.start));
     engine.converge(progress);  // the film begins with the right light
     engine.drainUpdate();
 
@@ -84,7 +87,7 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
         progress.throwIfStopped();
         const double seconds = frames.start + double(i) / frames.perSecond;
         const double moving = secondsOf([&] {
-            if (engine.setSceneState(poseAt(seconds)))
+            if (engine.setScene(poseAt(seconds)))
                 renderer.moveScene(engine.scene().scene(), baked.atlas, engine.scene().points());
         });
         uint64_t work = 0;
