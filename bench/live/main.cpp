@@ -79,8 +79,9 @@ SceneState moved(const Scene& scene, const Options& options, bool away) {
 nlohmann::json measure(const Options& options) {
     double load = 0;  // of other work: 1 for each busy core
     getloadavg(&load, 1);
-    const BakedScene baked = readBakedFile(options.baked);
-    const Scene& scene = baked.loaded.scene;
+    BakedScene baked = readBakedFile(options.baked);
+    PosedScene posed(std::move(baked.loaded.scene));
+    const Scene& scene = posed.rest();
     const BakeSettings settings = settingsOf(baked.record);
     const HeadlessContext context;
     Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture}, PHAT_SOURCE_DIR "/shaders");
@@ -93,8 +94,13 @@ nlohmann::json measure(const Options& options) {
     renderer.draw(frame, sum);
     renderer.lastFrameTimes();
 
-    BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, settings}, 1, [] {});
+    BakerThread light({posed.snapshotAtRest(), baked.atlas, baked.points, baked.phatexture, settings}, 1,
+                      [] {});
     light.waitUntilStarted();
+    const auto snapshotOf = [&](bool isAway) {
+        posed.setState(moved(scene, options, isAway));
+        return posed.snapshot();
+    };
     LightUpdate renewed;
     const auto draw = [&] {
         const Stopwatch start;
@@ -109,21 +115,21 @@ nlohmann::json measure(const Options& options) {
     bool away = false;
     for (int turn = 0; int(updating.size()) < options.frames; ++turn) {
         if (light.report().converged) away = !away;
-        light.follow(moved(scene, options, away), frame.camera, true);
+        light.follow(snapshotOf(away), frame.camera, true);
         for (int i = 0; i < kFramesATurn && !light.report().converged; ++i) updating.push_back(draw());
-        light.follow(moved(scene, options, away), frame.camera, false);
+        light.follow(snapshotOf(away), frame.camera, false);
         while (!light.report().converged || !renewed.empty()) draw();  // what it still hands over
         for (int i = 0; i < kFramesATurn; ++i) idle.push_back(draw());
     }
     // From the untouched light to that of the other place, to the end.
-    light.follow(moved(scene, options, false), frame.camera, true);
+    light.follow(snapshotOf(false), frame.camera, true);
     const auto settle = [&] {
         while (!light.report().converged) draw();
         return light.report().processorSeconds;
     };
     const double before = settle();
     const uint64_t renewedBefore = light.report().phatexels;
-    light.follow(moved(scene, options, true), frame.camera, true);
+    light.follow(snapshotOf(true), frame.camera, true);
     const double renewal = settle() - before;
     const uint64_t renewals = light.report().phatexels - renewedBefore;
     uint64_t valid = 0;

@@ -61,12 +61,14 @@ struct FrameCost {
     uint64_t work = 0;                        // of the engine
 };
 
-FrameCost moveTo(const SceneState& state, IncrementalBaker& engine, Renderer& renderer,
+FrameCost moveTo(const SceneState& state, PosedScene& posed, IncrementalBaker& engine, Renderer& renderer,
                  const AnimatedFrames& frames, Progress& progress) {
     FrameCost cost;
     const DynamicScene& scene = engine.scene();
     cost.move = secondsOf([&] {
-        if (engine.setSceneState(state)) renderer.moveScene(scene.scene(), scene.atlas(), scene.points());
+        posed.setState(state);
+        if (engine.setScene(posed.snapshot()))
+            renderer.moveScene(scene.scene(), scene.atlas(), scene.points());
     });
     cost.follow = secondsOf([&] { cost.work = follow(engine, frames, progress); });
     cost.upload = secondsOf([&] {
@@ -80,16 +82,20 @@ FrameCost moveTo(const SceneState& state, IncrementalBaker& engine, Renderer& re
 
 std::vector<json> renderAnimated(const RenderOptions& options, Progress& progress) {
     const AnimatedFrames& frames = *options.animated;
-    const BakedScene baked = loadBaked(options, progress);
-    const Scene& rest = baked.loaded.scene;
+    BakedScene baked = loadBaked(options, progress);
+    PosedScene posed(std::move(baked.loaded.scene));
+    const Scene& rest = posed.rest();
     const Animation& animation = animationOf(options, rest);
     const std::vector<View> views = chooseViews(options, rest);
     const auto poseAt = [&](double seconds) {
         return SceneState{worldFromRest(rest.nodes, animation, seconds), rest.lights, rest.materials};
     };
-    IncrementalBaker engine(rest, baked.atlas, baked.points, baked.phatexture, settingsOf(baked.record));
+
+    IncrementalBaker engine(posed.snapshotAtRest(), baked.atlas, baked.points, baked.phatexture,
+                            settingsOf(baked.record));
     engine.setEye(&views.front().camera);
-    engine.setSceneState(poseAt(frames.start));
+    posed.setState(poseAt(frames.start));
+    engine.setScene(posed.snapshot());
     engine.converge(progress);  // the film begins with the right light
     engine.drainUpdate();
 
@@ -103,7 +109,7 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
     for (int i = 0; i < count; ++i) {
         progress.throwIfStopped();
         const double seconds = frames.start + double(i) / frames.perSecond;
-        const FrameCost cost = moveTo(poseAt(seconds), engine, renderer, frames, progress);
+        const FrameCost cost = moveTo(poseAt(seconds), posed, engine, renderer, frames, progress);
         const ReflectionScene reflectionScene(engine.rays(), engine.lights(), baked.atlas,
                                               engine.scene().points(), engine.phatexture());
         const TracedReflections traced{reflectionScene, options.reflections, progress};

@@ -16,12 +16,14 @@ namespace phat {
 using nlohmann::json;
 
 std::vector<json> renderRefined(const RenderOptions& options, Progress& progress) {
-    const BakedScene baked = loadBaked(options, progress);
-    const Scene& scene = baked.loaded.scene;
+    BakedScene baked = loadBaked(options, progress);
+    const PosedScene posed(std::move(baked.loaded.scene));
+    const Scene& scene = posed.rest();
     const std::vector<View> views = chooseViews(options, scene);
 
     const HeadlessContext context;
-    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, settingsOf(baked.record));
+    IncrementalBaker engine(posed.snapshotAtRest(), baked.atlas, baked.points, baked.phatexture,
+                            settingsOf(baked.record));
     Renderer renderer({scene, baked.atlas, baked.points, engine.phatexture()}, shaderFolder());
     std::vector<PictureSum> sums(views.size());
     std::vector<json> reports;

@@ -98,7 +98,7 @@ void uploadImages(const Scene& scene, GpuScene& gpu) {
     for (const Material& material : scene.materials) {
         for (const NamedSlot& named : kSlots) {
             const int32_t image = (material.*named.slot).image;
-            if (image < 0 || scene.images[image].texels.empty()) continue;
+            if (image < 0 || scene.images[image]->texels.empty()) continue;
             GlTexture& texture = (named.srgb ? gpu.imagesSrgb : gpu.imagesLinear)[image];
             if (!texture) texture = uploadImage(scene.images[image], named.srgb);
         }

@@ -18,7 +18,7 @@ std::filesystem::file_time_type lastWrite(const std::string& path) {
     return std::filesystem::last_write_time(path, gone);
 }
 
-void writeBake(const std::string& out, const std::string& source, BakedScene& baked) {
+void writeBake(const std::string& out, const std::string& source, const Scene& scene, BakedScene& baked) {
     Bake whole{std::move(baked.atlas), std::move(baked.points), std::move(baked.phatexture), {}};
     const auto giveBack = [&] {
         baked.atlas = std::move(whole.atlas);
@@ -26,7 +26,7 @@ void writeBake(const std::string& out, const std::string& source, BakedScene& ba
         baked.phatexture = std::move(whole.phatexture);
     };
     try {
-        writeBakedFile(out, source, baked.loaded.scene, whole, baked.record);
+        writeBakedFile(out, source, scene, whole, baked.record);
     } catch (...) {
         giveBack();
         throw;
@@ -41,10 +41,9 @@ Document::Document(const std::string& file, const std::string& environment)
       environmentPath(environment),
       writeTime(lastWrite(file)),
       baked(readSceneFile(file, environment)),
+      posed(std::move(baked.loaded.scene)),
       hasBake(!baked.phatexture.indirect.empty()),
-      shown(scene()),
       edits(noEdits(scene())),
-      applied_(edits.now()),
       inFile_(edits.now()) {}
 
 Document::Changes Document::show() {
@@ -53,34 +52,21 @@ Document::Changes Document::show() {
         return {};
     shownRevision_ = edits.revision();
     shownPlayback_ = playback;
-    applyEdits(applied_, edits.now(), shown);
-    applied_ = edits.now();
     std::vector<glm::mat4> animated;
     if (playback.animation >= 0)
         animated =
             worldFromRest(scene().nodes, scene().animations[size_t(playback.animation)], playback.seconds);
-    std::vector<glm::mat4> now = withMotions(scene().nodes, std::move(animated), applied_.motions);
-    const bool moved = moveSurfaces(scene(), worldFromRest_, now, shown);
-    worldFromRest_ = std::move(now);
-    shown.lights = movedLights(applied_.lights, worldFromRest_);
-    if (moved) rays_.reset();
+    const SceneEdits& now = edits.now();
+    const ChangedParts changed = posed.setState({withMotions(scene().nodes, std::move(animated), now.motions),
+                                                 now.lights, now.materials, now.environmentColumns});
     ++rayVersion_;
-    return {true, moved};
-}
-
-SceneState Document::pose() const {
-    return {worldFromRest_, applied_.lights, applied_.materials};
+    return {true, changed.nodes};
 }
 
 bool Document::isAtRest() const {
-    return applied_.materials == scene().materials && shown.lights == scene().lights &&
-           std::all_of(worldFromRest_.begin(), worldFromRest_.end(),
-                       [](const glm::mat4& m) { return m == glm::mat4(1); });
-}
-
-const RayScene& Document::rays() const {
-    if (!rays_) rays_.emplace(shown);
-    return *rays_;
+    const std::vector<glm::mat4>& moved = posed.snapshot()->worldFromRest();
+    return shown().materials == scene().materials && shown().lights == scene().lights &&
+           std::all_of(moved.begin(), moved.end(), [](const glm::mat4& m) { return m == glm::mat4(1); });
 }
 
 void Document::takeBake(Bake bake, const BakeSettings& settings) {
@@ -113,7 +99,7 @@ std::string Document::save() {
     };
     swapLight();
     try {
-        writeBake(out, path, baked);
+        writeBake(out, path, scene(), baked);
     } catch (...) {
         swapLight();
         throw;

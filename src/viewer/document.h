@@ -5,9 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "core/dynamic/dynamic_scene.h"
 #include "core/dynamic/light_update.h"
-#include "core/scene/rays.h"
+#include "core/scene/posed_scene.h"
 #include "io/phat/baked_file.h"
 #include "viewer/edit_history.h"
 
@@ -30,20 +29,20 @@ struct Document {
     Document& operator=(const Document&) = delete;
 
     /// As it was read; what a bake in the background works on.
-    const Scene& scene() const { return baked.loaded.scene; }
+    const Scene& scene() const { return posed.rest(); }
+    /// With the edits, and moved.
+    const Scene& shown() const { return posed.scene(); }
     struct Changes {
         bool any = false, moved = false;
     };
-    /// Brings `shown` to the edits and the time of now; tells what was different.
+    /// Brings shown() to the edits and the time of now; tells what was different.
     Changes show();
-    /// `shown` as the live engine takes it.
-    SceneState pose() const;
     /// Whether things may be elsewhere than at rest.
-    bool isMoved() const { return !worldFromRest_.empty(); }
+    bool isMoved() const { return !posed.snapshot()->worldFromRest().empty(); }
     /// Whether all is as the file has it.
     bool isAtRest() const;
-    /// Of `shown`: for picking and for reflections.
-    const RayScene& rays() const;
+    /// Of shown(): for picking.
+    const RayScene& rays() const { return posed.snapshot()->rays(); }
     /// Grows when what rays meet, or may read there, is another.
     uint64_t rayVersion() const { return rayVersion_; }
     /// Takes over a bake of scene() that was made with `settings`, which save() records.
@@ -59,9 +58,9 @@ struct Document {
     std::string path;
     std::string environmentPath;
     std::filesystem::file_time_type writeTime;  // of the file before it was read, so that no change is missed
-    BakedScene baked;  // the scene as it was read; PHATexels and covered texels as renewed
+    BakedScene baked;  // without its scene, which is in `posed`; PHATexels and covered texels as renewed
+    PosedScene posed;
     bool hasBake = false;
-    Scene shown;  // with the edits, and moved
     EditHistory edits;
     Playback playback;
 
@@ -70,11 +69,8 @@ struct Document {
         Phatexture phatexture;
         std::vector<TexelState> states;
     };
-    SceneEdits applied_;  // to `shown`
-    std::vector<glm::mat4> worldFromRest_;
     uint64_t shownRevision_ = 0, rayVersion_ = 0;
     Playback shownPlayback_;
-    mutable std::optional<RayScene> rays_;  // empty: not of `shown` as it is
     std::optional<BakedLight> bakedLight_;
     SceneEdits inFile_;
 };

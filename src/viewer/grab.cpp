@@ -97,7 +97,7 @@ void beginGrab(ViewerState& state, bool turns) {
     Grab grab;
     grab.turns = turns;
     grab.node = state.document->scene().surfaces[*state.selectedSurface].node;
-    grab.pivotWorld = boundsOfNode(state.document->shown, grab.node).center();
+    grab.pivotWorld = boundsOfNode(state.document->shown(), grab.node).center();
     // Without a mouse over the picture it begins in the middle.
     grab.mouse = grab.mouseStart = state.mouse.x < 0 ? 0.5f * glm::vec2(state.pictureSize) : state.mouse;
     state.grab = grab;

@@ -111,7 +111,7 @@ void handleFlight(ViewerState& state) {
 }
 
 void frameSelection(ViewerState& state, glm::vec2 size) {
-    const Scene& scene = state.document->shown;
+    const Scene& scene = state.document->shown();
     const Bounds bounds =
         state.selectedSurface ? boundsOf(scene, scene.surfaces[*state.selectedSurface]) : boundsOf(scene);
     frameBounds(state.navigation, bounds, size.x / size.y);

@@ -20,9 +20,10 @@ void LightFollower::reset() {
 
 void LightFollower::begin(const Document& document) {
     const BakedScene& baked = document.baked;
-    light_ = std::make_unique<BakerThread>(BakerThread::Start{document.scene(), baked.atlas, baked.points,
-                                                              baked.phatexture, settingsOf(baked.record)},
-                                           0, Window::wake);
+    light_ = std::make_unique<BakerThread>(
+        BakerThread::Start{document.posed.snapshotAtRest(), baked.atlas, baked.points, baked.phatexture,
+                           settingsOf(baked.record)},
+        0, Window::wake);
 }
 
 void LightFollower::follow(ViewerState& state, bool changed, bool visible) {
@@ -39,7 +40,7 @@ void LightFollower::follow(ViewerState& state, bool changed, bool visible) {
         const Camera& eye = state.navigation.camera;
         const bool turned = eye.worldFromCamera != eye_ && !light_->report().converged;
         if (changed || turned || renews != renews_ || refines != refines_) {
-            light_->follow(document.pose(), eye, renews, refines);
+            light_->follow(document.posed.snapshot(), eye, renews, refines);
             renews_ = renews;
             refines_ = refines;
             eye_ = eye.worldFromCamera;

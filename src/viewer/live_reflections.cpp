@@ -3,9 +3,9 @@
 namespace phat {
 
 LiveReflections::LiveReflections(const Document& document)
-    : lights_(document.shown),
-      scene_(document.rays(), lights_, document.baked.atlas, document.baked.points,
-             document.baked.phatexture),
+    : shown_(document.posed.snapshot()),
+      lights_(shown_->scene()),
+      scene_(shown_->rays(), lights_, document.baked.atlas, document.baked.points, document.baked.phatexture),
       traced_{scene_, Reflections::automatic, limit_} {}
 
 const TracedReflections& LiveReflections::within(double seconds) {

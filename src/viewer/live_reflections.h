@@ -28,6 +28,7 @@ class LiveReflections {
       private:
         Stopwatch start_;
     };
+    SharedSnapshot shown_;
     LightSampler lights_;
     ReflectionScene scene_;
     Limit limit_;

@@ -59,7 +59,7 @@ void drawGrab(const ViewerState& state, float leftEdge) {
     const float pixel = (size.x - leftEdge) / float(state.pictureSize.x);
     if (grab.axis >= 0) {
         glm::vec3 axis(0);
-        axis[grab.axis] = 0.5f * boundsOf(state.document->shown).diagonal();
+        axis[grab.axis] = 0.5f * boundsOf(state.document->shown()).diagonal();
         const auto a = placeInPicture(state, grab.pivotWorld - axis);
         const auto b = placeInPicture(state, grab.pivotWorld + axis);
         const auto middle = placeInPicture(state, grab.pivotWorld);

@@ -19,8 +19,7 @@ class PathPreview::Stop : public SilentProgress {
     uint64_t mine_;
 };
 
-PathPreview::PathPreview(const Scene& scene, Wake wake)
-    : rest_(scene), scene_(scene), applied_(noEdits(scene)), rays_(scene_), wake_(std::move(wake)) {
+PathPreview::PathPreview(Wake wake) : wake_(std::move(wake)) {
     thread_ = std::thread([this] { run(); });
 }
 
@@ -74,16 +73,10 @@ void PathPreview::run() {
 }
 
 void PathPreview::refine(const View& view, uint64_t version) {
-    applyEdits(applied_, view.edits, scene_);
-    applied_ = view.edits;
-    const bool moved = moveSurfaces(rest_, worldFromRest_, view.worldFromRest, scene_);
-    worldFromRest_ = view.worldFromRest;
-    scene_.lights = movedLights(applied_.lights, worldFromRest_);
-    if (moved) rays_ = RayScene(scene_);
     Stop stop(version_, version);
     try {
-        const LightSampler lights(scene_);
-        const Integrator integrator = pathTracer(rays_, lights, view.component);
+        const LightSampler lights(view.scene->scene());
+        const Integrator integrator = pathTracer(view.scene->rays(), lights, view.component);
         PictureSettings settings;
         settings.width = view.width;
         settings.height = view.height;

@@ -8,9 +8,8 @@
 #include <thread>
 
 #include "core/render/picture.h"
-#include "core/scene/rays.h"
+#include "core/scene/posed_scene.h"
 #include "viewer/background.h"
-#include "viewer/edit_history.h"
 
 namespace phat {
 
@@ -20,17 +19,15 @@ class PathPreview {
         Camera camera;
         int width = 1, height = 1;
         Component component = Component::all;
-        SceneEdits edits;
-        std::vector<glm::mat4> worldFromRest;
+        SharedSnapshot scene;
     };
     struct Refined {
         Image mean;  // linear radiance, row 0 on top
         int samplesPerPixel = 0;
     };
 
-    /// Works on a copy of the scene, which must outlive it, on all cores but the window's. `wake` is called
-    /// after each pass.
-    PathPreview(const Scene& scene, Wake wake);
+    /// Works on all cores but the window's. `wake` is called after each pass.
+    explicit PathPreview(Wake wake);
     ~PathPreview();
     PathPreview(const PathPreview&) = delete;
     PathPreview& operator=(const PathPreview&) = delete;
@@ -50,11 +47,6 @@ class PathPreview {
     void run();
     void refine(const View& view, uint64_t version);
 
-    const Scene& rest_;
-    Scene scene_;  // with the view's edits and motion
-    SceneEdits applied_;
-    std::vector<glm::mat4> worldFromRest_;
-    RayScene rays_;  // of scene_, whose opacity no edit changes
     Wake wake_;
     std::mutex mutex_;
     std::condition_variable changed_;

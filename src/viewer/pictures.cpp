@@ -125,13 +125,9 @@ void Pictures::followLight(ViewerState& state, Side& side, bool rays) {
 }
 
 void Pictures::askPathTracer(const ViewerState& state, Side& side, glm::uvec2 size) {
-    if (!path_ || pathDocument_ != state.document.get()) {
-        path_.reset();
-        path_ = std::make_unique<PathPreview>(state.document->scene(), wake_);
-        pathDocument_ = state.document.get();
-    }
+    if (!path_) path_ = std::make_unique<PathPreview>(wake_);
     path_->show({state.navigation.camera, int(size.x), int(size.y), state.view.component,
-                 state.document->edits.now(), state.document->pose().worldFromRest});
+                 state.document->posed.snapshot()});
     side.version = state.version;
     side.tracedSamples = 0;
     side.wanted = PathPreview::kMostSamples;

@@ -81,7 +81,6 @@ class Pictures {
     Wake wake_;
     std::array<Side, 2> sides_;
     std::unique_ptr<PathPreview> path_;
-    const Document* pathDocument_ = nullptr;
     glm::uvec2 size_{0};
     uint64_t version_ = 0;
     std::chrono::steady_clock::time_point lastChange_{};

@@ -98,6 +98,7 @@ class Viewer {
     ViewerState state_;
     std::unique_ptr<BackgroundBake> bake_;
     bool rendererIsNew_ = false;
+    SharedSnapshot moved_;  // that the renderer was last given
     LightFollower light_;
     std::chrono::steady_clock::time_point lastFrame_{};
     int framesLeft_ = kFramesAfterEvent;
@@ -116,6 +117,7 @@ void Viewer::open(const std::string& path) {
     bake_.reset();
     light_.reset();
     state_.renderer.reset();
+    moved_.reset();
     pictures_.reset();
     state_.grab.reset();
     state_.switchedOff.clear();
@@ -149,8 +151,9 @@ void Viewer::useBake() {
     state_.document->forgetRenewedLight();
     light_.reset();
     state_.renderer.reset();
+    moved_.reset();
     state_.renderer = std::make_unique<Renderer>(
-        RendererInput{baked.loaded.scene, baked.atlas, baked.points, baked.phatexture},
+        RendererInput{state_.document->scene(), baked.atlas, baked.points, baked.phatexture},
         options_.shaderFolder);
     rendererIsNew_ = true;
     state_.touch();
@@ -190,10 +193,12 @@ void Viewer::applyChanges() {
     if (std::exchange(rendererIsNew_, false)) changes = {true, document.isMoved()};
     if (changes.any) {
         const SceneEdits& edits = document.edits.now();
-        if (changes.moved)
-            state_.renderer->moveScene(document.shown, document.baked.atlas, document.baked.points);
+        if (changes.moved) {
+            state_.renderer->moveScene(document.shown(), document.baked.atlas, document.baked.points);
+            moved_ = document.posed.snapshot();
+        }
         state_.renderer->setMaterials(edits.materials);
-        state_.renderer->setLights(document.shown.lights);
+        state_.renderer->setLights(document.shown().lights);
         state_.renderer->turnEnvironment(edits.environmentColumns);
     }
     if (!bake_) light_.follow(state_, changes.any, !window_.isMinimised());

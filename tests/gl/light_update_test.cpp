@@ -38,7 +38,8 @@ TEST(LiveRenderer, DrawsWhatANewRendererDraws) {
     settings.pathsPerPhatexel = 2;
     SilentProgress progress;
     const Bake baked = bake(scene, settings, progress);
-    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, settings);
+    PosedScene posed(scene);
+    IncrementalBaker engine(posed.snapshot(), baked.atlas, baked.points, baked.phatexture, settings);
 
     const HeadlessContext context;
     Renderer renderer({engine.scene().scene(), baked.atlas, engine.scene().points(), engine.phatexture()},
@@ -60,7 +61,8 @@ TEST(LiveRenderer, DrawsWhatANewRendererDraws) {
         glm::mat4 m = glm::translate(glm::mat4(1), {0.05f * float(step), 0, 0.1f});
         pose.worldFromRest = {glm::mat4(1), glm::rotate(m, 0.05f * float(step), {0.3f, 0.9f, 0.3f})};
         pose.lights[0].position.y = 0.6f - 0.1f * float(step);
-        ASSERT_TRUE(engine.setSceneState(pose));
+        posed.setState(pose);
+        ASSERT_TRUE(engine.setScene(posed.snapshot()));
         renderer.moveScene(engine.scene().scene(), baked.atlas, engine.scene().points());
         engine.advance(step == 3 ? 1'000'000'000 : 400'000, progress);
         LightUpdate update = engine.drainUpdate();

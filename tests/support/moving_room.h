@@ -62,6 +62,12 @@ inline SceneState stateOf(const Scene& scene) {
     return {{}, scene.lights, scene.materials};
 }
 
+/// What a scene is once it has been brought to `state`.
+inline SharedSnapshot posedAs(PosedScene& posed, const SceneState& state) {
+    posed.setState(state);
+    return posed.snapshot();
+}
+
 inline SceneState boxMoved(const Scene& scene, glm::vec3 by, float degrees) {
     SceneState state = stateOf(scene);
     const glm::vec3 middle(0.325f, 0, 0.3f);

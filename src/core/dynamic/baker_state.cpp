@@ -4,7 +4,6 @@
 
 #include "core/base/parallel.h"
 #include "core/phatexel/lookup_tables.h"
-#include "core/scene/transparency.h"
 
 namespace phat {
 namespace {
@@ -27,11 +26,11 @@ std::vector<uint16_t> scramblesOf(const Atlas& atlas, const BakeSettings& settin
 
 }  // namespace
 
-BakerState::BakerState(const Scene& rest, const Atlas& atlas, const TexelPoints& points,
+BakerState::BakerState(SharedSnapshot rest, const Atlas& atlas, const TexelPoints& points,
                        const Phatexture& baked, const BakeSettings& wanted)
-    : scene(rest, atlas, points), settings(wanted), phatexture(baked) {
+    : scene(std::move(rest), atlas, points), settings(wanted), phatexture(baked) {
     requireUpdatable(settings);
-    updateSceneQueries({true, true, true});
+    updateSceneQueries();
     hasArea = lights->hasArea();
     noIndex.emplace(noPhotons.photons);
     blocks = blockPlaces(atlas);
@@ -78,14 +77,10 @@ BakerState::BakerState(const Scene& rest, const Atlas& atlas, const TexelPoints&
     blockDirty.assign(atlas.blockCount, 0);
 }
 
-void BakerState::updateSceneQueries(const ChangedParts& changed) {
-    const bool transparent = hasTransparency(scene.scene());
-    if (!rays || changed.nodes || transparent != raysAskMaterials) {
-        rays.emplace(scene.scene());
-        raysAskMaterials = transparent;
-        ++rayBuilds;
-    }
-    lights.emplace(scene.scene());
+void BakerState::updateSceneQueries() {
+    const SceneSnapshot& now = scene.snapshot();
+    rays = now.rays();
+    lights.emplace(now.scene(), now.rest().environment);
 }
 
 uint64_t BakerState::photonsVersion() const {

@@ -26,13 +26,12 @@ struct NodeAge {
 };
 
 struct BakerState {
-    BakerState(const Scene& rest, const Atlas& atlas, const TexelPoints& points, const Phatexture& baked,
+    BakerState(SharedSnapshot rest, const Atlas& atlas, const TexelPoints& points, const Phatexture& baked,
                const BakeSettings& settings);
 
-    /// To be called after the scene has changed. The rays' acceleration structure is built again only where
-    /// nodes have moved, or where transparency has appeared or disappeared; rays read everything else from
-    /// the scene as it is.
-    void updateSceneQueries(const ChangedParts& changed);
+    /// To be called after the scene has changed: what reads `rays` and `lights` stays where it is and asks
+    /// the scene of now. The environment is the baked one, which light is not updated for.
+    void updateSceneQueries();
     GatherInput input() const {
         return {*rays,          *lights,   scene.atlas(), scene.points(),
                 scene.frames(), noPhotons, *noIndex,      scene.irradianceTexels()};
@@ -53,8 +52,6 @@ struct BakerState {
     BakeSettings settings;
     bool hasArea = false;  // as the scene at rest
     std::optional<RayScene> rays;
-    bool raysAskMaterials = false;  // hasTransparency() of the scene that they were built of
-    uint64_t rayBuilds = 0;         // how often they were
     std::optional<LightSampler> lights;
     PhotonMap noPhotons;
     std::optional<PhotonIndex> noIndex;

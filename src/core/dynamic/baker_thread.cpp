@@ -56,10 +56,10 @@ BakerThread::~BakerThread() {
     thread_.join();
 }
 
-void BakerThread::follow(const SceneState& state, const Camera& eye, bool updatesLight, bool refines) {
+void BakerThread::follow(SharedSnapshot scene, const Camera& eye, bool updatesLight, bool refines) {
     {
         const std::lock_guard lock(mutex_);
-        request_ = Request{state, eye, updatesLight, refines};
+        request_ = Request{std::move(scene), eye, updatesLight, refines};
         report_.converged = false;
     }
     changed_.notify_all();
@@ -108,7 +108,7 @@ bool BakerThread::acceptRequest(IncrementalBaker& baker) {
     updatesLight_ = request->updatesLight;
     refines_ = request->refines;
     baker.setEye(&request->eye);
-    baker.setSceneState(request->state);
+    baker.setScene(std::move(request->scene));
     return true;
 }
 

@@ -20,9 +20,9 @@ class BakerThread {
   public:
     /// Called from the thread when there is something to take; must be safe from any thread.
     using Wake = std::function<void()>;
-    /// What it begins with; its thread reads it until waitUntilStarted() returns.
+    /// What it begins with; its thread reads it until waitUntilStarted() returns. pre: `rest` is at rest.
     struct Start {
-        const Scene& rest;
+        SharedSnapshot rest;
         const Atlas& atlas;
         const TexelPoints& points;
         const Phatexture& baked;
@@ -39,7 +39,7 @@ class BakerThread {
     /// The scene from now on, and the camera whose visible tiles are updated first. Returns at once.
     /// `updatesLight` false: geometry follows, light waits. `refines`: once the light has converged, it is
     /// made anew with other random numbers (IncrementalBaker::refine), kMaxRefinements times.
-    void follow(const SceneState& state, const Camera& eye, bool updatesLight, bool refines = false);
+    void follow(SharedSnapshot scene, const Camera& eye, bool updatesLight, bool refines = false);
     /// What has changed since the last call, if there is anything. The next update is put together only after
     /// that, so a slow taker finds more in one update, not more updates. Throws what the baker threw.
     std::optional<LightUpdate> take();
@@ -58,7 +58,7 @@ class BakerThread {
 
   private:
     struct Request {
-        SceneState state;
+        SharedSnapshot scene;
         Camera eye;
         bool updatesLight = true, refines = false;
     };

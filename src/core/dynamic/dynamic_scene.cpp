@@ -17,19 +17,23 @@ Frame movedFrame(const Frame& frame, const glm::mat4& m) {
                                      glm::mat3(m) * frame.tangent);
 }
 
+Bounds boundsOfSurface(const Scene& scene, const Surface& surface) {
+    Bounds bounds;
+    for (uint32_t t = 0; t < surface.triangleCount; ++t)
+        for (int corner = 0; corner < 3; ++corner)
+            bounds.add(scene.positions[scene.triangles[surface.firstTriangle + t][corner]]);
+    return bounds;
+}
+
 }  // namespace
 
-DynamicScene::DynamicScene(const Scene& rest, const Atlas& atlas, const TexelPoints& points)
+DynamicScene::DynamicScene(SharedSnapshot rest, const Atlas& atlas, const TexelPoints& points)
     : atlas_(atlas),
-      scene_(rest),
+      now_(std::move(rest)),
       points_(points),
       frames_(blockFrames(atlas, points)),
-      restPositions_(rest.positions),
-      restNormals_(rest.normals),
-      restTangents_(rest.tangents),
-      restMaterials_(rest.materials),
       restPoints_(points),
-      restState_(buildTexelPoints(rest, atlas).state),
+      restState_(buildTexelPoints(now_->scene(), atlas).state),
       restFrames_(frames_),
       committedState_(points.state),
       irradianceTexels_(phat::irradianceTexels(atlas, points)),
@@ -41,14 +45,6 @@ DynamicScene::DynamicScene(const Scene& rest, const Atlas& atlas, const TexelPoi
     restPoints_.barycentric = {};
     for (size_t i = 0; i < points_.state.size(); ++i)
         if (points_.state[i] == TexelState::surface) ++surfaceTexels_[atlas_.chartAt(i)];
-}
-
-Bounds DynamicScene::boundsOfSurface(const Surface& surface) const {
-    Bounds bounds;
-    for (uint32_t t = 0; t < surface.triangleCount; ++t)
-        for (int corner = 0; corner < 3; ++corner)
-            bounds.add(scene_.positions[scene_.triangles[surface.firstTriangle + t][corner]]);
-    return bounds;
 }
 
 void DynamicScene::addChange(const Bounds& box, SceneChange::Kind kind) {
@@ -105,69 +101,66 @@ void DynamicScene::moveChart(const Chart& chart, const glm::mat4& m) {
         }
 }
 
-bool DynamicScene::setNodes(const std::vector<glm::mat4>& worldFromRest) {
+bool DynamicScene::moveNodes(const SceneSnapshot& next) {
     bool any = false;
-    std::vector<uint8_t> surfaceMoves(scene_.surfaces.size(), 0);
-    for (size_t s = 0; s < scene_.surfaces.size(); ++s) {
-        const Surface& surface = scene_.surfaces[s];
-        const glm::mat4 m = matrixAt(worldFromRest, surface.node);
-        if (m == matrixAt(worldFromRest_, surface.node)) continue;
+    const std::vector<Surface>& surfaces = next.scene().surfaces;
+    std::vector<uint8_t> surfaceMoves(surfaces.size(), 0);
+    for (size_t s = 0; s < surfaces.size(); ++s) {
+        const uint32_t node = surfaces[s].node;
+        if (matrixAt(next.worldFromRest(), node) == matrixAt(now_->worldFromRest(), node)) continue;
         any = true;
         surfaceMoves[s] = 1;
-        addChange(boundsOfSurface(surface), SceneChange::Kind::surface);
-        moveSurface({restPositions_, restNormals_, restTangents_}, surface, m, scene_);
-        addChange(boundsOfSurface(surface), SceneChange::Kind::surface);
+        addChange(boundsOfSurface(scene(), surfaces[s]), SceneChange::Kind::surface);
+        addChange(boundsOfSurface(next.scene(), surfaces[s]), SceneChange::Kind::surface);
     }
     for (size_t c = 0; c < atlas_.charts.size(); ++c) {
         const Chart& chart = atlas_.charts[c];
         if (!surfaceMoves[chart.surface]) continue;
-        moveChart(chart, matrixAt(worldFromRest, scene_.surfaces[chart.surface].node));
+        moveChart(chart, matrixAt(next.worldFromRest(), surfaces[chart.surface].node));
         chartMoved_[c] = version_;
     }
-    worldFromRest_ = worldFromRest;
     return any;
 }
 
-void DynamicScene::addReachOf(const PunctualLight& light) {
+void DynamicScene::addReachOf(const PunctualLight& light, const Scene& scene) {
     if (light.type == PunctualLight::Type::directional || light.rangeMeters <= 0)
-        addChange(boundsOf(scene_), SceneChange::Kind::wholeScene);
+        addChange(boundsOf(scene), SceneChange::Kind::wholeScene);
     else
         addChange({light.position - light.rangeMeters, light.position + light.rangeMeters},
                   SceneChange::Kind::lightRange);
 }
 
-bool DynamicScene::setLights(const std::vector<PunctualLight>& lights) {
-    std::vector<PunctualLight> moved = movedLights(lights, worldFromRest_);
-    if (moved == scene_.lights) return false;
-    for (size_t i = 0; i < std::max(moved.size(), scene_.lights.size()); ++i) {
-        const PunctualLight* before = i < scene_.lights.size() ? &scene_.lights[i] : nullptr;
-        const PunctualLight* now = i < moved.size() ? &moved[i] : nullptr;
+bool DynamicScene::noteLights(const Scene& next) {
+    const std::vector<PunctualLight>&lights = scene().lights, &nextLights = next.lights;
+    if (nextLights == lights) return false;
+    for (size_t i = 0; i < std::max(nextLights.size(), lights.size()); ++i) {
+        const PunctualLight* before = i < lights.size() ? &lights[i] : nullptr;
+        const PunctualLight* now = i < nextLights.size() ? &nextLights[i] : nullptr;
         if (before && now && *before == *now) continue;
-        if (before) addReachOf(*before);
-        if (now) addReachOf(*now);
+        if (before) addReachOf(*before, next);
+        if (now) addReachOf(*now, next);
     }
-    scene_.lights = std::move(moved);
     return true;
 }
 
-bool DynamicScene::setMaterials(const std::vector<Material>& given) {
-    std::vector<Material> materials = restMaterials_;
-    std::copy_n(given.begin(), std::min(given.size(), materials.size()), materials.begin());
-    if (materials == scene_.materials) return false;
-    for (const Surface& surface : scene_.surfaces)
-        if (!(materials[surface.material] == scene_.materials[surface.material]))
-            addChange(boundsOfSurface(surface), SceneChange::Kind::surface);
-    scene_.materials = std::move(materials);
+bool DynamicScene::noteMaterials(const Scene& next) {
+    if (next.materials == scene().materials) return false;
+    for (const Surface& surface : next.surfaces)
+        if (!(next.materials[surface.material] == scene().materials[surface.material]))
+            addChange(boundsOfSurface(next, surface), SceneChange::Kind::surface);
     return true;
 }
 
-ChangedParts DynamicScene::set(const SceneState& state) {
+ChangedParts DynamicScene::set(SharedSnapshot next) {
     ++version_;
     ChangedParts changed;
-    changed.nodes = setNodes(state.worldFromRest);
-    changed.lights = setLights(state.lights);
-    changed.materials = setMaterials(state.materials);
-    if (!changed) --version_;
+    changed.nodes = moveNodes(*next);
+    changed.lights = noteLights(next->scene());
+    changed.materials = noteMaterials(next->scene());
+    if (changed)
+        now_ = std::move(next);
+    else
+        --version_;
     return changed;
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/atlas/atlas.h"
 #include "core/phatexel/tile_patch.h"
+#include "core/scene/posed_scene.h"
 
 namespace phat {
 
@@ -21,35 +22,25 @@ struct SceneChange {
     Kind kind = Kind::surface;
 };
 
-/// What may differ from the scene at rest.
-struct SceneState {
-    std::vector<glm::mat4> worldFromRest;  // [glTF node]; of nodes beyond its end: identity
-    std::vector<PunctualLight> lights;     // all of them, where they are at rest: their nodes carry them
-    std::vector<Material> materials;       // those beyond its end: as at rest
-};
-
-/// Which parts of a scene are different.
-struct ChangedParts {
-    bool nodes = false, lights = false, materials = false;
-    explicit operator bool() const { return nodes || lights || materials; }
-};
-
-/// The scene as it is now. Motion is meant to be rigid: the atlas does not follow a change of scale.
+/// A snapshot of the scene with its texels in place. Motion is meant to be rigid: the atlas does not follow a
+/// change of scale.
 class DynamicScene {
   public:
-    /// `points` of the scene at rest, states included. pre: all belong together.
-    DynamicScene(const Scene& rest, const Atlas& atlas, const TexelPoints& points);
+    /// `points` of the scene at rest, states included. pre: all belong together, and `rest` is at rest.
+    DynamicScene(SharedSnapshot rest, const Atlas& atlas, const TexelPoints& points);
     DynamicScene(const DynamicScene&) = delete;
     DynamicScene& operator=(const DynamicScene&) = delete;
 
-    /// Returns what is different. If anything is, version() has grown and changes() has the boxes.
-    ChangedParts set(const SceneState& state);
+    /// Returns what is different, but for the environment, which light is not updated for. If anything is,
+    /// version() has grown and changes() has the boxes. pre: a snapshot of the same PosedScene.
+    ChangedParts set(SharedSnapshot snapshot);
 
     /// A new version in which nothing is different.
     void beginVersion() { ++version_; }
 
     uint64_t version() const { return version_; }
-    const Scene& scene() const { return scene_; }
+    const Scene& scene() const { return now_->scene(); }
+    const SceneSnapshot& snapshot() const { return *now_; }
     const Atlas& atlas() const { return atlas_; }
     const TexelPoints& points() const { return points_; }
     const std::vector<Frame>& frames() const { return frames_; }
@@ -72,22 +63,17 @@ class DynamicScene {
   private:
     void moveChart(const Chart& chart, const glm::mat4& worldFromRest);
     void addChange(const Bounds& box, SceneChange::Kind kind);
-    void addReachOf(const PunctualLight& light);
-    Bounds boundsOfSurface(const Surface& surface) const;
-    bool setNodes(const std::vector<glm::mat4>& worldFromRest);
-    bool setLights(const std::vector<PunctualLight>& lights);
-    bool setMaterials(const std::vector<Material>& materials);
+    void addReachOf(const PunctualLight& light, const Scene& scene);
+    bool moveNodes(const SceneSnapshot& next);
+    bool noteLights(const Scene& next);
+    bool noteMaterials(const Scene& next);
 
     Atlas atlas_;
-    Scene scene_;
+    SharedSnapshot now_;
     TexelPoints points_;
     std::vector<Frame> frames_;
     std::vector<TilePatch> patches_;
 
-    std::vector<glm::vec3> restPositions_, restNormals_;  // of vertices
-    std::vector<glm::vec4> restTangents_;
-    std::vector<Material> restMaterials_;
-    std::vector<glm::mat4> worldFromRest_;
     TexelPoints restPoints_;
     std::vector<TexelState> restState_;
     std::vector<Frame> restFrames_;

@@ -21,9 +21,9 @@ class OnlyStop : public SilentProgress {
 
 }  // namespace
 
-IncrementalBaker::IncrementalBaker(const Scene& rest, const Atlas& atlas, const TexelPoints& points,
+IncrementalBaker::IncrementalBaker(SharedSnapshot rest, const Atlas& atlas, const TexelPoints& points,
                                    const Phatexture& baked, const BakeSettings& settings)
-    : state_(rest, atlas, points, baked, settings),
+    : state_(std::move(rest), atlas, points, baked, settings),
       seed_(settings.seed),
       photonSeed_(settings.photons.seed),
       maps_(state_),
@@ -47,12 +47,11 @@ void IncrementalBaker::refine() {
     ++state_.revision;
 }
 
-bool IncrementalBaker::setSceneState(const SceneState& state) {
-    const ChangedParts changed = state_.scene.set(state);
-    if (!changed) return false;
+bool IncrementalBaker::setScene(SharedSnapshot snapshot) {
+    if (!state_.scene.set(std::move(snapshot))) return false;
     state_.pass = 0;
     setSeeds();
-    state_.updateSceneQueries(changed);
+    state_.updateSceneQueries();
     const uint64_t version = state_.scene.version();
     for (size_t tile = 0; tile < state_.tileDirty.size(); ++tile) {
         const uint32_t chart = state_.scene.atlas().tileChart[tile];

@@ -18,14 +18,15 @@ class IncrementalBaker {
   public:
     /// `points`: of the scene at rest, covered ones marked. `baked`: its bake by these settings, or empty:
     /// then it is made here. Throws std::invalid_argument for directions or radiance from single photons.
-    IncrementalBaker(const Scene& rest, const Atlas& atlas, const TexelPoints& points,
+    /// pre: `rest` is at rest.
+    IncrementalBaker(SharedSnapshot rest, const Atlas& atlas, const TexelPoints& points,
                      const Phatexture& baked, const BakeSettings& settings);
     IncrementalBaker(const IncrementalBaker&) = delete;  // its parts refer to its state
     IncrementalBaker& operator=(const IncrementalBaker&) = delete;
 
     /// The scene as it is from now on. Its geometry is in place at once, its light follows by advance().
-    /// Returns whether anything is different.
-    bool setSceneState(const SceneState& state);
+    /// Returns whether anything is different. pre: a snapshot of the same PosedScene.
+    bool setScene(SharedSnapshot snapshot);
     /// Makes all light of the scene anew with other random numbers: its PHATexels replace the last ones, to
     /// be averaged by the renderer; irradiance becomes the mean of all passes. The next change of the scene
     /// begins with the first random numbers again. pre: converged(), and all updates are taken.
@@ -53,8 +54,6 @@ class IncrementalBaker {
     const LightSampler& lights() const { return *state_.lights; }
     const Phatexture& phatexture() const { return state_.phatexture; }
     const BakerStats& stats() const { return stats_; }
-    /// How often the rays' acceleration structure was built.
-    uint64_t rayBuilds() const { return state_.rayBuilds; }
     UpToDateShares upToDate() const;
 
   private:

@@ -26,7 +26,8 @@ float emittingCosine(const EmissiveTriangle& emitter, glm::vec3 towardPoint) {
 
 }  // namespace
 
-LightSampler::LightSampler(const Scene& scene) : scene_(&scene), emitters_(findEmissiveTriangles(scene)) {
+LightSampler::LightSampler(const Scene& scene, SharedValue<Environment> environment)
+    : scene_(&scene), sky_(std::move(environment)), emitters_(findEmissiveTriangles(scene)) {
     if (const Bounds bounds = boundsOf(scene); !bounds.empty()) {
         sceneCenter_ = bounds.center();
         sceneRadius_ = 0.5f * bounds.diagonal();
@@ -45,9 +46,8 @@ LightSampler::LightSampler(const Scene& scene) : scene_(&scene), emitters_(findE
     emitterChoice_ = DiscreteDistribution(weights);
 
     glm::vec3 environmentWatts(0);
-    if (scene.environment && scene.environment->radiance.width > 0 &&
-        scene.environment->radiance.height > 0) {
-        environment_.emplace(*scene.environment);
+    if (sky_ && sky_->radiance.width > 0 && sky_->radiance.height > 0) {
+        environment_.emplace(*sky_);
         environmentWatts = kPi * square(sceneRadius_) * environment_->integratedRadiance();
     }
     powerArea_ = glm::vec3(emittersWatts) + environmentWatts;
@@ -130,7 +130,7 @@ float LightSampler::sampleEnvironmentPdf(glm::vec3 direction) const {
 }
 
 glm::vec3 LightSampler::environmentRadiance(glm::vec3 direction) const {
-    return environment_ ? phat::environmentRadiance(*scene_->environment, direction) : glm::vec3(0);
+    return environment_ ? phat::environmentRadiance(*sky_, direction) : glm::vec3(0);
 }
 
 LightSample LightSampler::samplePunctual(size_t index, glm::vec3 point) const {

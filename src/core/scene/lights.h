@@ -37,7 +37,9 @@ struct EmittedPhoton {
 /// `scene` must outlive it.
 class LightSampler {
   public:
-    explicit LightSampler(const Scene& scene);
+    explicit LightSampler(const Scene& scene) : LightSampler(scene, scene.environment) {}
+    /// The same with another environment than the scene's.
+    LightSampler(const Scene& scene, SharedValue<Environment> environment);
 
     bool empty() const;
     bool hasPunctual() const;
@@ -84,6 +86,7 @@ class LightSampler {
     EmittedPhoton fromEnvironment(const PhotonTurn& turn) const;
 
     const Scene* scene_;
+    SharedValue<Environment> sky_;
     glm::vec3 sceneCenter_{0};
     float sceneRadius_ = 0;  // metres, of the sphere around the scene's bounds
     glm::vec3 powerPunctual_{0};

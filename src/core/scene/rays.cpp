@@ -28,8 +28,15 @@ bool passesThrough(const Scene& scene, uint32_t triangle, const RTCRay& ray, glm
     return float(bits >> 40) * 0x1p-24f >= opacity;
 }
 
+/// What Embree hands to the filter for one query. The materials come with the query and not with the
+/// acceleration structure, which scenes with different materials share.
+struct Query : RTCIntersectContext {
+    explicit Query(const Scene& asked) : scene(asked) { rtcInitIntersectContext(this); }
+    const Scene& scene;
+};
+
 void filterTransparent(const RTCFilterFunctionNArguments* arguments) {
-    const auto& scene = *static_cast<const Scene*>(arguments->geometryUserPtr);
+    const Scene& scene = static_cast<const Query*>(arguments->context)->scene;
     for (unsigned i = 0; i < arguments->N; ++i) {
         if (arguments->valid[i] != -1) continue;
         const RTCHit hit = rtcGetHitFromHitN(arguments->hit, arguments->N, i);
@@ -40,26 +47,27 @@ void filterTransparent(const RTCFilterFunctionNArguments* arguments) {
 
 }  // namespace
 
-struct RayScene::Embree {
+struct RayScene::Bvh {
     RTCDevice device = rtcNewDevice(nullptr);
     RTCScene scene = nullptr;
 
-    Embree() = default;
-    Embree(const Embree&) = delete;
-    Embree& operator=(const Embree&) = delete;
-    ~Embree() {
+    Bvh() = default;
+    Bvh(const Bvh&) = delete;
+    Bvh& operator=(const Bvh&) = delete;
+    ~Bvh() {
         if (scene) rtcReleaseScene(scene);
         if (device) rtcReleaseDevice(device);
     }
 };
 
-RayScene::RayScene(const Scene& scene) : scene_(&scene), embree_(std::make_unique<Embree>()) {
-    if (!embree_->device) throw std::runtime_error("Embree cannot start on this machine");
-    embree_->scene = rtcNewScene(embree_->device);
+std::shared_ptr<const RayScene::Bvh> RayScene::buildBvh(const Scene& scene) {
+    auto bvh = std::make_shared<Bvh>();
+    if (!bvh->device) throw std::runtime_error("Embree cannot start on this machine");
+    bvh->scene = rtcNewScene(bvh->device);
     // Without the robust mode rays slip between adjacent triangles.
-    rtcSetSceneFlags(embree_->scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(bvh->scene, RTC_SCENE_FLAG_ROBUST);
 
-    RTCGeometry mesh = rtcNewGeometry(embree_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    RTCGeometry mesh = rtcNewGeometry(bvh->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     // Embree reads 16 bytes at the last vertex, so it gets a copy of its own with its own padding.
     if (!scene.triangles.empty()) {
         auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
@@ -71,19 +79,15 @@ RayScene::RayScene(const Scene& scene) : scene_(&scene), embree_(std::make_uniqu
         std::copy_n(&scene.triangles[0].x, scene.triangles.size() * 3, indices);
     }
     if (hasTransparency(scene)) {
-        rtcSetGeometryUserData(mesh, const_cast<Scene*>(&scene));
         rtcSetGeometryIntersectFilterFunction(mesh, filterTransparent);
         rtcSetGeometryOccludedFilterFunction(mesh, filterTransparent);
     }
     rtcCommitGeometry(mesh);
-    rtcAttachGeometry(embree_->scene, mesh);
+    rtcAttachGeometry(bvh->scene, mesh);
     rtcReleaseGeometry(mesh);
-    rtcCommitScene(embree_->scene);
+    rtcCommitScene(bvh->scene);
+    return bvh;
 }
-
-RayScene::~RayScene() = default;
-RayScene::RayScene(RayScene&&) noexcept = default;
-RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 
 namespace {
 
@@ -109,9 +113,8 @@ Hit RayScene::closestHit(glm::vec3 origin, glm::vec3 direction, float maxDistanc
     query.ray = makeRay(origin, direction, maxDistance);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(embree_->scene, &context, &query);
+    Query context(*scene_);
+    rtcIntersect1(bvh_->scene, &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
 
     // Embree's geometric normal follows the winding: against the ray means the front was hit.
@@ -123,9 +126,8 @@ Hit RayScene::closestHit(glm::vec3 origin, glm::vec3 direction, float maxDistanc
 bool RayScene::anyHit(glm::vec3 origin, glm::vec3 direction, float maxDistance) const {
     assert(isUnit(direction));
     RTCRay ray = makeRay(origin, direction, maxDistance);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(embree_->scene, &context, &ray);
+    Query context(*scene_);
+    rtcOccluded1(bvh_->scene, &context, &ray);
     return ray.tfar < 0.0f;
 }
 

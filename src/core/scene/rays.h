@@ -26,15 +26,20 @@ struct Ray {
 
 /// Embree scene over all triangles, robust mode. Alpha-masked texels are passed through; blended ones are
 /// passed with probability 1 - alpha, decided by a hash of the ray, so a ray always gets the same answer.
-/// Safe to share between threads. `scene` must outlive it.
+/// Safe to share between threads; copies share the acceleration structure. `scene` must outlive them.
 class RayScene {
   public:
-    explicit RayScene(const Scene& scene);
-    ~RayScene();
-    RayScene(RayScene&&) noexcept;
-    RayScene& operator=(RayScene&&) noexcept;
+    /// Embree's acceleration structure. It has a copy of the triangles and keeps nothing else of the scene.
+    struct Bvh;
+    static std::shared_ptr<const Bvh> buildBvh(const Scene& scene);
+
+    explicit RayScene(const Scene& scene) : RayScene(scene, buildBvh(scene)) {}
+    /// pre: `bvh` was built of a scene with the same triangles in the same places, and hasTransparency() was
+    /// the same.
+    RayScene(const Scene& scene, std::shared_ptr<const Bvh> bvh) : scene_(&scene), bvh_(std::move(bvh)) {}
 
     const Scene& scene() const { return *scene_; }
+    const std::shared_ptr<const Bvh>& bvh() const { return bvh_; }
 
     /// Nearest hit with 0 < distance < maxDistance. pre: |direction| = 1.
     Hit closestHit(glm::vec3 origin, glm::vec3 direction, float maxDistance = 1e30f) const;
@@ -43,9 +48,8 @@ class RayScene {
     bool anyHit(glm::vec3 origin, glm::vec3 direction, float maxDistance) const;
 
   private:
-    struct Embree;
     const Scene* scene_;
-    std::unique_ptr<Embree> embree_;
+    std::shared_ptr<const Bvh> bvh_;
 };
 
 /// `position` moved off its surface, far enough that rays on the side of `normal` do not meet the triangle

@@ -4,13 +4,13 @@
 // Units are glTF's: metres, candela, lux, nit, used as W/sr, W/m2 and W/(m2 sr) without a factor of 683.
 // Colours are linear Rec. 709. World space is right-handed, +Y up.
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/image.h"
 #include "core/base/math.h"
 #include "core/scene/animation.h"
+#include "core/scene/shared_value.h"
 
 namespace phat {
 
@@ -125,10 +125,10 @@ struct Scene {
     std::vector<uint32_t> triangleSurface;
     std::vector<Surface> surfaces;
     std::vector<Material> materials;
-    std::vector<TextureImage> images;
+    std::vector<SharedValue<TextureImage>> images;  // never none
     std::vector<PunctualLight> lights;
     std::vector<Camera> cameras;
-    std::optional<Environment> environment;
+    SharedValue<Environment> environment;
     std::vector<SceneNode> nodes;  // [glTF index]; the arrays above are in world space and need them not
     std::vector<Animation> animations;
 

@@ -18,7 +18,4 @@ struct SceneEdits {
 /// A scene as it was read.
 SceneEdits noEdits(const Scene& scene);
 
-/// Brings a scene that holds `from` to `to`, but for what moves: see moveSurfaces, movedLights.
-void applyEdits(const SceneEdits& from, const SceneEdits& to, Scene& scene);
-
 }  // namespace phat

@@ -31,6 +31,27 @@ const NodeMotion* motionAt(std::span<const NodeMotion> motions, uint32_t node) {
     return found == motions.end() ? nullptr : &*found;
 }
 
+// Puts a surface's vertices where `m` takes those at rest.
+void moveSurface(const Scene& rest, const Surface& surface, const glm::mat4& m, Scene& scene) {
+    if (m == glm::mat4(1)) {
+        const auto restore = [&](auto& values, const auto& from) {
+            std::copy_n(from.begin() + surface.firstVertex, surface.vertexCount,
+                        values.begin() + surface.firstVertex);
+        };
+        restore(scene.positions, rest.positions);
+        restore(scene.normals, rest.normals);
+        restore(scene.tangents, rest.tangents);
+        return;
+    }
+    const glm::mat3 normals = normalMatrix(m), linear(m);
+    for (uint32_t v = surface.firstVertex; v < surface.firstVertex + surface.vertexCount; ++v) {
+        scene.positions[v] = movedPoint(m, rest.positions[v]);
+        scene.normals[v] = glm::normalize(normals * rest.normals[v]);
+        if (const glm::vec4 tangent = rest.tangents[v]; tangent != glm::vec4(0))
+            scene.tangents[v] = glm::vec4(glm::normalize(linear * glm::vec3(tangent)), tangent.w);
+    }
+}
+
 }  // namespace
 
 glm::mat4 matrixOf(const NodeMotion& motion) {
@@ -85,26 +106,6 @@ glm::mat3 normalMatrix(const glm::mat4& m) {
     return glm::determinant(linear) < 0 ? -cofactors : cofactors;
 }
 
-void moveSurface(const RestVertices& rest, const Surface& surface, const glm::mat4& m, Scene& scene) {
-    if (m == glm::mat4(1)) {
-        const auto restore = [&](auto& values, const auto& from) {
-            std::copy_n(from.begin() + surface.firstVertex, surface.vertexCount,
-                        values.begin() + surface.firstVertex);
-        };
-        restore(scene.positions, rest.positions);
-        restore(scene.normals, rest.normals);
-        restore(scene.tangents, rest.tangents);
-        return;
-    }
-    const glm::mat3 normals = normalMatrix(m), linear(m);
-    for (uint32_t v = surface.firstVertex; v < surface.firstVertex + surface.vertexCount; ++v) {
-        scene.positions[v] = movedPoint(m, rest.positions[v]);
-        scene.normals[v] = glm::normalize(normals * rest.normals[v]);
-        if (const glm::vec4 tangent = rest.tangents[v]; tangent != glm::vec4(0))
-            scene.tangents[v] = glm::vec4(glm::normalize(linear * glm::vec3(tangent)), tangent.w);
-    }
-}
-
 std::vector<PunctualLight> movedLights(std::vector<PunctualLight> rest,
                                        std::span<const glm::mat4> worldFromRest) {
     for (PunctualLight& light : rest) {
@@ -122,7 +123,7 @@ bool moveSurfaces(const Scene& rest, std::span<const glm::mat4> before, std::spa
     for (const Surface& surface : rest.surfaces) {
         const glm::mat4 m = matrixAt(now, surface.node);
         if (m == matrixAt(before, surface.node)) continue;
-        moveSurface({rest.positions, rest.normals, rest.tangents}, surface, m, scene);
+        moveSurface(rest, surface, m, scene);
         any = true;
     }
     return any;

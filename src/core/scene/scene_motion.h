@@ -47,19 +47,12 @@ inline glm::vec3 movedPoint(const glm::mat4& m, glm::vec3 p) {
 /// For normals, also of a flattened or mirrored node; lengths change.
 glm::mat3 normalMatrix(const glm::mat4& m);
 
-/// Vertices at rest.
-struct RestVertices {
-    std::span<const glm::vec3> positions, normals;
-    std::span<const glm::vec4> tangents;
-};
-
-/// Puts a surface's vertices where `m` takes those at rest; exactly there for the identity.
-void moveSurface(const RestVertices& rest, const Surface& surface, const glm::mat4& m, Scene& scene);
 /// The lights that are at `rest` where their nodes carry them.
 std::vector<PunctualLight> movedLights(std::vector<PunctualLight> rest,
                                        std::span<const glm::mat4> worldFromRest);
 
-/// Moves the surfaces of `scene`, which is `rest` moved by `before`, to `now`. Returns whether any has moved.
+/// Moves the surfaces of `scene`, which is `rest` moved by `before`, to `now`; where that is the identity,
+/// exactly to where they are at rest. Returns whether any has moved.
 bool moveSurfaces(const Scene& rest, std::span<const glm::mat4> before, std::span<const glm::mat4> now,
                   Scene& scene);
 

@@ -64,7 +64,7 @@ TEST(GlossyDensity, IsTheMeanOfATexture) {
     Scene scene;
     Material material = metal(1);
     material.metallicRoughnessTexture = {.image = 0, .nearest = true};
-    scene.images.push_back({"halves", 2, 1, {{0, 255, 255, 255}, {0, 77, 255, 255}}});
+    scene.images.push_back(TextureImage{"halves", 2, 1, {{0, 255, 255, 255}, {0, 77, 255, 255}}});
     test::addFloor(scene, material, 3);
     const float sharp = std::pow(0.6f / (77.0f / 255), 4.0f), rough = std::pow(0.6f, 4.0f);
     const float expected = std::cbrt(0.5f * (sharp + rough));

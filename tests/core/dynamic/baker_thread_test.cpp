@@ -43,11 +43,13 @@ TEST(BakerThread, AfterAnyChangesAndBackItIsTheUntouchedBake) {
     const Bake baked = bakeQuietly(scene);
     Taker taker{baked.phatexture, baked.points.state};
     std::atomic<int> woken = 0;
-    BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0, [&] { ++woken; });
+    PosedScene posed(scene);
+    BakerThread light({posed.snapshot(), baked.atlas, baked.points, baked.phatexture, smallBake()}, 0,
+                      [&] { ++woken; });
     Rng rng(3);
     const Camera eye = defaultCamera(scene);
     for (int i = 0; i < moves; ++i) {
-        light.follow(randomState(scene, rng), eye, rng.uniform() < 0.9f);
+        light.follow(posedAs(posed, randomState(scene, rng)), eye, rng.uniform() < 0.9f);
         std::this_thread::sleep_for(std::chrono::microseconds(int(10'000 * rng.uniform())));
         if (rng.uniform() < 0.7f) taker.take(light, baked.atlas);
         // However slow the machine, not all changes are overtaken by the next.
@@ -59,7 +61,7 @@ TEST(BakerThread, AfterAnyChangesAndBackItIsTheUntouchedBake) {
         const BakerThread::Report report = light.report();
         EXPECT_LE(overall(report.upToDate), 1.0f);
     }
-    light.follow(stateOf(scene), eye, true);
+    light.follow(posedAs(posed, stateOf(scene)), eye, true);
     taker.converge(light, baked.atlas);
     EXPECT_GE(taker.portions, size_t(moves) / 20);
     EXPECT_GT(woken, 0);
@@ -73,8 +75,9 @@ TEST(BakerThread, WhereLightWaitsTilesFollow) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
     Taker taker{baked.phatexture, baked.points.state};
-    BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 1, [] {});
-    light.follow(boxMoved(scene, {0.3f, 0, 0.2f}, 20), defaultCamera(scene), false);
+    PosedScene posed(scene);
+    BakerThread light({posed.snapshot(), baked.atlas, baked.points, baked.phatexture, smallBake()}, 1, [] {});
+    light.follow(posedAs(posed, boxMoved(scene, {0.3f, 0, 0.2f}, 20)), defaultCamera(scene), false);
     taker.converge(light, baked.atlas);
     size_t moved = 0;
     for (size_t t = 0; t < baked.phatexture.tilePlaces.size(); ++t)
@@ -90,9 +93,10 @@ TEST(BakerThread, TheLongestStepIsMeasuredByTheClock) {
     const Bake baked = bakeQuietly(scene);
     constexpr auto kPause = std::chrono::milliseconds(300);
     Taker taker{baked.phatexture, baked.points.state};
-    BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0,
+    PosedScene posed(scene);
+    BakerThread light({posed.snapshot(), baked.atlas, baked.points, baked.phatexture, smallBake()}, 0,
                       [&] { std::this_thread::sleep_for(kPause); });
-    light.follow(boxMoved(scene, {0.3f, 0, 0.2f}, 20), defaultCamera(scene), false);
+    light.follow(posedAs(posed, boxMoved(scene, {0.3f, 0, 0.2f}, 20)), defaultCamera(scene), false);
     taker.converge(light, baked.atlas);
     std::this_thread::sleep_for(2 * kPause);  // the last pause has been counted
     EXPECT_GE(light.report().longestSeconds, std::chrono::duration<double>(kPause).count());
@@ -102,8 +106,10 @@ TEST(BakerThread, StopsInTheMiddleOfItsWork) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
     for (int i = 0; i < 5; ++i) {
-        BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0, [] {});
-        light.follow(boxMoved(scene, {0.3f, 0, 0.2f}, 20), defaultCamera(scene), true);
+        PosedScene posed(scene);
+        BakerThread light({posed.snapshot(), baked.atlas, baked.points, baked.phatexture, smallBake()}, 0,
+                          [] {});
+        light.follow(posedAs(posed, boxMoved(scene, {0.3f, 0, 0.2f}, 20)), defaultCamera(scene), true);
         std::this_thread::sleep_for(std::chrono::milliseconds(20 * i));
     }
 }
@@ -113,7 +119,8 @@ TEST(BakerThread, ReportsWhatCannotBeUpdated) {
     const Bake baked = bakeQuietly(scene);
     BakeSettings settings = smallBake();
     settings.directions = Directions::photons;
-    BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, settings}, 0, [] {});
+    PosedScene posed(scene);
+    BakerThread light({posed.snapshot(), baked.atlas, baked.points, baked.phatexture, settings}, 0, [] {});
     light.waitUntilStarted();
     EXPECT_THROW(light.take(), std::invalid_argument);
 }

@@ -13,25 +13,27 @@ using namespace test;
 TEST(DynamicScene, MaterialsBeyondTheStatesEndAreAsAtRest) {
     const Scene rest = roomWithBox();
     const Bake baked = bakeQuietly(rest);
-    DynamicScene scene(rest, baked.atlas, baked.points);
+    PosedScene posed(rest);
+    DynamicScene scene(posed.snapshot(), baked.atlas, baked.points);
     SceneState state = stateOf(rest);
     state.materials.back().roughness = 0.321f;
-    EXPECT_TRUE(scene.set(state).materials);
+    EXPECT_TRUE(scene.set(posedAs(posed, state)).materials);
     EXPECT_EQ(scene.scene().materials.back().roughness, 0.321f);
     state.materials.resize(1);
-    EXPECT_TRUE(scene.set(state).materials);
+    EXPECT_TRUE(scene.set(posedAs(posed, state)).materials);
     EXPECT_EQ(scene.scene().materials, rest.materials);
     state.materials.clear();
-    EXPECT_FALSE(scene.set(state));
+    EXPECT_FALSE(scene.set(posedAs(posed, state)));
 }
 
 TEST(DynamicScene, AChangedLightLeavesTheBoxesOfWhatItReaches) {
     const Scene rest = roomWithBox();
     const Bake baked = bakeQuietly(rest);
-    DynamicScene scene(rest, baked.atlas, baked.points);
+    PosedScene posed(rest);
+    DynamicScene scene(posed.snapshot(), baked.atlas, baked.points);
     SceneState state = stateOf(rest);
     state.lights[0].rangeMeters = 0.25f;
-    const ChangedParts changed = scene.set(state);
+    const ChangedParts changed = scene.set(posedAs(posed, state));
     EXPECT_TRUE(changed.lights);
     EXPECT_FALSE(changed.nodes || changed.materials);
     // It reached everything before, and its range now.
@@ -46,7 +48,7 @@ TEST(DynamicScene, AChangedLightLeavesTheBoxesOfWhatItReaches) {
     // However often the light flickers, the boxes stay few, and they are of the last change.
     for (int i = 0; i < 100; ++i) {
         state.lights[0].intensity *= 1.01f;
-        ASSERT_TRUE(scene.set(state).lights);
+        ASSERT_TRUE(scene.set(posedAs(posed, state)).lights);
     }
     EXPECT_LE(scene.changes().size(), 2u);
     EXPECT_EQ(scene.changes().back().version, scene.version());

@@ -21,7 +21,8 @@ void converge(IncrementalBaker& engine) {
 Phatexture refined(const Scene& scene, const Bake& baked, uint64_t seed, int passes) {
     BakeSettings settings = smallBake();
     settings.seed = settings.photons.seed = seed;
-    IncrementalBaker engine(scene, baked.atlas, baked.points, {}, settings);
+    PosedScene posed(scene);
+    IncrementalBaker engine(posed.snapshot(), baked.atlas, baked.points, {}, settings);
     converge(engine);
     for (int i = 0; i < passes; ++i) {
         engine.refine();
@@ -57,7 +58,8 @@ TEST(Refinement, IrradianceOfAllPassesHasLessNoiseThanABake) {
 TEST(Refinement, EveryPassHasOtherDirectionsInALayoutOfTheirOwn) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    PosedScene posed(scene);
+    IncrementalBaker engine(posed.snapshot(), baked.atlas, baked.points, baked.phatexture, smallBake());
     converge(engine);
     Phatexture drawn = baked.phatexture;
     std::vector<TexelState> states = baked.points.state;
@@ -90,16 +92,17 @@ TEST(Refinement, EveryPassHasOtherDirectionsInALayoutOfTheirOwn) {
 TEST(Refinement, AChangeEndsItAndNothingIsLeftOfIt) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    IncrementalBaker engine(scene, baked.atlas, baked.points, baked.phatexture, smallBake());
+    PosedScene posed(scene);
+    IncrementalBaker engine(posed.snapshot(), baked.atlas, baked.points, baked.phatexture, smallBake());
     converge(engine);
     SilentProgress progress;
     for (const uint64_t work : {500'000u, 2'000'000u, 4'000'000u}) {
         engine.refine();
         engine.advance(work, progress);
-        ASSERT_TRUE(engine.setSceneState(boxMoved(scene, {0.2f, 0, 0.1f}, 20)));
+        ASSERT_TRUE(engine.setScene(posedAs(posed, boxMoved(scene, {0.2f, 0, 0.1f}, 20))));
         EXPECT_EQ(engine.passes(), 0u);
         engine.advance(work, progress);
-        ASSERT_TRUE(engine.setSceneState(stateOf(scene)));
+        ASSERT_TRUE(engine.setScene(posedAs(posed, stateOf(scene))));
         EXPECT_FALSE(engine.drainUpdate().refined);
         converge(engine);
         engine.drainUpdate();
@@ -112,7 +115,8 @@ TEST(Refinement, AChangeEndsItAndNothingIsLeftOfIt) {
 TEST(Refinement, GoesOnWhileItIsWanted) {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    BakerThread light({scene, baked.atlas, baked.points, baked.phatexture, smallBake()}, 0, [] {});
+    PosedScene posed(scene);
+    BakerThread light({posed.snapshot(), baked.atlas, baked.points, baked.phatexture, smallBake()}, 0, [] {});
     const auto takeUntil = [&](const auto& reached) {
         for (int i = 0; i < 60'000 && !reached(light.report()); ++i) {
             light.take();
@@ -120,16 +124,16 @@ TEST(Refinement, GoesOnWhileItIsWanted) {
         }
         EXPECT_TRUE(reached(light.report()));
     };
-    light.follow(stateOf(scene), defaultCamera(scene), true, true);
+    light.follow(posedAs(posed, stateOf(scene)), defaultCamera(scene), true, true);
     takeUntil([](const BakerThread::Report& report) { return report.refinements >= 2; });
     EXPECT_FALSE(light.report().converged);
     // It is not wanted any more: it rests at once, in the middle of a pass.
-    light.follow(stateOf(scene), defaultCamera(scene), true, false);
+    light.follow(posedAs(posed, stateOf(scene)), defaultCamera(scene), true, false);
     takeUntil([](const BakerThread::Report& report) { return report.converged; });
     const double before = light.report().seconds;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     EXPECT_EQ(light.report().seconds, before);
-    light.follow(boxMoved(scene, {0.2f, 0, 0.1f}, 20), defaultCamera(scene), true, false);
+    light.follow(posedAs(posed, boxMoved(scene, {0.2f, 0, 0.1f}, 20)), defaultCamera(scene), true, false);
     takeUntil([](const BakerThread::Report& report) { return report.converged; });
     EXPECT_EQ(light.report().refinements, 0u);
 }

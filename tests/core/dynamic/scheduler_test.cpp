@@ -20,14 +20,15 @@ constexpr float kBonus = 2;
 struct SchedulerTest : testing::Test {
     const Scene scene = roomWithBox();
     const Bake baked = bakeQuietly(scene);
-    BakerState state{scene, baked.atlas, baked.points, baked.phatexture, smallBake()};
+    PosedScene posed{scene};
+    BakerState state{posed.snapshot(), baked.atlas, baked.points, baked.phatexture, smallBake()};
 
     void makeAllStale() {
         state.scene.beginVersion();
         ++state.revision;
     }
     void moveBox() {
-        ASSERT_TRUE(state.scene.set(boxMoved(scene, {0.3f, 0, 0.25f}, 30)));
+        ASSERT_TRUE(state.scene.set(posedAs(posed, boxMoved(scene, {0.3f, 0, 0.25f}, 30))));
         ++state.revision;
     }
     std::vector<uint32_t> orderOf(BakerTask task, const Camera* camera) const {

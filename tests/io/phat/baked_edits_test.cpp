@@ -63,10 +63,10 @@ TEST_F(BakedEdits, AreTakenBackFromTheFile) {
 
 TEST_F(BakedEdits, TurnTheSkyByItsOwnTexels) {
     Scene scene = loadGltf(source).scene;
-    scene.environment = Environment{Image(8, 4)};
+    Environment sky{Image(8, 4)};
     std::mt19937 random(1);
-    for (glm::vec3& pixel : scene.environment->radiance.pixels)
-        pixel = glm::vec3(float(random() % 512), 1, 2);
+    for (glm::vec3& pixel : sky.radiance.pixels) pixel = glm::vec3(float(random() % 512), 1, 2);
+    scene.environment = sky;
     writeBakedFile(baked, source, scene, randomBake(scene, 1, false, 1), someRecord());
     const auto bytes = readBytes(baked);
     SceneEdits edited = noEdits(scene);
