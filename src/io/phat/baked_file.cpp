@@ -185,7 +185,7 @@ FileTooLarge::FileTooLarge(const std::string& file, uint64_t size)
 uint64_t texelsThatFit(uint64_t bytes, uint64_t sceneBytes, int layers, bool areaLights,
                        PhatexelStorage storage) {
     // Compressed bytes a texel, measured on tabletop: irradiance and tiles; a layer; the area lights' share.
-    constexpr double kBase = 2.4, kLayer = 7.3, kArea = 4.6, kPaperLayer = 7.3, kPaperArea = 4.6;
+    constexpr double kBase = 2.4, kLayer = 7.3, kArea = 4.6, kPaperLayer = 9.1, kPaperArea = 5.1;
     const bool paper = storage == PhatexelStorage::paper;
     const double layer = paper ? kPaperLayer : kLayer, area = paper ? kPaperArea : kArea;
     const double left = double(bytes) - double(sceneBytes);
