@@ -20,6 +20,7 @@ from figures_page import write_page
 from figures_plot import line_plot, slope
 from figures_profile import pyramid_profile
 from figures_run import LIVE, PEERS, PHAT, ROOT, Workshop, compare, run
+from figures_storage import storage
 from figures_surfaces import (DATA, DEFAULT_TEXELS, ROUGHNESS, SEEDS, TABLE, Reference, Surface, Surfaces, default_bake,
                               scene_surfaces, table_surfaces)
 
@@ -379,6 +380,7 @@ def main():
     results["path_speed"] = path_speed(figures)
     results["goals"] = figures.goals()
     results["bakes"] = figures.bakes()
+    results["storage"] = storage(figures.surfaces)
     results["whole"] = figures.whole()
     plot_results(figures.docs, results["rows"], results["series"])
     write_page(ROOT / "docs/results.md", figures, results)

@@ -3,6 +3,7 @@
 from figures_live import live_section
 from figures_plot import slope
 from figures_run import table
+from figures_storage import storage_section
 from goals import goals_table
 
 MADE_BY = "make figures"
@@ -228,7 +229,7 @@ What these bakes take and hold; reads of a single frame at the size above, for g
 
 {bakes_table(results["bakes"])}
 
-## Equal time, equal error
+{storage_section(results["storage"])}## Equal time, equal error
 
 A frame of `{best}` against what tracing reaches in its time, and the time that tracing takes to its error: the table top at roughness .25,
 480x270. At equal time `photons-gather` has one ray a sample; one sample is the least that either takes. The work to

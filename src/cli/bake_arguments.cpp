@@ -90,6 +90,11 @@ void declareBakeOptions(CLI::App& command, BakeOptions& options) {
     declare.value("--environment", "FILE", options.environment, "Sky: latitude-longitude .hdr or .exr");
     declareAtlas(declare, options.settings.atlas);
     declareLight(declare, options.settings);
+    declare
+        .text("--storage", "NAME",
+              "packed: 8 bytes a PHATexel; paper: the paper's 16, without distances, to study it")
+        ->check(CLI::IsMember(storageNames()))
+        ->default_val("packed");
     declare.value("--threads", "T", options.threads, "Default: all cores")->check(CLI::Range(1, 1024));
     declare.text("--memory-limit", "GB", "Refuse to start a larger bake; default: the machine's")
         ->check(CLI::Range(0.001, 1e6));
@@ -109,6 +114,7 @@ void finishBakeOptions(const CLI::App& command, BakeOptions& options) {
     if (option("--photons")) settings.photons.count = parseCount(&option("--photons"), 1, 0x1p32);
     settings.directions = directionNames().at(option("--directions").as<std::string>());
     settings.radiance = radianceNames().at(option("--radiance").as<std::string>());
+    options.storage = storageNames().at(option("--storage").as<std::string>());
     if (settings.radiance == RadianceSource::splat && !choosesPhotons(settings.directions))
         throw CLI::ValidationError("--radiance", "splat needs --directions photons or nearest-photon");
     if (option("--bounces")) settings.photons.maxBounces = settings.maxBounces;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/bake/bake_settings.h"
+#include "io/phat/baked_file.h"
 
 namespace CLI {
 class App;
@@ -19,6 +20,7 @@ struct BakeOptions {
     std::string output;
     std::string environment;  // empty: none
     BakeSettings settings;
+    PhatexelStorage storage = PhatexelStorage::packed;
     std::optional<int> threads;
     double memoryLimitBytes = 0;
     std::optional<uint64_t> maxBytes;  // of the file

@@ -79,7 +79,7 @@ void checkOutput(const BakeOptions& options) {
 }
 
 void bakeOnce(const BakeOptions& options, const GltfSource& source, const LoadedScene& loaded) {
-    const BakeRecord record = recordOf(options.settings, options.input, options.environment);
+    const BakeRecord record = recordOf(options.settings, options.input, options.environment, options.storage);
     const std::string journalPath = options.output + ".journal";
     FileJournal journal(journalPath, fingerprintOf(options, source, record), options.resume);
     json report;
@@ -116,9 +116,9 @@ void runBake(BakeOptions options) {
     checkOutput(options);
     uint64_t& texels = options.settings.atlas.texelBudget;
     if (options.maxBytes)
-        texels =
-            std::min(texels, texelsThatFit(*options.maxBytes, std::filesystem::file_size(options.input),
-                                           options.settings.layers, LightSampler(loaded.scene).hasArea()));
+        texels = std::min(texels, texelsThatFit(*options.maxBytes, std::filesystem::file_size(options.input),
+                                                options.settings.layers, LightSampler(loaded.scene).hasArea(),
+                                                options.storage));
     if (texels < kMinTexels) throw FileError(options.output, "would not fit into --max-megabytes");
     refuseTooLarge(options, loaded.scene);
     // How well light is compressed shows when it is there.

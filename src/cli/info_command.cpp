@@ -11,6 +11,7 @@
 #include "cli/commands.h"
 #include "core/scene/scene.h"
 #include "io/gltf/gltf_source.h"
+#include "io/phat/bake_record.h"
 #include "io/phat/baked_file.h"
 
 namespace phat {
@@ -90,6 +91,7 @@ Json describeBake(const BakedScene& baked) {
               {"charts", atlas.charts.size()},
               {"blocks", atlas.blockCount},
               {"coverage", double(withSurface) / double(std::max<size_t>(1, atlas.texelCount()))}}},
+            {"storage", nameOf(storageNames(), baked.record.storage)},
             {"indirect", describeLayers(phatexture.indirect)},
             {"area", describeLayers(phatexture.area)},
             {"guideBytes", guides * sizeof(Guide)},
@@ -163,6 +165,9 @@ void printBake(const Json& bake) {
               fmt::format("{} x {} texels of {:.3g} mm{}, {} charts, {:.1f} % covered",
                           atlas["size"][0].get<uint32_t>(), atlas["size"][1].get<uint32_t>(), size, glossy,
                           atlas["charts"].get<size_t>(), 100 * atlas["coverage"].get<double>()));
+    printLine("storage", bake["storage"] == "paper"
+                             ? "paper: 16 bytes a PHATexel, no distances (in memory 8 bytes, infinitely far)"
+                             : "packed: 8 bytes a PHATexel");
     printLayers("indirect", bake["indirect"]);
     if (bake["area"]["layers"] != 0) printLayers("area lights", bake["area"]);
     printLine("guides", megabytes(bake["guideBytes"]));

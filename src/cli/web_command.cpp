@@ -87,6 +87,10 @@ void writePoster(const WebOptions& options, const fs::path& site, Progress& prog
 void writeSite(const WebOptions& options) {
     GltfSource source = openGltf(options.input);
     if (!isBakedFile(source)) throw FileError(options.input, "is not a baked file: `phat bake` makes one");
+    if (phatexelStorage(source) != PhatexelStorage::packed)
+        throw FileError(
+            options.input,
+            "has PHATexels in the paper's storage, which pages do not read: bake without --storage paper");
     const fs::path site = options.site, built = siteFolder();
     std::string page = readText(built / "index.html");
     const std::string script = readText(built / "viewer.js"), style = readText(built / "viewer.css");

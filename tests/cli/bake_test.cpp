@@ -121,7 +121,8 @@ TEST(ConductBake, RefusesWrongUsage) {
         {"--directions", "up"},      {"--photons", "nan"},      {"--memory-limit", "0"},
         {"--threads", "0"},          {"--gutter", "x"},         {"--texel-size", ".1"},
         {"--no-such-flag"},          {"--use-uv", "7"},         {"--seed", "-1"},
-        {"--glossy-density", "0.5"}, {"--glossy-density", "9"}, {"--glossy-density", "nan"}};
+        {"--glossy-density", "0.5"}, {"--glossy-density", "9"}, {"--glossy-density", "nan"},
+        {"--storage", "half"}};
     for (const auto& arguments : wrong) {  // --texel-size beside --resolution
         const auto result = runPhat(smallBake(folder.file("out.glb"), arguments));
         EXPECT_EQ(result.exitCode, 2) << arguments[0] << result.err;
@@ -163,6 +164,26 @@ TEST(ConductBake, SaysThatTheDiskIsFullAndKeepsWhatIsFinished) {
     EXPECT_EQ(folder.fileCount(), 2u);  // err and the journal: no half-written file
     ASSERT_EQ(runPhat(smallBake(out, {"--resume", "--quiet"})).exitCode, 0);
     EXPECT_FALSE(std::filesystem::exists(out + ".journal"));
+}
+
+// What one storage has finished is not another's: the journal is of other settings, and the bake starts anew.
+TEST(ConductBake, ResumesInTheSameStorageAlone) {
+    const TemporaryFolder folder;
+    const std::string out = folder.file("out.glb"), err = folder.file("err");
+    const rlim_t kBytesAllowed = 60'000;  // a part of the journal
+    for (const char* resumedAs : {"packed", "paper"}) {
+        const Child child(smallBake(out, {"--quiet"}), err, kBytesAllowed);
+        ASSERT_EQ(child.wait(), 1);
+        ASSERT_TRUE(std::filesystem::exists(out + ".journal"));
+        const auto resumed = runPhat(smallBake(out, {"--resume", "--json", "--storage", resumedAs}));
+        ASSERT_EQ(resumed.exitCode, 0) << resumed.err;
+        const int parts = nlohmann::json::parse(resumed.out)["resumedParts"];
+        EXPECT_EQ(parts > 0, std::string(resumedAs) == "packed") << parts;
+        const std::string whole = folder.file("whole.glb");
+        ASSERT_EQ(runPhat(smallBake(whole, {"--quiet", "--storage", resumedAs})).exitCode, 0);
+        EXPECT_EQ(readBytes(out), readBytes(whole)) << resumedAs;
+        std::filesystem::remove(out);
+    }
 }
 
 // What a terminal of 80 columns receives.

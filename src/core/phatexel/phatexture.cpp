@@ -50,6 +50,17 @@ glm::ivec2 cellOf(glm::vec2 square) {
     return glm::clamp(glm::ivec2(square * float(kGuideSize)), 0, kGuideSize - 1);
 }
 
+glm::vec3 directionOfAngles(uint32_t anglesHalf) {
+    const glm::vec2 angles = glm::unpackHalf2x16(anglesHalf);
+    return {std::sin(angles.x) * std::cos(angles.y), std::sin(angles.x) * std::sin(angles.y),
+            std::cos(angles.x)};
+}
+
+// The half that is `steps` further from zero, from 0 to `most`.
+uint32_t steppedHalf(uint32_t half, int steps, int most) {
+    return (half & 0x8000u) | uint32_t(std::clamp(int(half & 0x7fffu) + steps, 0, most));
+}
+
 }  // namespace
 
 uint32_t packRgb9e5(glm::vec3 rgb) {
@@ -125,18 +136,35 @@ Phatexel unpackPhatexel(PackedPhatexel packed) {
 
 PackedPhatexel16 packPhatexel16(const Phatexel& phatexel) {
     if (!phatexel.valid) return {glm::vec3(0), ~0u};
-    const float theta = std::acos(std::clamp(phatexel.directionBlock.z, -1.0f, 1.0f));
-    const float phi = std::atan2(phatexel.directionBlock.y, phatexel.directionBlock.x);
-    return {phatexel.radiance, glm::packHalf2x16({theta, phi})};
+    const glm::vec3 direction = phatexel.directionBlock;
+    // The nearest halves of pi / 2 and of pi are less than these: none is under the horizon or past half a
+    // turn.
+    constexpr int kQuarterTurn = 0x3e48, kHalfTurn = 0x4248;
+    const uint32_t nearest = glm::packHalf2x16({std::atan2(std::hypot(direction.x, direction.y), direction.z),
+                                                std::atan2(direction.y, direction.x)});
+    const glm::ivec2 cell = cellOf(hemisphereToSquare(direction));
+    const auto keepsCell = [&](uint32_t angles) {
+        return cellOf(hemisphereToSquare(directionOfAngles(angles))) == cell;
+    };
+    if (keepsCell(nearest)) return {phatexel.radiance, nearest};
+    uint32_t best = nearest;
+    float bestCosine = -1;
+    for (int i = 0; i < 9; ++i) {
+        const uint32_t angles = steppedHalf(nearest & 0xffffu, i % 3 - 1, kQuarterTurn) |
+                                steppedHalf(nearest >> 16, i / 3 - 1, kHalfTurn) << 16;
+        const float cosine = glm::dot(directionOfAngles(angles), direction);
+        if (cosine <= bestCosine || !keepsCell(angles)) continue;
+        best = angles;
+        bestCosine = cosine;
+    }
+    return {phatexel.radiance, best};
 }
 
 Phatexel unpackPhatexel16(PackedPhatexel16 packed) {
     Phatexel phatexel;
     if (packed.anglesHalf == ~0u) return phatexel;
-    const glm::vec2 angles = glm::unpackHalf2x16(packed.anglesHalf);
     phatexel.radiance = packed.radiance;
-    phatexel.directionBlock = {std::sin(angles.x) * std::cos(angles.y),
-                               std::sin(angles.x) * std::sin(angles.y), std::cos(angles.x)};
+    phatexel.directionBlock = directionOfAngles(packed.anglesHalf);
     phatexel.distance = kFarDistance;
     phatexel.valid = true;
     return phatexel;

@@ -44,12 +44,16 @@ PackedPhatexel packPhatexel(const Phatexel& phatexel);
 Phatexel unpackPhatexel(PackedPhatexel packed);
 
 /// The paper's 16-byte storage (section 6): three floats and two angles as halves in one channel.
-/// No distance, no pdf.
+/// No distance, no pdf. Files may use it (docs/format.md); renderers hold the 8 bytes.
 struct PackedPhatexel16 {
     glm::vec3 radiance{0};
     uint32_t anglesHalf = 0;  // theta low, phi high; 0xffffffff: invalid
 };
+/// Angles are the nearest halves (theta within 2^-11 radians, phi within 2^-10) that keep the direction in
+/// its cell of the block's guide: the density is read back from the cell. Where the nearest lie in another
+/// cell, one of the halves beside them is taken. pre: directionBlock.z >= 0.
 PackedPhatexel16 packPhatexel16(const Phatexel& phatexel);
+/// `distance` is kFarDistance.
 Phatexel unpackPhatexel16(PackedPhatexel16 packed);
 
 /// A density over the block's hemisphere: an equal-area 16x16 histogram (hemisphere_map.h). Every cell weighs

@@ -1,19 +1,9 @@
 #include "io/phat/bake_record.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 namespace phat {
-namespace {
-
-template <class T>
-std::string nameOf(const std::map<std::string, T>& names, T value) {
-    return std::find_if(names.begin(), names.end(), [&](const auto& pair) { return pair.second == value; })
-        ->first;
-}
-
-}  // namespace
 
 const std::map<std::string, Directions>& directionNames() {
     static const std::map<std::string, Directions> names = {{"guided", Directions::guided},
@@ -32,7 +22,14 @@ const std::map<std::string, RadianceSource>& radianceNames() {
     return names;
 }
 
-BakeRecord recordOf(const BakeSettings& s, const std::string& source, const std::string& environment) {
+const std::map<std::string, PhatexelStorage>& storageNames() {
+    static const std::map<std::string, PhatexelStorage> names = {{"packed", PhatexelStorage::packed},
+                                                                 {"paper", PhatexelStorage::paper}};
+    return names;
+}
+
+BakeRecord recordOf(const BakeSettings& s, const std::string& source, const std::string& environment,
+                    PhatexelStorage storage) {
     using nlohmann::json;
     json line = {{"samples", s.layers},
                  {"photons", s.photons.count},
@@ -49,9 +46,10 @@ BakeRecord recordOf(const BakeSettings& s, const std::string& source, const std:
     else
         line["resolution"] = s.atlas.texelBudget;
     if (s.atlas.useUvSet >= 0) line["useUv"] = s.atlas.useUvSet;
+    if (storage != PhatexelStorage::packed) line["storage"] = nameOf(storageNames(), storage);
     if (!environment.empty()) line["environment"] = std::filesystem::path(environment).filename().string();
     return {"phatextures " PHAT_VERSION, std::filesystem::path(source).filename().string(),
-            line.dump(-1, ' ', false, json::error_handler_t::replace), s.seed};
+            line.dump(-1, ' ', false, json::error_handler_t::replace), s.seed, storage};
 }
 
 BakeSettings settingsOf(const BakeRecord& record) {

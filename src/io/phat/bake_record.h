@@ -1,6 +1,7 @@
 #pragma once
 // What a baked file says of its making.
 
+#include <algorithm>
 #include <map>
 #include <string>
 
@@ -12,9 +13,18 @@ namespace phat {
 /// The names that flags and files use.
 const std::map<std::string, Directions>& directionNames();
 const std::map<std::string, RadianceSource>& radianceNames();
+const std::map<std::string, PhatexelStorage>& storageNames();
+
+/// pre: one of the names is that of `value`.
+template <class T>
+std::string nameOf(const std::map<std::string, T>& names, T value) {
+    return std::find_if(names.begin(), names.end(), [&](const auto& pair) { return pair.second == value; })
+        ->first;
+}
 
 /// `environment`: the sky's file, empty if none was given.
-BakeRecord recordOf(const BakeSettings& settings, const std::string& source, const std::string& environment);
+BakeRecord recordOf(const BakeSettings& settings, const std::string& source, const std::string& environment,
+                    PhatexelStorage storage = PhatexelStorage::packed);
 
 /// The settings that a record tells of; what it does not tell, or tells wrongly, is as by default.
 BakeSettings settingsOf(const BakeRecord& record);

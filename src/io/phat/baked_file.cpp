@@ -12,7 +12,9 @@
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
 #include "io/gltf/gltf_rewrite.h"
+#include "io/phat/bake_record.h"
 #include "io/phat/baked_layout.h"
+#include "io/phat/paper_storage.h"
 #include "io/phat/phat_payload.h"
 
 namespace phat {
@@ -72,21 +74,27 @@ void addTexelCorrection(Payloads& payloads, const Atlas& atlas, json& extension)
         add(payloads, "/atlas/texelCorrection", correction);
 }
 
+void addTexels(Payloads& payloads, const std::string& layer, const std::vector<PackedPhatexel>& texels,
+               PhatexelStorage storage) {
+    if (storage == PhatexelStorage::paper) return add(payloads, layer + "/phatexels", paperOfPacked(texels));
+    std::vector<uint32_t> radiance, direction;
+    for (const PackedPhatexel& texel : texels) {
+        radiance.push_back(texel.radiance);
+        direction.push_back(texel.directionDistance);
+    }
+    add(payloads, layer + "/radiance", radiance);
+    add(payloads, layer + "/direction", direction);
+}
+
 void addLayers(Payloads& payloads, const std::string& where, const std::vector<PhatexelLayer>& layers,
-               const std::vector<Guide>& guides, json& extension) {
+               const std::vector<Guide>& guides, PhatexelStorage storage, json& extension) {
     const auto pointer = json::json_pointer(where);
     extension[pointer]["guideCount"] = guides.size();
     extension[pointer]["layers"] = json::array();
     if (!guides.empty()) add(payloads, where + "/guides", guides);
     for (size_t i = 0; i < layers.size(); ++i) {
-        std::vector<uint32_t> radiance, direction;
-        for (const PackedPhatexel& texel : layers[i].texels) {
-            radiance.push_back(texel.radiance);
-            direction.push_back(texel.directionDistance);
-        }
         const std::string layer = where + "/layers/" + std::to_string(i);
-        add(payloads, layer + "/radiance", radiance);
-        add(payloads, layer + "/direction", direction);
+        addTexels(payloads, layer, layers[i].texels, storage);
         if (!layers[i].pdf.empty()) add(payloads, layer + "/pdf", layers[i].pdf);
         if (!layers[i].scrambles.empty()) add(payloads, layer + "/scrambles", layers[i].scrambles);
     }
@@ -135,6 +143,10 @@ std::vector<uint8_t> bakedBytes(const GltfSource& source, const Scene& scene, co
     notes = gltf.notes;
 
     json extension = {{"version", kBakedFormatVersion}, {"texCoord", gltf.texCoord}};
+    if (record.storage != PhatexelStorage::packed) {
+        extension["version"] = kStorageFormatVersion;
+        extension["storage"] = nameOf(storageNames(), record.storage);
+    }
     extension["record"] = {{"generator", record.generator},
                            {"input", record.source},
                            {"settings", record.settings},
@@ -145,10 +157,11 @@ std::vector<uint8_t> bakedBytes(const GltfSource& source, const Scene& scene, co
     addAtlas(payloads, bake.atlas, bake.points, extension);
     addTexelCorrection(payloads, bake.atlas, extension);
     const Phatexture& phatexture = bake.phatexture;
-    addLayers(payloads, "/indirect", phatexture.indirect, phatexture.indirectGuides, extension);
+    addLayers(payloads, "/indirect", phatexture.indirect, phatexture.indirectGuides, record.storage,
+              extension);
     if (!phatexture.indirectIrradiance.empty())
         add(payloads, "/indirect/irradiance", phatexture.indirectIrradiance);
-    addLayers(payloads, "/area", phatexture.area, phatexture.areaGuides, extension);
+    addLayers(payloads, "/area", phatexture.area, phatexture.areaGuides, record.storage, extension);
     if (!phatexture.areaIrradiance.empty()) add(payloads, "/area/irradiance", phatexture.areaIrradiance);
     addTiles(payloads, scene, bake);
     if (scene.environment) addEnvironment(payloads, *scene.environment, extension);
@@ -169,11 +182,14 @@ std::vector<uint8_t> bakedBytes(const GltfSource& source, const Scene& scene, co
 FileTooLarge::FileTooLarge(const std::string& file, uint64_t size)
     : FileError(file, fmt::format("would have {:.1f} MB", double(size) * 1e-6)), bytes(size) {}
 
-uint64_t texelsThatFit(uint64_t bytes, uint64_t sceneBytes, int layers, bool areaLights) {
+uint64_t texelsThatFit(uint64_t bytes, uint64_t sceneBytes, int layers, bool areaLights,
+                       PhatexelStorage storage) {
     // Compressed bytes a texel, measured on tabletop: irradiance and tiles; a layer; the area lights' share.
-    constexpr double kBase = 2.4, kLayer = 7.3, kArea = 4.6;
+    constexpr double kBase = 2.4, kLayer = 7.3, kArea = 4.6, kPaperLayer = 9.1, kPaperArea = 5.1;
+    const bool paper = storage == PhatexelStorage::paper;
+    const double layer = paper ? kPaperLayer : kLayer, area = paper ? kPaperArea : kArea;
     const double left = double(bytes) - double(sceneBytes);
-    return uint64_t(std::max(0.0, left / (kBase + kLayer * layers + (areaLights ? kArea : 0.0))));
+    return uint64_t(std::max(0.0, left / (kBase + layer * layers + (areaLights ? area : 0.0))));
 }
 
 std::vector<std::string> writeBakedFile(const std::string& outPath, const GltfSource& source,

@@ -10,12 +10,19 @@
 
 namespace phat {
 
+/// How a file holds its PHATexels. In memory they are PackedPhatexel whatever the file has.
+enum class PhatexelStorage : uint8_t {
+    packed,  // PackedPhatexel
+    paper,   // PackedPhatexel16: no distances
+};
+
 /// What a baked file says of its making; printed by `phat info`.
 struct BakeRecord {
     std::string generator;  // "phatextures 0.1.0"
     std::string source;     // file name without folders
     std::string settings;   // the bake's flags as one line of JSON
     uint64_t seed = 1;
+    PhatexelStorage storage = PhatexelStorage::packed;  // as the file is, or is to be, written
 };
 
 struct BakedScene {
@@ -30,6 +37,9 @@ struct BakedScene {
 bool isBakedFile(const GltfSource& source);
 /// The same of a file that is not open. Throws FileError if unreadable.
 bool isBakedFile(const std::string& path);
+
+/// Of a baked file. Throws FileError where this program does not read its version or its storage.
+PhatexelStorage phatexelStorage(const GltfSource& source);
 
 /// A baked file would be larger than it may be; nothing was written.
 struct FileTooLarge : FileError {
@@ -55,7 +65,8 @@ std::vector<std::string> writeBakedFile(const std::string& outPath, const std::s
                                         const Scene& scene, const Bake& bake, const BakeRecord& record);
 
 /// About how many texels a baked file of `bytes` has room for; `sceneBytes`: what the scene itself takes.
-uint64_t texelsThatFit(uint64_t bytes, uint64_t sceneBytes, int layers, bool areaLights);
+uint64_t texelsThatFit(uint64_t bytes, uint64_t sceneBytes, int layers, bool areaLights,
+                       PhatexelStorage storage);
 
 /// Throws FileError when anything is missing, truncated or inconsistent.
 BakedScene readBakedFile(const std::string& path);

@@ -8,12 +8,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "core/phatexel/lookup_tables.h"
 #include "io/base/file_error.h"
 #include "io/gltf/gltf_rewrite.h"
+#include "io/phat/bake_record.h"
 #include "io/phat/baked_file.h"
 #include "io/phat/baked_layout.h"
-#include "io/phat/phat_payload.h"
+#include "io/phat/payload_reader.h"
+#include "io/phat/phatexture_read.h"
 
 namespace phat {
 namespace {
@@ -22,30 +23,6 @@ using nlohmann::json;
 
 [[noreturn]] void fail(const std::string& reason) {
     throw std::runtime_error(reason);
-}
-
-struct Reader {
-    const GltfSource& source;
-    // Payloads may share a bufferView; together they may not claim more than the file could hold.
-    uint64_t bytesLeft = 0;
-};
-
-// The payload object[key] as `count` values.
-template <class T>
-std::vector<T> readPayload(Reader& reader, const json& object, const char* key, uint64_t count) {
-    const json& payload = object.at(key);
-    const uint64_t byteLength = wholeNumber(payload, "byteLength");
-    if (count > ~0ull / sizeof(T) || byteLength != count * sizeof(T))
-        fail(fmt::format("the payload \"{}\" has {} bytes where {} belong", key, byteLength,
-                         count * sizeof(T)));
-    if (byteLength > reader.bytesLeft)
-        fail(fmt::format("the payload \"{}\" is larger than the file allows", key));
-    reader.bytesLeft -= byteLength;
-    const auto stream = bufferViewBytes(reader.source, wholeNumber(payload, "bufferView"));
-    const std::vector<uint8_t> bytes = decodePayload(stream, byteLength);
-    std::vector<T> values(count);
-    if (count > 0) std::memcpy(values.data(), bytes.data(), byteLength);
-    return values;
 }
 
 glm::uvec2 readSize(const json& object, uint64_t maxSide) {
@@ -72,7 +49,7 @@ void checkChart(const Atlas& atlas, const Chart& chart, size_t surfaceCount) {
         fail("a chart's other side does not fit it");
 }
 
-void readCharts(Reader& reader, const json& object, size_t surfaceCount, Atlas& atlas) {
+void readCharts(PayloadReader& reader, const json& object, size_t surfaceCount, Atlas& atlas) {
     const glm::uvec2 tiles = atlas.sizeTiles();
     const uint64_t tileCount = uint64_t(tiles.x) * tiles.y;
     const uint64_t chartCount = wholeNumber(object, "chartCount");
@@ -109,7 +86,7 @@ void readCharts(Reader& reader, const json& object, size_t surfaceCount, Atlas& 
 }
 
 // Texel coordinates as they were baked, from the UV set and what rounding took away.
-void readTriangleTexels(Reader& reader, const json& object, uint64_t texCoord, const Scene& scene,
+void readTriangleTexels(PayloadReader& reader, const json& object, uint64_t texCoord, const Scene& scene,
                         Atlas& atlas) {
     const size_t triangleCount = scene.triangles.size();
     atlas.triangleTexels.resize(triangleCount);
@@ -147,7 +124,7 @@ void readTriangleTexels(Reader& reader, const json& object, uint64_t texCoord, c
         fail("the atlas UVs are not those that were baked: another program has changed the geometry");
 }
 
-void readTriangleCharts(Reader& reader, const json& object, const Scene& scene, Atlas& atlas) {
+void readTriangleCharts(PayloadReader& reader, const json& object, const Scene& scene, Atlas& atlas) {
     atlas.triangleChart = readPayload<uint32_t>(reader, object, "triangles", scene.triangles.size());
     for (size_t t = 0; t < atlas.triangleChart.size(); ++t) {
         const uint32_t index = atlas.triangleChart[t];
@@ -162,7 +139,7 @@ void readTriangleCharts(Reader& reader, const json& object, const Scene& scene, 
     }
 }
 
-Atlas readAtlas(Reader& reader, const json& extension, const Scene& scene) {
+Atlas readAtlas(PayloadReader& reader, const json& extension, const Scene& scene) {
     const json& object = extension.at("atlas");
     Atlas atlas;
     atlas.sizeTexels = readSize(object, kMaxAtlasSide);
@@ -176,7 +153,8 @@ Atlas readAtlas(Reader& reader, const json& extension, const Scene& scene) {
     return atlas;
 }
 
-TexelPoints readTexelPoints(Reader& reader, const json& object, const Scene& scene, const Atlas& atlas) {
+TexelPoints readTexelPoints(PayloadReader& reader, const json& object, const Scene& scene,
+                            const Atlas& atlas) {
     const auto covered = readPayload<uint8_t>(reader, object, "covered", (atlas.texelCount() + 7) / 8);
     TexelPoints points = buildTexelPoints(scene, atlas);
     for (size_t i = 0; i < atlas.texelCount(); ++i) {
@@ -190,62 +168,7 @@ TexelPoints readTexelPoints(Reader& reader, const json& object, const Scene& sce
     return points;
 }
 
-void readLayers(Reader& reader, const json& object, const Atlas& atlas, std::vector<PhatexelLayer>& layers,
-                std::vector<Guide>& guides) {
-    const uint64_t guideCount = wholeNumber(object, "guideCount");
-    if (guideCount > 1 && guideCount != atlas.blockCount) fail("the guides are not one for each block");
-    if (guideCount > 0) guides = readPayload<Guide>(reader, object, "guides", guideCount);
-    for (const Guide& guide : guides)
-        for (const uint16_t weight : guide.weight)
-            if (weight == 0) fail("a guide has a cell without weight");
-    const json& described = object.at("layers");
-    if (!described.is_array()) fail("\"layers\" is not an array");
-    for (const json& item : described) {
-        const auto radiance = readPayload<uint32_t>(reader, item, "radiance", atlas.texelCount());
-        const auto direction = readPayload<uint32_t>(reader, item, "direction", atlas.texelCount());
-        PhatexelLayer& layer = layers.emplace_back();
-        layer.texels.resize(atlas.texelCount());
-        for (size_t i = 0; i < layer.texels.size(); ++i) layer.texels[i] = {radiance[i], direction[i]};
-        if (item.contains("pdf"))
-            layer.pdf = readPayload<float>(reader, item, "pdf", atlas.texelCount());
-        else if (guides.empty())
-            fail("a layer has neither guides nor densities");
-        for (const float pdf : layer.pdf)
-            if (!(pdf >= 0 && std::isfinite(pdf))) fail("a density is not a number");
-        if (item.contains("scrambles"))
-            layer.scrambles = readPayload<uint16_t>(reader, item, "scrambles", atlas.blockCount);
-    }
-}
-
-void readTiles(Reader& reader, const json& object, const Atlas& atlas, Phatexture& phatexture) {
-    const uint64_t tiles = atlas.tileChart.size();
-    phatexture.tilePlaces = readPayload<PackedTile>(reader, object, "places", tiles);
-    if (object.contains("distances")) {
-        const auto levels = readPayload<LevelsRecord>(reader, object, "distances", tiles);
-        for (size_t i = 0; i < tiles; ++i)
-            phatexture.probes.push_back(unpackProbe(levels[i], phatexture.tilePlaces[i]));
-    } else if (canLookUp(phatexture.indirect, phatexture.indirectGuides)) {
-        fail("the distances around the tiles are missing");
-    }
-    readPayload<glm::vec3>(reader, object, "brightest",
-                           tiles);  // the renderer makes its own, with more in it
-}
-
-Phatexture readPhatexture(Reader& reader, const json& extension, const Atlas& atlas) {
-    Phatexture phatexture;
-    const json& indirect = extension.at("indirect");
-    readLayers(reader, indirect, atlas, phatexture.indirect, phatexture.indirectGuides);
-    phatexture.indirectIrradiance = readPayload<uint32_t>(reader, indirect, "irradiance", atlas.texelCount());
-    const json& area = extension.at("area");
-    readLayers(reader, area, atlas, phatexture.area, phatexture.areaGuides);
-    if (phatexture.area.size() > 1) fail("there is more than one layer of area light");
-    if (area.contains("irradiance"))
-        phatexture.areaIrradiance = readPayload<uint32_t>(reader, area, "irradiance", atlas.texelCount());
-    readTiles(reader, extension.at("tiles"), atlas, phatexture);
-    return phatexture;
-}
-
-Environment readEnvironment(Reader& reader, const json& object) {
+Environment readEnvironment(PayloadReader& reader, const json& object) {
     const glm::uvec2 size = readSize(object, kMaxEnvironmentSide);
     const float scale = object.at("scale").get<float>();
     if (!(scale > 0 && std::isfinite(scale))) fail("the environment's scale is not positive");
@@ -256,10 +179,10 @@ Environment readEnvironment(Reader& reader, const json& object) {
     return environment;
 }
 
-BakeRecord readRecord(const json& extension) {
+BakeRecord readRecord(const json& extension, PhatexelStorage storage) {
     const json record = extension.value("record", json::object());
     return {record.value("generator", ""), record.value("input", ""), record.value("settings", ""),
-            wholeNumber(record, "seed", 1)};
+            wholeNumber(record, "seed", 1), storage};
 }
 
 // The charts and triangles of the bake count surfaces in the order of the original file. A mesh of its own
@@ -296,24 +219,39 @@ const json* findExtension(const json& gltf) {
     return found == extensions->end() ? nullptr : &*found;
 }
 
-void readExtension(const GltfSource& source, BakedScene& baked) {
+// Also where the version is checked: it says whether there is a choice.
+PhatexelStorage storageOf(const json& extension) {
+    const uint64_t version = wholeNumber(extension, "version");
+    if (version == kBakedFormatVersion) return PhatexelStorage::packed;
+    if (version != kStorageFormatVersion)
+        fail(fmt::format("has format version {}; this program reads versions {} and {}", version,
+                         kBakedFormatVersion, kStorageFormatVersion));
+    const auto name = extension.at("storage").get<std::string>();
+    const auto found = storageNames().find(name);
+    if (found == storageNames().end()) fail(fmt::format("has PHATexels in an unknown storage, \"{}\"", name));
+    return found->second;
+}
+
+const json& extensionOf(const GltfSource& source) {
     const json* extension = findExtension(source.json);
     if (!extension) fail("is not a baked file");
-    const uint64_t version = wholeNumber(*extension, "version");
-    if (version != kBakedFormatVersion)
-        fail(fmt::format("has format version {}; this program reads version {}", version,
-                         kBakedFormatVersion));
-    Reader reader{source, 0};
+    return *extension;
+}
+
+void readExtension(const GltfSource& source, BakedScene& baked) {
+    const json& extension = extensionOf(source);
+    const PhatexelStorage storage = storageOf(extension);
+    PayloadReader reader{source, 0};
     for (const auto& buffer : source.buffers) reader.bytesLeft += kMaxPayloadExpansion * buffer.size();
 
     Scene& scene = baked.loaded.scene;
-    baked.record = readRecord(*extension);
-    restoreSurfaceOrder(*extension, scene);
-    baked.atlas = readAtlas(reader, *extension, scene);
-    baked.points = readTexelPoints(reader, extension->at("atlas"), scene, baked.atlas);
-    baked.phatexture = readPhatexture(reader, *extension, baked.atlas);
-    if (extension->contains("environment"))
-        scene.environment = readEnvironment(reader, (*extension)["environment"]);
+    baked.record = readRecord(extension, storage);
+    restoreSurfaceOrder(extension, scene);
+    baked.atlas = readAtlas(reader, extension, scene);
+    baked.points = readTexelPoints(reader, extension.at("atlas"), scene, baked.atlas);
+    baked.phatexture = readPhatexture(reader, extension, storage, baked.atlas);
+    if (extension.contains("environment"))
+        scene.environment = readEnvironment(reader, extension["environment"]);
 }
 
 }  // namespace
@@ -345,6 +283,14 @@ BakedScene readBakedFile(GltfSource& source) {
         throw FileError(source.path, error.what());
     }
     return baked;
+}
+
+PhatexelStorage phatexelStorage(const GltfSource& source) {
+    try {
+        return storageOf(extensionOf(source));
+    } catch (const std::exception& error) {
+        throw FileError(source.path, error.what());
+    }
 }
 
 }  // namespace phat

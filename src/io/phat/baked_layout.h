@@ -10,6 +10,8 @@
 namespace phat {
 
 inline constexpr uint64_t kBakedFormatVersion = 3;
+/// Of files whose PHATexels are not packed: they say how, and programs that know version 3 alone refuse them.
+inline constexpr uint64_t kStorageFormatVersion = 4;
 // A chart owns tiles, and 16 bits count those of a side with room to spare.
 inline constexpr uint64_t kMaxAtlasSide = 1 << 16;
 inline constexpr uint64_t kMaxEnvironmentSide = 1 << 15;

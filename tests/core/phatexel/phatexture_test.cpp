@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/random.h"
+#include "core/phatexel/direction_cells.h"
 
 namespace phat {
 namespace {
@@ -59,6 +60,50 @@ TEST(PhatexelPacking, InvalidIsAllZero) {
     EXPECT_EQ(packed.directionDistance, 0u);
     EXPECT_FALSE(unpackPhatexel(packed).valid);
     EXPECT_FALSE(unpackPhatexel16(packPhatexel16({})).valid);
+}
+
+float radiansBetween(glm::vec3 a, glm::vec3 b) {
+    return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
+// The last place of halves is 2^-10 for 1 to 2 radians and 2^-9 for 2 to 4: theta is within 2^-11 and phi
+// within 2^-10 of the nearest, and within three times as much of the one beside it.
+TEST(PhatexelPacking, ThePapersAnglesAreWithinAHalfsLastPlace) {
+    const float nearest = std::hypot(0x1p-11f, 0x1p-10f), beside = 3 * nearest, rounding = 1e-6f;
+    Rng rng(6);
+    int further = 0;
+    constexpr int kCount = 200'000;
+    for (int i = 0; i < kCount; ++i) {
+        // Every fourth near the pole, every fourth near the horizon.
+        glm::vec2 square = rng.uniform2();
+        if (i % 4 == 0) square = 0.5f + 0.01f * (square - 0.5f);
+        if (i % 4 == 1) square.x *= 1e-4f;
+        const glm::vec3 d = storableDirection(squareToHemisphere(square));
+        const Phatexel back = unpackPhatexel16(packPhatexel16({glm::vec3(7, 1e5f, 1e-5f), d, 3, 1, true}));
+        ASSERT_EQ(back.radiance, glm::vec3(7, 1e5f, 1e-5f));
+        ASSERT_EQ(back.distance, kFarDistance);
+        ASSERT_GE(back.directionBlock.z, 0);
+        const float error = radiansBetween(d, back.directionBlock);
+        ASSERT_LE(error, beside + rounding) << d.x << ' ' << d.y << ' ' << d.z;
+        further += error > nearest + rounding;
+    }
+    // Those whose nearest halves lie in another cell.
+    EXPECT_LT(further, kCount / 50);
+}
+
+// A neighbour's density may be a hundred times less.
+TEST(PhatexelPacking, ThePapersAnglesKeepTheDensityOfEveryStorableDirection) {
+    Rng rng(7);
+    std::array<float, kGuideCells> cells{};
+    for (float& cell : cells) cell = std::exp2(8 * rng.uniform());
+    const Guide guide = makeGuide(cells, 0.1f);
+    for (uint32_t code = 0; code < 1u << 24; code += 1 + rng.bits() % 16) {
+        glm::vec3 d = unpackOctahedral24(code);
+        if (d.z < 0) continue;
+        d = storableDirection(d);
+        const Phatexel back = unpackPhatexel16(packPhatexel16({glm::vec3(1), d, 3, 1, true}));
+        ASSERT_EQ(squareToGuidePdf(guide, back.directionBlock), squareToGuidePdf(guide, d)) << code;
+    }
 }
 
 // What a filter makes of many PHATexels hardly notices either storage: mean of L cos / p over guided samples.

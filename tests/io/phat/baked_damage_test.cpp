@@ -3,10 +3,12 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <glm/gtc/packing.hpp>
 #include <nlohmann/json.hpp>
 
 #include "io/base/file_error.h"
 #include "io/phat/baked_scene.h"
+#include "io/phat/paper_storage.h"
 #include "io/phat/phat_payload.h"
 
 namespace phat {
@@ -59,6 +61,10 @@ struct BakedDamage : testing::Test {
         const LoadedScene loaded = loadGltf(source);
         Bake bake = test::randomBake(loaded.scene, 1, false, 3);
         writeBakedFile(target, source, loaded.scene, bake, test::someRecord());
+        readTarget();
+    }
+
+    void readTarget() {
         bytes = readBytes(target);
         jsonEnd = 20 + nlohmann::json(uint8_t(bytes[12]) | uint8_t(bytes[13]) << 8 | uint8_t(bytes[14]) << 16)
                            .get<size_t>();
@@ -132,6 +138,51 @@ TEST_F(BakedDamage, SizesThatDoNotAgreeAreRefused) {
     EXPECT_TRUE(refuses([](auto& e) { e["tiles"].erase("distances"); }));
     EXPECT_TRUE(refuses([](auto& e) { e["tiles"]["places"] = e["tiles"]["distances"]; }));
     EXPECT_TRUE(refuses([](auto& e) { e["indirect"]["layers"][0]["scrambles"] = e["tiles"]["places"]; }));
+}
+
+TEST_F(BakedDamage, StoragesThatDoNotFitAreRefused) {
+    const LoadedScene loaded = loadGltf(source);
+    const Bake bake = test::randomBake(loaded.scene, 1, false, 3);
+    const auto reasonAfter = [&](const std::function<void(nlohmann::json&)>& change) {
+        rewrite([&](auto& json) { change(json["extensions"]["PHAT_photon_accumulation_texture"]); });
+        return reasonOf(target);
+    };
+    // A packed file that claims to be another.
+    EXPECT_NE(reasonAfter([](auto& e) { e["version"] = 4, e["storage"] = "paper"; }), "loads");
+
+    BakeRecord record = test::someRecord();
+    record.storage = PhatexelStorage::paper;
+    writeBakedFile(target, source, loaded.scene, bake, record);
+    readTarget();
+    EXPECT_EQ(reasonAfter([](auto&) {}), "loads");
+    EXPECT_NE(reasonAfter([](auto& e) { e["version"] = 3; }), "loads");
+    EXPECT_NE(reasonAfter([](auto& e) { e.erase("storage"); }), "loads");
+    EXPECT_EQ(reasonAfter([](auto& e) { e["storage"] = "half"; }),
+              "has PHATexels in an unknown storage, \"half\"");
+    const uint64_t bytesThere = 16 * bake.atlas.texelCount();
+    for (const uint64_t wrong : {uint64_t(0), bytesThere / 2, bytesThere - 16, bytesThere + 16})
+        EXPECT_EQ(reasonAfter([&](auto& e) { e["area"]["layers"][0]["phatexels"]["byteLength"] = wrong; }),
+                  "the payload \"phatexels\" has " + std::to_string(wrong) + " bytes where " +
+                      std::to_string(bytesThere) + " belong");
+    EXPECT_EQ(reasonAfter([](auto& e) {
+                  auto& layer = e["indirect"]["layers"][0];
+                  layer["phatexels"]["bufferView"] = layer["scrambles"]["bufferView"];
+              }).rfind("a payload", 0),
+              0u);
+}
+
+TEST(PaperStorage, RefusesWhatIsNoRadianceOrNoDirection) {
+    const PackedPhatexel16 sound{glm::vec3(1, 2, 3), glm::packHalf2x16({0.5f, -3.0f})};
+    const auto read = [](const PackedPhatexel16& texel) { return packedOfPaper({&texel, 1})[0]; };
+    EXPECT_EQ(unpackPhatexel(read(sound)).radiance, glm::vec3(1, 2, 3));
+    for (const float wrong : {-1.0f, float(INFINITY), float(NAN)}) {
+        EXPECT_THROW(read({{1, wrong, 1}, sound.anglesHalf}), std::runtime_error);
+        EXPECT_THROW(read({sound.radiance, glm::packHalf2x16({wrong, 1.0f})}), std::runtime_error);
+    }
+    EXPECT_THROW(read({sound.radiance, glm::packHalf2x16({1.6f, 1.0f})}), std::runtime_error);
+    EXPECT_THROW(read({sound.radiance, glm::packHalf2x16({1.0f, NAN})}), std::runtime_error);
+    EXPECT_THROW(read({sound.radiance, glm::packHalf2x16({1.0f, 3.2f})}), std::runtime_error);
+    EXPECT_FALSE(unpackPhatexel(read({{NAN, -1, 1}, ~0u})).valid);
 }
 
 TEST_F(BakedDamage, TexelSizesThatCannotBeAreRefused) {

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "core/phatexel/direction_cells.h"
 #include "io/base/file_error.h"
+#include "io/gltf/gltf_rewrite.h"
 #include "io/gltf/gltf_source.h"
 #include "io/phat/bake_journal.h"
 #include "io/phat/baked_scene.h"
@@ -106,6 +108,62 @@ TEST_F(BakedRoundTrip, ReturnsTheBakeBitByBit) {
         EXPECT_EQ(read.record.seed, test::someRecord().seed);
     }
     EXPECT_FALSE(isBakedFile(source));
+}
+
+// Half angles beside a cell's border (.19 degrees, see PackedPhatexel16), 24 bits (.06), and what keeps the
+// direction clear of the border: a hundredth of a cell, which is at most .25 radians wide.
+constexpr float kPaperRadians = 0.0034f + 0.0011f + 0.0026f;
+
+void expectSameButDistance(const std::vector<PackedPhatexel>& before,
+                           const std::vector<PackedPhatexel>& after) {
+    ASSERT_EQ(before.size(), after.size());
+    size_t valid = 0;
+    for (size_t i = 0; i < before.size(); ++i) {
+        const Phatexel a = unpackPhatexel(before[i]), b = unpackPhatexel(after[i]);
+        ASSERT_EQ(a.valid, b.valid);
+        if (!a.valid) continue;
+        ASSERT_EQ(a.radiance, b.radiance);
+        ASSERT_EQ(b.distance, kFarDistance);
+        // Noise has codes of directions under the horizon, which no bake has.
+        if (std::abs(glm::length(a.directionBlock) - 1) > 1e-3f) continue;
+        ASSERT_LT(glm::distance(a.directionBlock, b.directionBlock), kPaperRadians);
+        ASSERT_EQ(cellOfDirection(a.directionBlock), cellOfDirection(b.directionBlock));
+        ++valid;
+    }
+    EXPECT_GT(valid, before.size() / 3);
+}
+
+TEST_F(BakedRoundTrip, ThePapersStorageReturnsAllButTheDistances) {
+    const LoadedScene loaded = loadGltf(source);
+    BakeRecord record = test::someRecord();
+    record.storage = PhatexelStorage::paper;
+    for (const bool withPdf : {false, true}) {
+        Bake bake = test::randomBake(loaded.scene, withPdf ? 1 : 3, withPdf, 7);
+        writeBakedFile(target, source, loaded.scene, bake, record);
+        const nlohmann::json extension = openGltf(target).json["extensions"][kPhatExtension];
+        EXPECT_EQ(extension["version"], 4);
+        EXPECT_EQ(extension["storage"], "paper");
+        const auto& layer = extension["indirect"]["layers"][0];
+        EXPECT_EQ(layer["phatexels"]["byteLength"], 16 * bake.atlas.texelCount());
+        EXPECT_EQ(layer.contains("pdf"), withPdf);
+        BakedScene read = readBakedFile(target);
+        EXPECT_EQ(read.record.storage, PhatexelStorage::paper);
+        for (auto layers : {&Phatexture::indirect, &Phatexture::area}) {
+            ASSERT_EQ((bake.phatexture.*layers).size(), (read.phatexture.*layers).size());
+            for (size_t i = 0; i < (bake.phatexture.*layers).size(); ++i) {
+                PhatexelLayer &before = (bake.phatexture.*layers)[i], &after = (read.phatexture.*layers)[i];
+                expectSameButDistance(before.texels, after.texels);
+                before.texels = after.texels = {};
+            }
+        }
+        expectSame(bake.phatexture, read.phatexture);
+    }
+    writeBakedFile(target, source, loaded.scene, test::randomBake(loaded.scene, 1, false, 7),
+                   test::someRecord());
+    const nlohmann::json extension = openGltf(target).json["extensions"][kPhatExtension];
+    EXPECT_EQ(extension["version"], 3);
+    EXPECT_FALSE(extension.contains("storage"));
+    EXPECT_EQ(readBakedFile(target).record.storage, PhatexelStorage::packed);
 }
 
 TEST_F(BakedRoundTrip, WritesTheSameBytesTwice) {
