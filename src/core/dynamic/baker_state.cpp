@@ -28,13 +28,13 @@ std::vector<uint16_t> scramblesOf(const Atlas& atlas, const BakeSettings& settin
 }  // namespace
 
 BakerState::BakerState(const Scene& rest, const Atlas& atlas, const TexelPoints& points,
-                       const Phatexture& baked, const BakeSettings& wanted)
-    : scene(rest, atlas, points), settings(wanted), phatexture(baked) {
+                       const Phatexture& baked, const BakeSettings& bakeSettings)
+    : scene(rest, atlas, points), settings(bakeSettings), phatexture(baked) {
     requireUpdatable(settings);
     updateSceneQueries({true, true, true});
     hasArea = lights->hasArea();
     noIndex.emplace(noPhotons.photons);
-    blocks = blockPlaces(atlas);
+    blocks = blockRects(atlas);
 
     const size_t tiles = atlas.tileChart.size(), texels = atlas.texelCount();
     const bool fresh = phatexture.indirect.empty();

@@ -25,7 +25,7 @@ struct Ray {
 };
 
 /// Embree scene over all triangles, robust mode. Alpha-masked texels are passed through; blended ones are
-/// passed with probability 1 - alpha, decided by a hash of the ray, so a ray always gets the same answer.
+/// passed with probability 1 - alpha, decided by a hash of the ray, so that equal rays have equal hits.
 /// Safe to share between threads. `scene` must outlive it.
 class RayScene {
   public:

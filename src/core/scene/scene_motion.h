@@ -11,7 +11,7 @@ namespace phat {
 /// A motion of a node and all below it, by hand. In world space: it comes after the file's own animation.
 struct NodeMotion {
     uint32_t node = 0;     // glTF index
-    glm::vec3 pivot{0};    // what it turns around, world, before the motion
+    glm::vec3 pivot{0};    // centre of rotation, world, before the motion
     glm::vec3 meters{0};   // by which the pivot moves
     glm::vec3 degrees{0};  // about x, then y, then z
 
@@ -53,7 +53,7 @@ struct RestVertices {
     std::span<const glm::vec4> tangents;
 };
 
-/// Puts a surface's vertices where `m` takes those at rest; exactly there for the identity.
+/// Transforms a surface's vertices at rest by `m`; exact for the identity.
 void moveSurface(const RestVertices& rest, const Surface& surface, const glm::mat4& m, Scene& scene);
 /// The lights that are at `rest` where their nodes carry them.
 std::vector<PunctualLight> movedLights(std::vector<PunctualLight> rest,

@@ -1,5 +1,5 @@
 #pragma once
-// What a baked file says of its making.
+// The record of how a file was baked.
 
 #include <map>
 #include <string>
@@ -16,7 +16,7 @@ const std::map<std::string, RadianceSource>& radianceNames();
 /// `environment`: the sky's file, empty if none was given.
 BakeRecord recordOf(const BakeSettings& settings, const std::string& source, const std::string& environment);
 
-/// The settings that a record tells of; what it does not tell, or tells wrongly, is as by default.
+/// The settings in a record; missing or invalid ones have their defaults.
 BakeSettings settingsOf(const BakeRecord& record);
 
 }  // namespace phat

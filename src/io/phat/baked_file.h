@@ -10,7 +10,7 @@
 
 namespace phat {
 
-/// What a baked file says of its making; printed by `phat info`.
+/// The record of how a file was baked; printed by `phat info`.
 struct BakeRecord {
     std::string generator;  // "phatextures 0.1.0"
     std::string source;     // file name without folders
@@ -21,7 +21,7 @@ struct BakeRecord {
 struct BakedScene {
     LoadedScene loaded;
     Atlas atlas;
-    TexelPoints points;  // rebuilt from the atlas, with the stored covered states
+    TexelPoints points;  // rebuilt from the atlas, with the stored occluded states
     Phatexture phatexture;
     BakeRecord record;
 };

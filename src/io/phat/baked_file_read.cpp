@@ -177,15 +177,15 @@ Atlas readAtlas(Reader& reader, const json& extension, const Scene& scene) {
 }
 
 TexelPoints readTexelPoints(Reader& reader, const json& object, const Scene& scene, const Atlas& atlas) {
-    const auto covered = readPayload<uint8_t>(reader, object, "covered", (atlas.texelCount() + 7) / 8);
+    const auto occluded = readPayload<uint8_t>(reader, object, "covered", (atlas.texelCount() + 7) / 8);
     TexelPoints points = buildTexelPoints(scene, atlas);
     for (size_t i = 0; i < atlas.texelCount(); ++i) {
         const glm::uvec2 texel(i % atlas.sizeTexels.x, i / atlas.sizeTexels.x);
         if (points.state[i] != TexelState::unused && atlas.chartAt(texel) == kNoChart)
             fail("a surface lies on a tile that has no chart");
-        if (!(covered[i / 8] >> i % 8 & 1)) continue;
-        if (points.state[i] == TexelState::unused) fail("a texel without a surface is marked as covered");
-        points.state[i] = TexelState::covered;
+        if (!(occluded[i / 8] >> i % 8 & 1)) continue;
+        if (points.state[i] == TexelState::unused) fail("a texel without a surface is marked as occluded");
+        points.state[i] = TexelState::occluded;
     }
     return points;
 }
@@ -219,11 +219,11 @@ void readLayers(Reader& reader, const json& object, const Atlas& atlas, std::vec
 
 void readTiles(Reader& reader, const json& object, const Atlas& atlas, Phatexture& phatexture) {
     const uint64_t tiles = atlas.tileChart.size();
-    phatexture.tilePlaces = readPayload<PackedTile>(reader, object, "places", tiles);
+    phatexture.tilePatches = readPayload<PackedTile>(reader, object, "places", tiles);
     if (object.contains("distances")) {
         const auto levels = readPayload<LevelsRecord>(reader, object, "distances", tiles);
         for (size_t i = 0; i < tiles; ++i)
-            phatexture.probes.push_back(unpackProbe(levels[i], phatexture.tilePlaces[i]));
+            phatexture.probes.push_back(unpackProbe(levels[i], phatexture.tilePatches[i]));
     } else if (canLookUp(phatexture.indirect, phatexture.indirectGuides)) {
         fail("the distances around the tiles are missing");
     }
