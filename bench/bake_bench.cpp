@@ -24,8 +24,8 @@ struct GatherSetup {
     Atlas atlas = buildAtlas(scene, {}, settings.atlas, progress);
     TexelPoints points = buildTexelPoints(scene, atlas);
     std::vector<Frame> frames = blockFrames(atlas, points);
-    std::vector<uint8_t> wanted = irradianceTexels(atlas, points);
-    GatherInput input{rays, lights, atlas, points, frames, photons, index, wanted};
+    std::vector<uint8_t> receives = irradianceTexels(atlas, points);
+    GatherInput input{rays, lights, atlas, points, frames, photons, index, receives};
     std::vector<Guide> guides =
         buildGuides({atlas, points, frames}, {photons, index}, isIndirectPhoton, progress);
     ChosenDirections chosen = chooseGuidedDirections(

@@ -41,7 +41,7 @@ const int kFirstSource = 1;
 const int kFirstSource = 0;
 #endif
 
-// The atlas texel that a pixel shows, and what its lobes share.
+// The atlas texel that a pixel shows, and what its lobes have in common.
 struct ShownTexel {
     vec2 center;  // texels
     uint chart;
@@ -89,7 +89,7 @@ vec3 lobeRadiance(int firstLobe, int source, ShownTexel t, float albedo) {
     return light;
 }
 
-// Traced radiance takes the place of the lookup's, the more the smoother the lobe.
+// Traced radiance replaces the lookup's by the weight of traced_weight.glsl.
 vec3 tracedOver(vec3 light, int firstLobe, int source) {
     if (tracedLayer == 0) return light;
     int layer = tracedLayer + 2 * (firstLobe / kSources) + source;
@@ -153,7 +153,7 @@ void addGlossy(int firstLobe, vec3 albedo, float scalar, ShownTexel t, inout Com
     for (int source = kFirstSource; source < kSources; ++source)
         light[source] = tracedOver(light[source], firstLobe, source);
 #ifdef PAPER
-    // What is reflected; the albedo's colour is to multiply it.
+    // Incident radiance; the caller multiplies it by the albedo in colour.
     light[0] = paperMean(relit, firstLobe, t.center, t.chart) / max(scalar, 1e-6);
 #endif
     c.glossyIndirect += albedo * light[0];
@@ -162,7 +162,7 @@ void addGlossy(int firstLobe, vec3 albedo, float scalar, ShownTexel t, inout Com
 #endif
 }
 
-// Adds what the bake holds: indirect light, and what area lights bring directly.
+// Adds the baked light: indirect light, and direct light of area lights.
 void addBakedLight(VisibleSurface s, inout Components c) {
     Brdf brdf = s.brdf;
     float nDotV = s.towardEyeLocal.z;

@@ -1,4 +1,4 @@
-// What the atlas holds, on the surfaces it belongs to, instead of the light that it makes.
+// Views of the data in the atlas, drawn on its surfaces instead of the reflected light.
 // Values are display-linear in [0, 1] but for the two views of radiance, which are light.
 // twin: Inspected in src/gl/renderer.h.
 #include "lib/cone.glsl"

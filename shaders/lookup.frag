@@ -1,4 +1,4 @@
-// Pass A of the lookup: the light that arrives under a pixel's lobes, by its own samples. pool.frag adds those of its
+// Pass A of the lookup: the incident light under a pixel's lobes, by its own samples. pool.frag adds those of its
 // neighbours.
 #include "lib/visible_surface.glsl"
 #include "lib/lookup.glsl"

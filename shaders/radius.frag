@@ -1,7 +1,7 @@
 // Pass 2b, one texel a tile: how wide the display pass's cone must be there.
 //
 // Grows a square of tiles until it holds enough samples; the cone's radius is the one whose fraction of the square's
-// area holds the wanted number. For indirect light and surrounding lights that is the number expected under the lobe
+// area holds the target number. For indirect light and surrounding lights that is the number expected under the lobe
 // (relight.frag), for small area lights the effective number (sum a L)^2 / sum (a L)^2 of what was found, so that
 // highlights stay as sharp as they are. The radius is bounded by the distance of what is reflected, because a lobe
 // smeared over the neighbourhood leaks light at contacts.
@@ -18,7 +18,7 @@ layout(location = 0) out vec4 radiusBound;
 
 // Measured on tabletop and cornell-glossy with 600,000 texels: 32 and 8 give relMSE .103 and .026, these .069 and
 // .028; fewer leave discs of single samples.
-const float kWantedSamples = 16.0;
+const float kSamplesPerCone = 16.0;
 // Below this many samples noise is worse than a leak, so the bound by distance gives way.
 const float kMinSamples = 4.0;
 // Without reconnection a radius beyond a quarter of the distance leaks (docs/reference.md).
@@ -56,17 +56,17 @@ void main() {
             }
         }
         samples = expected ? count : count > 0.0 ? light * light / count : 0.0;
-        if (samples >= kWantedSamples) break;
+        if (samples >= kSamplesPerCone) break;
     }
     if (samples <= 0.0) {
-        // Nothing under an indirect lobe: look far. No area light: there is nothing to smooth.
+        // No indirect sample under the lobe: the widest cone. No area light: there is nothing to smooth.
         radiusBound.r = expected ? kMaxRadius : kMinRadius;
         return;
     }
     // A cone's effective area is (sum k)^2 / sum k^2 = pi R^2 (1/3)^2 / (1/6) = 2/3 pi R^2.
     float perSample = sqrt(texels / samples * 1.5 / 3.14159265);
     float distanceTexels = weight / max(perMeter, 1e-20 * weight + 1e-30) / texelSizeOfTile(tile);
-    float wanted = perSample * sqrt(kWantedSamples);
+    float target = perSample * sqrt(kSamplesPerCone);
     float least = perSample * sqrt(kMinSamples);
-    radiusBound.r = clamp(max(min(wanted, kRadiusPerDistance * distanceTexels), least), kMinRadius, kMaxRadius);
+    radiusBound.r = clamp(max(min(target, kRadiusPerDistance * distanceTexels), least), kMinRadius, kMaxRadius);
 }

@@ -1,4 +1,4 @@
-// Pass 1, once a frame: the BRDF applied to every PHATexel of the atlas, seen from the eye.
+// Pass 1, once a frame: the BRDF applied to every PHATexel of the atlas, for the eye's position.
 //
 // With a = D V F cos / p of the texel's own sample (scalar F), the display pass divides sum a L by sum w and
 // multiplies by the lobe's albedo; invalid PHATexels drop out as zeros.
@@ -37,7 +37,7 @@ layout(location = 2) out vec4 coat;
 layout(location = 3) out vec2 coatStatistics;
 #endif
 
-// A texel of the atlas, seen from the eye.
+// A texel of the atlas and its direction toward the eye.
 struct RelitTexel {
     ivec2 texel;
     int block;

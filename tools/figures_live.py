@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Light that follows: the error over time after a thing has moved, and what renewal costs the window.
+"""Dynamic lighting: the error over time after an object has moved, and what updates cost the window.
 
 usage: figures_live.py      writes that section of docs/results.md and its plot anew; figures.py does so, too
 
@@ -23,7 +23,7 @@ DRAWN = ("--size", SIZE, "--spp", 8, "--pixel-filter", "center", "--reflections"
 PIXELS, SPP = 1500, 2048  # of the reference
 GHOST = (192, 128, 34, 70)  # x, y, width, height: where the crate stood and was reflected
 GHOST_PIXELS = 600
-TITLE = "## Light that follows"
+TITLE = "## Dynamic lighting"
 
 
 def with_crate(source, target, jumps):
@@ -118,28 +118,28 @@ def live_section(result):
     idle, updating, renewal, full = cost["idle"], cost["updating"], cost["renewal"], cost["bake"]
     frames = table(["frames of 640x360", "number", "median, ms", "95th percentile, ms"],
                    [["at rest", idle["frames"], f"{idle['medianMs']:.0f}", f"{idle['p95Ms']:.0f}"],
-                    ["while renewed", updating["frames"], f"{updating['medianMs']:.0f}", f"{updating['p95Ms']:.0f}"],
+                    ["during updates", updating["frames"], f"{updating['medianMs']:.0f}", f"{updating['p95Ms']:.0f}"],
                     ["ratio", "", f"{updating['medianMs'] / idle['medianMs']:.2f}", f"{updating['p95Ms'] / idle['p95Ms']:.2f}"]])
     return f"""{TITLE}
 
 The crate of `scenes/tabletop.glb` jumps {-100 * METERS:.0f} cm to the left; `phat render --animate` follows with {WORK / 1e6:g} million rays a frame, from a
 bake of about a million texels. All light at the middles of {PIXELS} pixels of the table top, and of {GHOST_PIXELS} in a window of
-{GHOST[2]}x{GHOST[3]} where the crate and its reflection were, against `path` with {SPP} samples in the new state, whose noise is taken off;
-8 samples a pixel, all looked up: rays would show the crate where it is before its light is there. Seconds are those of the engine on both cores, with whatever else they did.
+{GHOST[2]}x{GHOST[3]} where the crate and its reflection were, against `path` with {SPP} samples in the new state, whose noise is removed;
+8 samples a pixel, all looked up: traced reflections would show the crate at its new position before its light is updated. Seconds are those of the incremental baker on both cores under their other load.
 
-{table(["million rays", "s", "table: MAE/mean", "of the bake's", "bias", "old place: MAE/mean", "bias"], body)}
+{table(["million rays", "s", "table: MAE/mean", "of the bake's", "bias", "old position: MAE/mean", "bias"], body)}
 
 ![](figures/live.svg)
 
-What renewal costs the window (`phat_live`): drawing has one core, renewal the other, the crate goes there and back, a quarter of a
-million texels. A few frames at rest and a few while renewed take turns. Before it began the machine's load was {cost['loadBefore']:.1f}: where that
-is far from 0, these times say little.
+Cost of updates in the window (`phat_live`): drawing has one core, the baker the other; the crate moves back and forth, a quarter
+of a million texels. Frames at rest and frames during updates are measured in turn. The machine's load before it began was {cost['loadBefore']:.1f}; far
+from 0, these times mean little.
 
 {frames}
 
-Renewed to the end while drawing, a second of processor time: {renewal['phatexelsPerSecond']:,.0f} PHATexels, each counted once, of which a
-bake's photons and gathering on one thread make {full['phatexelsPerSecond']:,.0f}: **{100 * renewal['phatexelsPerSecond'] / full['phatexelsPerSecond']:.0f} %**. With the first answers, which are
-renewed again in the end, {renewal['renewalsPerSecond']:,.0f}. No piece of work took more than {cost['longestPieceMs']:.0f} ms.
+PHATexels updated to convergence while drawing, per second of processor time: {renewal['phatexelsPerSecond']:,.0f}, each counted once; a
+bake's photons and gathering on one thread reach {full['phatexelsPerSecond']:,.0f}: **{100 * renewal['phatexelsPerSecond'] / full['phatexelsPerSecond']:.0f} %**. With the first responses, which are
+updated again before convergence, {renewal['renewalsPerSecond']:,.0f}. No slice of work took more than {cost['longestPieceMs']:.0f} ms.
 
 """
 
@@ -151,8 +151,8 @@ def main():
     page = ROOT / "docs/results.md"
     text = page.read_text()
     old = re.search(rf"^{TITLE}\n.*?(?=^## )", text, re.M | re.S)
-    place = old.span() if old else (re.search(r"^## (The path tracer|Convergence)$", text, re.M).start(),) * 2
-    page.write_text(text[:place[0]] + live_section(result) + text[place[1]:])
+    span = old.span() if old else (re.search(r"^## (The path tracer|Convergence)$", text, re.M).start(),) * 2
+    page.write_text(text[:span[0]] + live_section(result) + text[span[1]:])
     shop.say("docs/results.md")
 
 

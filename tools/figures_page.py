@@ -154,16 +154,16 @@ def write_page(path, figures, results):
 
 This page, its tables and its pictures are written by `{MADE_BY}{' QUICK=1' if quick else ''}` (`tools/figures.py`); nothing
 on it is typed. {'**It is from a quick run: few pixels, few samples, noisy references. `make figures` makes the whole one.**' if quick else '`make figures QUICK=1` makes a smaller one.'}
-What a run made is kept in `out/figures/` and used again by the next.
+Intermediate results are cached in `out/figures/` and reused by the next run.
 
 All times are of a machine with **2 cores and no GPU**: OpenGL is Mesa's software driver. The bake (and the tracing of
 photons) is not counted. Pictures are shown one stop brighter than they are. The metrics are those of `phat compare`
 ([reference.md](reference.md#metrics)). Paper: Hensley et al. 2003.
 
 **How errors are measured.** But for whole pictures, of glossy indirect light alone, against `path` with {spp:,} samples in each of {pixels:,}
-pixels that are scattered over the surface at random. All show the middles of pixels (`--pixel-filter center`): one
+pixels at random on the surface. All show the centres of pixels (`--pixel-filter center`): one
 frame, no anti-aliasing. Where a material is changed after the bake, the reference's light is that of the file's materials, too
-(`--keep-light`), since a bake can know no other. The reference's noise is known from its variance and taken off:
+(`--keep-light`), since a bake cannot contain any other. The reference's noise is known from its variance and subtracted:
 MAE/mean is `sqrt(MAE^2 - noise^2)`, as squares of independent errors add up. FLIP, which looks at neighbourhoods, is measured in a
 window of 180x60 pixels where objects touch the table, against {plan.window_spp} samples a pixel.
 
@@ -175,7 +175,7 @@ drawn by `{best}` from a bake with default settings.
 {pictures(paper["1"])}
 
 **Figure 4.** What the PHATexels in the middle of the table top hold, and what is drawn from them. Neighbours look in different directions;
-black are those that see nothing that reflects, and those under the objects.
+black are those whose rays hit nothing that reflects, and those under the objects.
 
 {pictures(paper["4"])}
 

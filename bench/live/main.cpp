@@ -1,7 +1,7 @@
-// phat_live: frame times while the light is renewed on another core against those of a light at rest, and
-// PHATexels a second of the renewal against those of a bake.
+// phat_live: frame times while the light is updated on another core against those of converged light, and
+// PHATexels a second of the update against those of a bake.
 //
-// The drawing has one core (LP_NUM_THREADS=1 where OpenGL is Mesa's), the renewal another.
+// The drawing has one core (LP_NUM_THREADS=1 where OpenGL is Mesa's), the baker another.
 
 #include <tbb/global_control.h>
 
@@ -46,7 +46,7 @@ nlohmann::json summary(const std::vector<double>& seconds) {
             {"p95Ms", 1e3 * quantile(seconds, 0.95)}};
 }
 
-// Photons and gathering are what the engine renews; atlas and seams it keeps.
+// The baker updates photons and gathered light; atlas and seams stay.
 double bakeProcessorSeconds(const BakedScene& baked, const BakeSettings& settings) {
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
     SilentProgress progress;
@@ -54,12 +54,12 @@ double bakeProcessorSeconds(const BakedScene& baked, const BakeSettings& setting
     const RayScene rays(scene);
     const LightSampler lights(scene);
     const std::vector<Frame> frames = blockFrames(baked.atlas, baked.points);
-    const std::vector<uint8_t> wanted = irradianceTexels(baked.atlas, baked.points);
+    const std::vector<uint8_t> receives = irradianceTexels(baked.atlas, baked.points);
     const double start = threadProcessorSeconds();
     const PhotonMap photons = tracePhotons(rays, lights, settings.photons, progress);
     const PhotonIndex index(photons.photons);
     std::atomic<uint64_t> rayCount = 0;
-    gatherLight({{rays, lights, baked.atlas, baked.points, frames, photons, index, wanted},
+    gatherLight({{rays, lights, baked.atlas, baked.points, frames, photons, index, receives},
                  settings,
                  progress,
                  nullptr,
@@ -101,12 +101,12 @@ nlohmann::json measure(const Options& options) {
         posed.setState(moved(scene, options, isAway));
         return posed.snapshot();
     };
-    LightUpdate renewed;
+    LightUpdate update;
     const auto draw = [&] {
         const Stopwatch start;
-        if (renewed.empty())
-            if (auto update = light.take()) renewed = std::move(*update);
-        if (!renewed.empty()) renderer.takeUpdate(renewed, kUploadSeconds);
+        if (update.empty())
+            if (auto next = light.take()) update = std::move(*next);
+        if (!update.empty()) renderer.takeUpdate(update, kUploadSeconds);
         renderer.draw(frame, sum);
         renderer.lastFrameTimes();  // waits
         return start.seconds();
@@ -118,7 +118,7 @@ nlohmann::json measure(const Options& options) {
         light.follow(snapshotOf(away), frame.camera, true);
         for (int i = 0; i < kFramesATurn && !light.report().converged; ++i) updating.push_back(draw());
         light.follow(snapshotOf(away), frame.camera, false);
-        while (!light.report().converged || !renewed.empty()) draw();  // what it still hands over
+        while (!light.report().converged || !update.empty()) draw();  // what it still hands over
         for (int i = 0; i < kFramesATurn; ++i) idle.push_back(draw());
     }
     // From the untouched light to that of the other place, to the end.
@@ -128,15 +128,15 @@ nlohmann::json measure(const Options& options) {
         return light.report().processorSeconds;
     };
     const double before = settle();
-    const uint64_t renewedBefore = light.report().phatexels;
+    const uint64_t updatedBefore = light.report().phatexels;
     light.follow(snapshotOf(true), frame.camera, true);
-    const double renewal = settle() - before;
-    const uint64_t renewals = light.report().phatexels - renewedBefore;
+    const double seconds = settle() - before;
+    const uint64_t updates = light.report().phatexels - updatedBefore;
     uint64_t valid = 0;
     for (size_t i = 0; i < baked.points.state.size(); ++i) valid += baked.points.valid(i);
     valid *= baked.phatexture.indirect.size() + baked.phatexture.area.size();
     const double whole = bakeProcessorSeconds(baked, settings);
-    const double speed = double(valid) / renewal, bakeSpeed = double(valid) / whole;
+    const double speed = double(valid) / seconds, bakeSpeed = double(valid) / whole;
     return {{"gpu", context.rendererName()},
             {"loadBefore", load},
             {"width", options.width},
@@ -145,10 +145,10 @@ nlohmann::json measure(const Options& options) {
             {"updating", summary(updating)},
             {"phatexels", valid},
             {"renewal",
-             {{"processorSeconds", renewal},
+             {{"processorSeconds", seconds},
               {"phatexelsPerSecond", speed},
-              {"renewals", renewals},
-              {"renewalsPerSecond", double(renewals) / renewal}}},
+              {"updates", updates},
+              {"updatesPerSecond", double(updates) / seconds}}},
             {"bake", {{"processorSeconds", whole}, {"phatexelsPerSecond", bakeSpeed}}},
             {"longestPieceMs", 1e3 * light.report().longestSeconds}};
 }

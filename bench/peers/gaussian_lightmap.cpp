@@ -45,10 +45,10 @@ Read readTexels(const GaussianLightmap& lightmap, const Hit& hit) {
     const uint32_t chart = lightmap.atlas.triangleChart[hit.triangle];
     if (chart == kNoChart) return read;
     const auto& corner = lightmap.atlas.triangleTexels[hit.triangle];
-    const glm::vec2 place = corner[0] + hit.barycentric.x * (corner[1] - corner[0]) +
-                            hit.barycentric.y * (corner[2] - corner[0]) - 0.5f;
-    const glm::ivec2 low(glm::floor(place));
-    const glm::vec2 t = place - glm::vec2(low);
+    const glm::vec2 position = corner[0] + hit.barycentric.x * (corner[1] - corner[0]) +
+                               hit.barycentric.y * (corner[2] - corner[0]) - 0.5f;
+    const glm::ivec2 low(glm::floor(position));
+    const glm::vec2 t = position - glm::vec2(low);
     float weights = 0, largest = 0;
     for (int i = 0; i < 4; ++i) {
         const glm::ivec2 side(i & 1, i >> 1);
@@ -194,7 +194,7 @@ GaussianLightmap bakeGaussians(const RayScene& rays, const LightSampler& lights,
     atlas.glossyDensity = 1;
     lightmap.atlas = buildAtlas(scene, {}, atlas, progress);
     lightmap.points = buildTexelPoints(scene, lightmap.atlas);
-    markCoveredTexels(lightmap.points, lightmap.atlas, rays, progress);
+    markOccludedTexels(lightmap.points, lightmap.atlas, rays, progress);
     lightmap.texels.resize(lightmap.atlas.texelCount());
 
     std::vector<size_t> wanted;

@@ -23,14 +23,14 @@ Integrator peerIntegrator(const RayScene& rays, const Scene& materials, uint32_t
 }
 
 Image materialMask(const RayScene& rays, uint32_t material, const Camera& camera, int width, int height) {
-    constexpr glm::vec2 kPlaces[] = {{0.5f, 0.5f}, {0, 0}, {1, 0}, {0, 1}, {1, 1}};
+    constexpr glm::vec2 kPoints[] = {{0.5f, 0.5f}, {0, 0}, {1, 0}, {0, 1}, {1, 1}};
     Image mask(width, height);
     uint64_t rayCount = 0;
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
-            const bool all = std::all_of(std::begin(kPlaces), std::end(kPlaces), [&](glm::vec2 place) {
+            const bool all = std::all_of(std::begin(kPoints), std::end(kPoints), [&](glm::vec2 position) {
                 const Hit hit =
-                    visibleHit(rays, cameraRay(camera, width, height, glm::vec2(x, y) + place), rayCount);
+                    visibleHit(rays, cameraRay(camera, width, height, glm::vec2(x, y) + position), rayCount);
                 return hit && materialAt(rays.scene(), hit.triangle) == material;
             });
             if (all) mask.at(x, y) = glm::vec3(1);

@@ -83,7 +83,7 @@ TEST(ReflectionProbe, UniformLightReflectsTheAlbedo) {
 }
 
 // What stands on the box's wall is found from anywhere in the box.
-TEST(ReflectionProbe, BoxProjectionHitsTheSamePlace) {
+TEST(ReflectionProbe, BoxProjectionHitsTheSamePoint) {
     const ReflectionProbe probe{{0.7f, 0.9f, 1.2f}, {glm::vec3(0), glm::vec3(2)}, 1, {}};
     const glm::vec3 onWall(2, 1.3f, 0.4f), from(0.3f, 0, 1.7f);
     const glm::vec3 found = boxProjected(probe, from, glm::normalize(onWall - from));

@@ -23,12 +23,12 @@ glm::vec3 cubeDirection(int face, glm::vec2 uv) {
     return glm::normalize(d);
 }
 
-struct CubePlace {
+struct CubePosition {
     int face;
     glm::vec2 uv;
 };
 
-CubePlace cubePlace(glm::vec3 d) {
+CubePosition cubePosition(glm::vec3 d) {
     const glm::vec3 size = glm::abs(d);
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     return {2 * axis + (d[axis] < 0.0f ? 1 : 0),
@@ -93,15 +93,16 @@ ReflectionProbe bakeProbe(const RayScene& rays, const LightSampler& lights, cons
 }
 
 glm::vec3 probeRadiance(const ReflectionProbe& probe, glm::vec3 direction) {
-    const CubePlace place = cubePlace(direction);
+    const CubePosition position = cubePosition(direction);
     const auto last = float(probe.faceSize - 1);
-    const glm::vec2 texel = glm::clamp((0.5f * place.uv + 0.5f) * float(probe.faceSize) - 0.5f, 0.0f, last);
+    const glm::vec2 texel =
+        glm::clamp((0.5f * position.uv + 0.5f) * float(probe.faceSize) - 0.5f, 0.0f, last);
     const glm::ivec2 low(texel);
     const glm::ivec2 high = glm::min(low + 1, probe.faceSize - 1);
     const glm::vec2 t = texel - glm::vec2(low);
     const auto at = [&](int x, int y) {
         return probe
-            .radiance[(size_t(place.face) * size_t(probe.faceSize) + size_t(y)) * size_t(probe.faceSize) +
+            .radiance[(size_t(position.face) * size_t(probe.faceSize) + size_t(y)) * size_t(probe.faceSize) +
                       size_t(x)];
     };
     return glm::mix(glm::mix(at(low.x, low.y), at(high.x, low.y), t.x),

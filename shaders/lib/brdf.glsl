@@ -57,7 +57,7 @@ vec3 schlick(vec3 f0, float f90, float vDotH) {
 }
 
 vec2 splitSum(float nDotV, float alpha) {
-    // Bilinear by hand: GPUs filter with 8-bit weights, which is seen as 0.3 % steps.
+    // Bilinear by hand: GPUs filter with 8-bit weights, which is visible as steps of 0.3 %.
     vec2 last = vec2(textureSize(splitSumTable, 0) - 1);
     vec2 at = clamp(vec2(nDotV, sqrt(alpha)), 0.0, 1.0) * last;
     vec2 corner = min(floor(at), last - 1.0);

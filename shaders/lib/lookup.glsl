@@ -1,6 +1,6 @@
-// What arrives along a lobe: directions sampled from the BRDF, each with the radiance of the PHATexel of a nearby block
-// that looks there. ours, because averaging the neighbourhood instead reads thousands of texels a pixel for the same
-// error (docs/lookup.md).
+// Incident radiance under a lobe: directions sampled from the BRDF, each with the radiance of the PHATexel of a nearby
+// block that has this direction. ours, because averaging the neighbourhood instead reads thousands of texels a pixel for
+// the same error (docs/lookup.md).
 #include "lib/frame.glsl"
 #include "lib/scalar_lobe.glsl"
 #include "lib/sharpness.glsl"
@@ -25,7 +25,7 @@ const int kTries = 3;
 // in which side of it a direction meets.
 const float kAside = 1.0;
 const float kMinRetryTexels = 2.0;
-// What is closer than kContactTexels is tried once more, in a group of 2^kNearBits texels a side within kNearTexels,
+// Hits closer than kContactTexels are tried once more, in a group of 2^kNearBits texels a side within kNearTexels,
 // whose sample is taken as if it were the pixel's own: parallax in the smallest group may hide it from every aim.
 const float kContactTexels = 6.0;
 const int kNearBits = 3;
@@ -42,7 +42,7 @@ const float kSlackMeters = 0.05;
 // Samples that the neighbourhood must hold under a lobe. With fewer a sharp lobe shows single samples. With more,
 // lobes at contacts, where the neighbourhood is small, become so rough that they reflect bright surfaces far away; the
 // last try, by direction alone, has a larger group there (docs/lookup.md).
-const float kWantedSamples = 2.0;
+const float kMinSamplesUnderLobe = 2.0;
 const float kMinReachTexels = 16.0;
 const float kMaxAlphaScale = 20.0;
 
@@ -73,7 +73,7 @@ struct LookupCursor {
     DepthProbe probe;
 };
 
-// What is looked for in a group of texels.
+// The target of a search in a group of texels.
 struct LookupAim {
     vec3 direction;   // world, from the receiver
     float distance;   // metres, to the surface that the depth probe expects
@@ -95,7 +95,7 @@ float searchRadius(float distance, float texelMeters) {
 }
 
 // 1/sr: guides are mixed with so much of the uniform density, and a cell of 8 bits may have none.
-// twin: kUniformShare in src/core/phatexel/directions.cpp.
+// twin: kUniformFraction in src/core/phatexel/directions.cpp.
 const float kMinDensity = 0.3 / (2.0 * kPi);
 
 ivec2 groupCorner(LookupTile tile, ivec2 texel, int bits) {
@@ -166,7 +166,7 @@ LookupSample sampleAtCursor(LookupQuery query, LookupCursor cursor, LookupAim ai
 }
 
 // The roughness clamp, a bias: a lobe under which the neighbourhood holds too few samples is made rougher, because a
-// blurred reflection disturbs less than the dots of single samples. pre: the cursor is at the receiver.
+// blurred reflection disturbs less than the fireflies of single samples. pre: the cursor is at the receiver.
 float clampedAlpha(LookupQuery query, inout LookupCursor cursor) {
     vec3 wo = query.wo;
     float alpha = query.lobe.alpha;
@@ -179,7 +179,7 @@ float clampedAlpha(LookupQuery query, inout LookupCursor cursor) {
     float density = cellDensity(inverseCdfCellAt(0, cursor.tile.block, at));
     // 1 / (integral of D^2) is 3 pi alpha^2 for small alpha, times d(light)/d(half) = 4 v.h.
     float solidAngle = min(12.0 * kPi * alpha * alpha * wo.z, kPi);
-    float scale = clamp(sqrt(kWantedSamples / max(texels * density * solidAngle, 1e-6)), 1.0, kMaxAlphaScale);
+    float scale = clamp(sqrt(kMinSamplesUnderLobe / max(texels * density * solidAngle, 1e-6)), 1.0, kMaxAlphaScale);
     return min(alpha * scale, max(alpha, 1.0));
 }
 
@@ -220,7 +220,7 @@ LookupSample findSample(LookupQuery query, inout LookupCursor cursor, vec3 direc
     return found;
 }
 
-// What arrives under a lobe.
+// Incident light under a lobe.
 struct IncidentSums {
     vec4 indirect;     // sum g L, sum g over a pixel's samples: to be divided
     vec4 area;         // the same of area lights, less what `areaByLight` has

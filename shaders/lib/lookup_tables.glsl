@@ -1,4 +1,4 @@
-// What the lookup reads: charts, tiles, depth probes, and the inverse CDFs of the guides.
+// Input of the lookup: charts, tiles, depth probes, and the inverse CDFs of the guides.
 // twin of the tables: src/core/phatexel/lookup_tables.h, src/core/phatexel/depth_probes.h, src/gl/lookup_pass.cpp.
 #include "lib/atlas.glsl"
 #include "lib/block_layout.glsl"

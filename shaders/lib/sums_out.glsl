@@ -34,7 +34,7 @@ void writeCoat(LobeSums d) {
 #endif
 
 #ifdef COUNT_READS
-// In place of the weights: reads so far, and by earlier passes.
+// Instead of the weights: reads so far, and by earlier passes.
 void addReads(uint indirect, uint area) {
     base.y = indirect + uint(readCount[0]);
 #ifdef AREA

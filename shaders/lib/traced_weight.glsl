@@ -18,7 +18,7 @@ vec2 tracedWeight(vec3 normal, float alpha, vec3 position, vec3 towardEye, vec2 
     ivec2 here = texelOfRank(chart, texel, rank);
     DepthProbe probe = depthProbeAt(lookupTileAt(chart, here), here, position);
     vec3 mirror = reflect(-towardEye, normal);
-    // Seen at grazing angles a lobe is narrower one way: its solid angle goes with the cosine.
+    // At grazing angles a lobe is narrower in one direction: its solid angle is proportional to the cosine.
     float width = alpha * sqrt(max(dot(normal, towardEye), 0.01));
     float nearest = kHorizonMeters, weight = 0.0;
     for (int i = 0; i < 9; ++i) {

@@ -1,4 +1,4 @@
-// Frames of a scene that moves: its PHATexels are renewed while it does.
+// Frames of an animated scene under dynamic lighting.
 
 #include <fmt/format.h>
 
@@ -105,7 +105,7 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
     std::vector<json> reports;
     // A frame at the very end, whatever rounding makes of it.
     const int count = int(std::floor((frames.end - frames.start) * frames.perSecond + 1e-6)) + 1;
-    uint64_t renewed = engine.stats().phatexels;
+    uint64_t updated = engine.stats().phatexels;
     for (int i = 0; i < count; ++i) {
         progress.throwIfStopped();
         const double seconds = frames.start + double(i) / frames.perSecond;
@@ -127,11 +127,11 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
             report["seconds"].update({{"move", cost.move}, {"follow", cost.follow}, {"upload", cost.upload}});
             report.update({{"animationSeconds", seconds},
                            {"work", cost.work},
-                           {"phatexels", engine.stats().phatexels - renewed},
+                           {"phatexels", engine.stats().phatexels - updated},
                            {"settled", engine.converged()}});
             reports.push_back(std::move(report));
         }
-        renewed = engine.stats().phatexels;
+        updated = engine.stats().phatexels;
     }
     return reports;
 }

@@ -17,9 +17,9 @@ namespace {
 float glossyDensityOf(const CLI::Option& option, bool texelSizeGiven) {
     if (!option) return texelSizeGiven ? 1.0f : AtlasSettings().glossyDensity;
     const auto density = option.as<float>();
-    if (!(density >= 1 && density <= kMostGlossyDensity))  // CLI::Range lets nan pass
+    if (!(density >= 1 && density <= kMaxGlossyDensity))  // CLI::Range lets nan pass
         throw CLI::ValidationError(
-            option.get_name(), fmt::format("{} is not a density from 1 to {}", density, kMostGlossyDensity));
+            option.get_name(), fmt::format("{} is not a density from 1 to {}", density, kMaxGlossyDensity));
     return density;
 }
 

@@ -32,8 +32,8 @@ struct BakeOptions {
 /// Declares the flags. Parsing writes into `options`, which must live as long as `command`.
 void declareBakeOptions(CLI::App& command, BakeOptions& options);
 
-/// Fills in what follows from several flags, after parsing. Throws CLI::ValidationError where they contradict
-/// each other.
+/// Sets the options that depend on several flags, after parsing. Throws CLI::ValidationError where they
+/// contradict each other.
 void finishBakeOptions(const CLI::App& command, BakeOptions& options);
 
 }  // namespace phat

@@ -10,7 +10,7 @@ namespace {
 using nlohmann::json;
 
 // A stage that takes less of the whole is not worth a line.
-constexpr double kLeastShareShown = 0.02;
+constexpr double kMinFractionShown = 0.02;
 
 }  // namespace
 
@@ -46,7 +46,7 @@ void printReport(const json& report) {
     const double size = atlas["texelSize"].get<double>() * 1e3,
                  finest = atlas["finestTexelSize"].get<double>() * 1e3;
     const std::string glossy = finest < size ? fmt::format(" (glossy: down to {:.4g} mm)", finest) : "";
-    fmt::print("  atlas       {} x {} texels of {:.4g} mm{}, {} charts, {:.0f} % covered\n",
+    fmt::print("  atlas       {} x {} texels of {:.4g} mm{}, {} charts, {:.0f} % occupied\n",
                atlas["width"].get<uint32_t>(), atlas["height"].get<uint32_t>(), size, glossy,
                atlas["charts"].get<uint32_t>(), atlas["coverage"].get<double>() * 100);
     fmt::print("  photons     {} emitted, {} stored\n", report["photons"]["emitted"].get<uint64_t>(),
@@ -59,7 +59,7 @@ void printReport(const json& report) {
     fmt::print("  time        {:.1f} s\n", seconds);
     for (const json& stage : report["stages"]) {
         const auto taken = stage["seconds"].get<double>();
-        if (taken > kLeastShareShown * seconds)
+        if (taken > kMinFractionShown * seconds)
             fmt::print("    {:<19} {:.1f} s\n", stage["name"].get<std::string>(), taken);
     }
     for (const json& note : report["notes"]) fmt::print("  note        {}\n", note.get<std::string>());

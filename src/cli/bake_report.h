@@ -1,5 +1,5 @@
 #pragma once
-// What a bake tells when it is done.
+// The report at the end of a bake.
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace phat {
 
-/// What `phat bake --json` prints. pre: `output` is written.
+/// The output of `phat bake --json`. pre: `output` is written.
 nlohmann::json reportOf(const std::string& output, const Bake& result, size_t resumedParts,
                         const std::vector<StageTime>& stageTimes, const std::vector<std::string>& notes);
 

@@ -2,14 +2,14 @@
 
 namespace phat {
 
-// The shares are microseconds of one core, measured on a room of 43,000 triangles and an atlas of 250,000
+// The costs are microseconds of one core, measured on a room of 43,000 triangles and an atlas of 250,000
 // texels. They need not be right on other machines and scenes, only in proportion.
 std::vector<PlannedStage> bakeStages(const BakeSettings& settings) {
     // A texel size tells nothing of the number of texels before the surfaces are measured.
     const double texels = settings.atlas.texelSizeMeters > 0 ? 1e6 : double(settings.atlas.texelBudget);
     std::vector<PlannedStage> stages = {{"photons", 13.0 * double(settings.photons.count)},
                                         {"unwrap", 14 * texels},
-                                        {"find covered texels", 16 * texels},
+                                        {"find occluded texels", 16 * texels},
                                         {"guides", 22 * texels},
                                         {"directions", 2 * texels},
                                         {"area light", 3 * texels},

@@ -1,5 +1,5 @@
 #pragma once
-// What the stages of a bake cost, for the time that is left.
+// Costs of a bake's stages, for the estimate of the remaining time.
 
 #include "cli/progress_bar.h"
 #include "core/bake/bake.h"

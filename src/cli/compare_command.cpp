@@ -46,9 +46,9 @@ void requireSize(const std::string& path, const Image& image, const std::string&
 }
 
 glm::vec3 interpolate(std::span<const glm::vec3> colors, float t) {
-    const float place = std::clamp(t, 0.0f, 1.0f) * float(colors.size() - 1);
-    const size_t i = std::min(size_t(place), colors.size() - 2);
-    return glm::mix(colors[i], colors[i + 1], place - float(i));
+    const float position = std::clamp(t, 0.0f, 1.0f) * float(colors.size() - 1);
+    const size_t i = std::min(size_t(position), colors.size() - 2);
+    return glm::mix(colors[i], colors[i + 1], position - float(i));
 }
 
 // Colours are given as a screen shows them; writePng encodes linear light.

@@ -21,7 +21,7 @@ Method methodOf(const RenderOptions& options) {
     return name == "phat-paper" ? Method::phatPaper : Method::phat;
 }
 
-// What rays in place of the lookup read.
+// What traced reflections read.
 struct RayTracing {
     RayTracing(const BakedScene& baked, Reflections reflections, Progress& progress)
         : rays(baked.loaded.scene),

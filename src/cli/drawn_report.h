@@ -1,5 +1,5 @@
 #pragma once
-// What --json prints of a picture that OpenGL drew.
+// The --json report of an image drawn by OpenGL.
 
 #include <nlohmann/json.hpp>
 

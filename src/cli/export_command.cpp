@@ -98,7 +98,7 @@ void addExportCommand(CLI::App& app) {
         "distance.exr   metres to where the light came from; 1e30: infinitely far\n"
         "validity.exr   1 where there is a PHATexel; the others are 0 in all pictures\n"
         "irradiance.exr W/m2, of all light that arrives after a reflection\n"
-        "area-*.exr     the same for light straight from lamps and sky\n"
+        "area-*.exr     the same for direct light of emissive surfaces and the environment\n"
         "Several layers are told apart as layer0-, layer1- ... The pictures lie as the atlas UV set does.\n"
         "Example: phat export room.phat.glb --exr room-phatexels/");
     command->callback([=] { exportPictures(file->as<std::string>(), folder->as<std::string>()); });

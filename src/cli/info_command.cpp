@@ -66,7 +66,7 @@ Json describeLayers(const std::vector<PhatexelLayer>& layers) {
     return {{"layers", layers.size()},
             {"phatexels", all},
             {"valid", valid},
-            {"validShare", all ? double(valid) / double(all) : 0.0},
+            {"validFraction", all ? double(valid) / double(all) : 0.0},
             {"bytes", bytes}};
 }
 
@@ -153,7 +153,7 @@ void printLayers(const char* label, const Json& part) {
     const size_t layers = part["layers"].get<size_t>();
     printLine(label, fmt::format("{} PHATexels in {} {}, {:.1f} % valid, {}",
                                  part["phatexels"].get<uint64_t>(), layers, layers == 1 ? "layer" : "layers",
-                                 100 * part["validShare"].get<double>(), megabytes(part["bytes"])));
+                                 100 * part["validFraction"].get<double>(), megabytes(part["bytes"])));
 }
 
 void printBake(const Json& bake) {
@@ -162,7 +162,7 @@ void printBake(const Json& bake) {
                  finest = 1000 * atlas["finestTexelSizeMeters"].get<double>();
     const std::string glossy = finest < size ? fmt::format(" (glossy: down to {:.3g} mm)", finest) : "";
     printLine("atlas",
-              fmt::format("{} x {} texels of {:.3g} mm{}, {} charts, {:.1f} % covered",
+              fmt::format("{} x {} texels of {:.3g} mm{}, {} charts, {:.1f} % occupied",
                           atlas["size"][0].get<uint32_t>(), atlas["size"][1].get<uint32_t>(), size, glossy,
                           atlas["charts"].get<size_t>(), 100 * atlas["coverage"].get<double>()));
     printLine("storage", bake["storage"] == "paper"

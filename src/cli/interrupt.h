@@ -1,5 +1,5 @@
 #pragma once
-// Ctrl-C and SIGTERM as a question that long work can ask.
+// Ctrl-C and SIGTERM as a flag that long work can poll.
 
 namespace phat {
 

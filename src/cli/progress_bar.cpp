@@ -16,10 +16,10 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::steady_clock::duration kRedrawInterval = 100ms;
 constexpr std::chrono::steady_clock::duration kLineInterval = 10s;
-// Before this share of a stage, its own speed says less than that of the stages before it.
+// Before this fraction of a stage, its own speed says less than that of the stages before it.
 constexpr double kTrustedFraction = 0.02;
-// Before this share of everything, nothing is known about the time that is left.
-constexpr double kTrustedShare = 0.005;
+// Before this fraction of everything, nothing is known about the time that is left.
+constexpr double kTrustedCostFraction = 0.005;
 // With these, the longest line (hours elapsed, hours left) has 79 columns.
 constexpr int kBarWidth = 20, kNameWidth = 19;
 
@@ -71,12 +71,12 @@ void ProgressBar::begin(const char* stage, uint64_t total) {
     active_ = true;
     stageStart_ = Clock::now();
     done_ = 0;
-    shareNow_ = 0;
+    currentCost_ = 0;
     const auto first = plan_.begin() + std::ptrdiff_t(nextPlanned_);
     const auto found = std::find_if(first, plan_.end(), [&](const auto& p) { return p.name == stage_; });
     if (found != plan_.end()) {  // what lies between was not needed
         nextPlanned_ = size_t(found - plan_.begin()) + 1;
-        shareNow_ = found->share;
+        currentCost_ = found->cost;
     }
     const auto wait = style_ == ProgressStyle::oneLine ? 0ms : kLineInterval;
     nextDraw_ = (Clock::now() - start_ + wait).count();
@@ -106,24 +106,24 @@ void ProgressBar::end() {
         stageTimes_.push_back({stage_, seconds});
     else
         same->seconds += seconds;
-    if (shareNow_ > 0) {
+    if (currentCost_ > 0) {
         plannedSeconds_ += seconds;
-        plannedShares_ += shareNow_;
+        plannedCost_ += currentCost_;
     }
 }
 
-// The current stage at its own speed; those to come at the speed, in seconds a share, of all so far.
+// The current stage at its own speed; those to come at the speed, in seconds per unit of cost, of all so far.
 std::optional<double> ProgressBar::secondsLeft(double stageSeconds, double stageFraction) const {
-    double sharesToCome = 0;
-    for (size_t i = nextPlanned_; i < plan_.size(); ++i) sharesToCome += plan_[i].share;
-    const double sharesDone = plannedShares_ + shareNow_ * stageFraction;
-    const double allShares = plannedShares_ + shareNow_ + sharesToCome;
-    if (!(sharesDone > kTrustedShare * allShares)) return std::nullopt;
-    const double secondsAShare = (plannedSeconds_ + stageSeconds) / sharesDone;
+    double costToCome = 0;
+    for (size_t i = nextPlanned_; i < plan_.size(); ++i) costToCome += plan_[i].cost;
+    const double costDone = plannedCost_ + currentCost_ * stageFraction;
+    const double wholeCost = plannedCost_ + currentCost_ + costToCome;
+    if (!(costDone > kTrustedCostFraction * wholeCost)) return std::nullopt;
+    const double secondsPerCost = (plannedSeconds_ + stageSeconds) / costDone;
     const double ofThisStage = stageFraction > kTrustedFraction
                                    ? stageSeconds / stageFraction * (1 - stageFraction)
-                                   : secondsAShare * shareNow_;
-    return ofThisStage + secondsAShare * sharesToCome;
+                                   : secondsPerCost * currentCost_;
+    return ofThisStage + secondsPerCost * costToCome;
 }
 
 void ProgressBar::draw(bool last) {

@@ -12,10 +12,10 @@
 
 namespace phat {
 
-/// A stage that is expected, and its share of the whole time in any unit.
+/// A stage that is expected, and its cost relative to the others'.
 struct PlannedStage {
     std::string name;
-    double share = 0;
+    double cost = 0;
 };
 
 enum class ProgressStyle {
@@ -33,7 +33,7 @@ struct StageTime {
     double seconds = 0;
 };
 
-/// Draws what it is told, and answers stopRequested() from the signals (interrupt.h). Stages that are not in
+/// Draws reported progress; stopRequested() reflects the signals (interrupt.h). Stages that are not in
 /// the plan are shown, but do not count for the time that is left. The terminal's line is gone when the bar
 /// is.
 class ProgressBar : public Progress {
@@ -48,7 +48,7 @@ class ProgressBar : public Progress {
     void end() override;
     bool stopRequested() const override;
 
-    /// What the ended stages took, those of one name together, in the order of their first ends.
+    /// Times of the ended stages, those of one name together, in the order of their first ends.
     const std::vector<StageTime>& stageTimes() const { return stageTimes_; }
 
   private:
@@ -61,15 +61,15 @@ class ProgressBar : public Progress {
     const std::vector<PlannedStage> plan_;
     const Clock::time_point start_ = Clock::now();
 
-    std::mutex mutex_;  // guards what follows
+    std::mutex mutex_;  // guards the members below
     std::string stage_;
     bool active_ = false;
     Clock::time_point stageStart_;
     uint64_t total_ = 0;
     size_t nextPlanned_ = 0;     // plan_[nextPlanned_ - 1] is the current stage if it was planned
-    double shareNow_ = 0;        // of the current stage
-    double plannedSeconds_ = 0;  // that planned stages took, and their shares
-    double plannedShares_ = 0;
+    double currentCost_ = 0;     // of the current stage
+    double plannedSeconds_ = 0;  // that planned stages took, and their costs
+    double plannedCost_ = 0;
     std::vector<StageTime> stageTimes_;
 
     std::atomic<uint64_t> done_{0};

@@ -108,11 +108,12 @@ void declareMethods(const DeclareOption& declare, RenderOptions& options) {
         ->check(CLI::Range(1, 65'536))
         ->capture_default_str();
     declare
-        .value("--radius", "METERS", options.gather.radiusMeters,
-               "phat-gather: the paper's filter of this radius; default: by what is seen")
+        .value(
+            "--radius", "METERS", options.gather.radiusMeters,
+            "phat-gather: the paper's filter of this radius; default: by the distance of what is reflected")
         ->check(CLI::Range(1e-4, 1e3));
     declare.flag("--trace-visibility", options.gather.traceVisibility,
-                 "phat-gather: ask the scene, not neighbouring PHATexels, what is in the way");
+                 "phat-gather: test visibility by rays, not by neighbouring PHATexels");
     declare.choice(
         "--reflections", kReflectionNames, options.reflections,
         "phat: auto traces rays for what PHATexels are too coarse for; rays for all; lookup for none");
@@ -151,7 +152,7 @@ void declareScene(const DeclareOption& declare, RenderOptions& options) {
         .value("--set", "MATERIAL.PROPERTY=VALUE", options.edits,
                "Changes a material, e.g. floor.roughness=0.3")
         ->expected(1, -1)
-        ->excludes("--refine");  // edits would be seen at once and lit from the next pass on
+        ->excludes("--refine");  // edits would be visible at once and lit from the next pass on
     declare.flag("--keep-light", options.keepLight,
                  "Methods without a bake: --set changes what the eye meets, not the light on it");
 }

@@ -12,8 +12,8 @@ namespace phat {
 /// Declares the flags. Parsing writes into `options`, which must live as long as `command`.
 void declareRenderOptions(CLI::App& command, RenderOptions& options);
 
-/// Fills in what follows from several flags, after parsing. Throws CLI::ValidationError where they contradict
-/// each other or mean nothing to the method.
+/// Sets the options that depend on several flags, after parsing. Throws CLI::ValidationError where they
+/// contradict each other or mean nothing to the method.
 void finishRenderOptions(const CLI::App& command, RenderOptions& options);
 
 }  // namespace phat

@@ -20,10 +20,10 @@ struct View {
     std::string label;  // goes into file names; empty when it is the only one
 };
 
-/// The views that the options ask for. Throws CLI::ValidationError for cameras that do not exist.
+/// The views that the options select. Throws CLI::ValidationError for cameras that do not exist.
 std::vector<View> chooseViews(const RenderOptions& options, const Scene& scene);
 
-/// What all drawn methods take from the options.
+/// Settings of all drawn methods, from the options.
 FrameSettings frameOf(const RenderOptions& options, const View& view);
 
 /// `path` with the view's label before its extension.

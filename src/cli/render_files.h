@@ -1,5 +1,5 @@
 #pragma once
-// What `phat render` reads and writes.
+// Input and output files of `phat render`.
 
 #include "cli/render_camera.h"
 #include "cli/render_options.h"
@@ -23,7 +23,7 @@ void editScene(const RenderOptions& options, Scene& scene);
 /// nothing can be written (FileError).
 void checkPlaces(const RenderOptions& options);
 
-/// Writes one view's picture in the format that its name asks for. Throws FileError.
+/// Writes one view's picture in the format of its file name. Throws FileError.
 void writePicture(const RenderOptions& options, const View& view, const Image& picture);
 
 }  // namespace phat

@@ -1,5 +1,5 @@
 #pragma once
-// What `phat render` was asked for.
+// Options of `phat render`.
 
 #include <optional>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace phat {
 
-/// A way to make a picture.
+/// A rendering method.
 struct RenderMethod {
     const char* name;
     bool traced = false;        // on the CPU, by rays; else drawn by OpenGL
@@ -35,7 +35,7 @@ inline constexpr RenderMethod kRenderMethods[] = {
     {.name = "path", .traced = true, .needsBake = false, .samplesPerPixel = 64},
 };
 
-/// Pictures of a scene that moves, and what its light may cost between them.
+/// Frames of an animation, and the budget of dynamic lighting between them.
 struct AnimatedFrames {
     double start = 0, end = 0;  // seconds of the animation
     double perSecond = 24;

@@ -17,11 +17,11 @@ BakedScene load(const RenderOptions& options, Progress& progress) {
     return plain;
 }
 
-Scene seenScene(const RenderOptions& options, const Scene& scene) {
+Scene makeViewedScene(const RenderOptions& options, const Scene& scene) {
     if (!options.keepLight) return {};
-    Scene seen = scene;
-    editScene(options, seen);
-    return seen;
+    Scene viewedScene = scene;
+    editScene(options, viewedScene);
+    return viewedScene;
 }
 
 PhotonMap photonsFor(const TracedScene& traced, const RenderOptions& options, Progress& progress) {
@@ -56,11 +56,11 @@ Integrator integratorFor(const TracedScene& traced, const RenderOptions& options
         PhotonRendererSettings settings = options.photonRenderer;
         settings.component = options.component;
         const PhotonScene scene{traced.rays, traced.lights, traced.photons, traced.index,
-                                options.keepLight ? &traced.seen : nullptr};
+                                options.keepLight ? &traced.viewedScene : nullptr};
         return name == "photons-direct" ? photonsDirect(scene, settings) : photonsGather(scene, settings);
     }
     return pathTracer(traced.rays, traced.lights, options.component,
-                      options.keepLight ? traced.seen : traced.scene, &traced.guide);
+                      options.keepLight ? traced.viewedScene : traced.scene, &traced.guide);
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ Integrator integratorFor(const TracedScene& traced, const RenderOptions& options
 TracedScene::TracedScene(const RenderOptions& options, Progress& progress)
     : baked(load(options, progress)),
       scene(baked.loaded.scene),
-      seen(seenScene(options, scene)),
+      viewedScene(makeViewedScene(options, scene)),
       rays(scene),
       lights(scene),
       photons(photonsFor(*this, options, progress)),

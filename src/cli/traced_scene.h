@@ -1,5 +1,5 @@
 #pragma once
-// What the traced methods of `phat render` trace.
+// The scene of the traced methods of `phat render`.
 
 #include <memory>
 
@@ -18,12 +18,12 @@ struct TracedScene {
 
     BakedScene baked;  // of methods without a bake the scene alone
     const Scene& scene;
-    Scene seen;  // with --keep-light, the scene with the edits that `scene` then lacks; else empty
+    Scene viewedScene;  // with --keep-light, the scene with the edits that `scene` then lacks; else empty
     RayScene rays;
     LightSampler lights;
     PhotonMap photons;
     PhotonIndex index;
-    double guideSeconds = 0;  // what it took to learn:
+    double guideSeconds = 0;  // time to learn the guide:
     PathGuide guide;          // path
     Integrator integrator;
 };

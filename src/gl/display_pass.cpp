@@ -10,7 +10,7 @@
 namespace phat {
 namespace {
 
-// Units 0-6 hold what all materials share, 7-15 a material's nine slots: the 16 that every GPU has.
+// Texture units 0-6 are common to all materials, 7-15 a material's nine slots: the 16 that every GPU has.
 constexpr int kFirstMaterialUnit = 7;
 
 struct CameraMatrices {
@@ -257,7 +257,7 @@ void prepareSample(const DisplayPass& pass, const DisplayInput& input, const Fra
 }
 
 void displaySample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
-                   const PendingSample& sample, std::span<const SeenBySurface> incident) {
+                   const PendingSample& sample, std::span<const SurfaceIncident> incident) {
     const FrameSettings& settings = sample.settings;
     const CameraMatrices camera =
         matricesOf(settings.camera, targets.size, input.scene.bounds, sample.jitter);

@@ -50,14 +50,14 @@ struct DisplayInput {
     float environmentTurn = 0;  // see background.frag
 };
 
-/// Draws what the display pass reads, from the background to the lookup, and finds `sample.surfaces`. pre:
+/// Draws the inputs of the display pass, from the background to the lookup, and `sample.surfaces`. pre:
 /// the rest of `sample` is set.
 void prepareSample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
                    PendingSample& sample);
-/// The display pass. `incident`: what rays brought to `sample.surfaces`. Blended surfaces take their glossy
+/// The display pass. `incident`: traced radiance of `sample.surfaces`. Blended surfaces take their glossy
 /// light from the pyramid with either method, for a pixel of the lookup holds one surface.
 void displaySample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
-                   const PendingSample& sample, std::span<const SeenBySurface> incident);
+                   const PendingSample& sample, std::span<const SurfaceIncident> incident);
 /// Adds the picture that was displayed; the first one clears `sum`.
 void addSample(const DisplayPass& pass, const FrameTargets& targets, PictureSum& sum);
 

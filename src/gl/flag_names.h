@@ -1,5 +1,5 @@
 #pragma once
-// What a picture's flags call their values: `phat render` reads them, the window writes them.
+// Names of the values of render flags: `phat render` reads them, the window writes them.
 
 #include <algorithm>
 #include <array>

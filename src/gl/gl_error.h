@@ -4,7 +4,7 @@
 
 namespace phat {
 
-/// The machine cannot do what the renderer asks: no OpenGL 4.5 core, a shader that does not compile, out of
+/// The machine lacks what the renderer requires: no OpenGL 4.5 core, a shader that does not compile, out of
 /// video memory. One sentence; caught in main.
 struct GlError : std::runtime_error {
     using std::runtime_error::runtime_error;

@@ -43,7 +43,7 @@ GlTexture uploadTables(GLenum internal, GLenum format, const std::vector<Table>&
 constexpr glm::uvec2 kLevels(8, 4), kProbeTexels = uint32_t(kProbeSize) / kLevels;
 using ProbeTexels = std::array<glm::uvec4, kProbeTexels.x * kProbeTexels.y>;
 
-ProbeTexels packProbe(const DistanceProbe& probe) {
+ProbeTexels packProbe(const DepthProbe& probe) {
     ProbeTexels texels;
     texels.fill(glm::uvec4(0));
     for (uint32_t i = 0; i < kProbeSize * kProbeSize; ++i) {
@@ -54,7 +54,7 @@ ProbeTexels packProbe(const DistanceProbe& probe) {
     return texels;
 }
 
-GlTexture uploadProbes(const std::vector<DistanceProbe>& probes, glm::uvec2 tiles) {
+GlTexture uploadProbes(const std::vector<DepthProbe>& probes, glm::uvec2 tiles) {
     const glm::uvec2 size = tiles * kProbeTexels;
     std::vector<glm::uvec4> texels(size_t(size.x) * size.y, glm::uvec4(0));
     for (uint32_t tile = 0; tile < probes.size(); ++tile) {
@@ -112,10 +112,10 @@ GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas) {
     gpu.layerCount = int(phatexture.indirect.size());
     gpu.guideCount = int(phatexture.indirectGuides.size());
     if (area) gpu.areaGuideCount = int(phatexture.areaGuides.size());
-    std::vector<Warp> inverseCdfs;
+    std::vector<InverseCdf> inverseCdfs;
     std::vector<const std::vector<uint16_t>*> scrambles;
     for (const auto* guides : {&phatexture.indirectGuides, &phatexture.areaGuides})
-        for (const Guide& guide : *guides) inverseCdfs.push_back(warpOf(guide));
+        for (const Guide& guide : *guides) inverseCdfs.push_back(inverseCdfOf(guide));
     for (const auto* layers : {&phatexture.indirect, &phatexture.area})
         for (const PhatexelLayer& layer : *layers) scrambles.push_back(&layer.scrambles);
     gpu.inverseCdfs = uploadTables(GL_RGBA8, GL_RGBA, inverseCdfs);
@@ -127,7 +127,7 @@ GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas) {
 
 void updateLookupGuides(const GpuLookup& gpu, const LightUpdate::Guides& block) {
     const auto upload = [&](uint32_t table, const Guide& guide) {
-        const Warp inverseCdf = warpOf(guide);
+        const InverseCdf inverseCdf = inverseCdfOf(guide);
         const glm::uvec2 corner = glm::uvec2(table % kTablesWide, table / kTablesWide) * kTableSide;
         glTextureSubImage2D(gpu.inverseCdfs.name(), 0, GLint(corner.x), GLint(corner.y), kTableSide,
                             kTableSide, GL_RGBA, GL_UNSIGNED_BYTE, inverseCdf.data());
@@ -142,7 +142,7 @@ void updateLookupGuides(const GpuLookup& gpu, const LightUpdate::Guides& block) 
                             GL_UNSIGNED_SHORT, &block.scrambles[layer]);
 }
 
-void updateProbe(const GpuLookup& gpu, const LightUpdate::Place& tile, glm::uvec2 sizeTiles) {
+void updateProbe(const GpuLookup& gpu, const LightUpdate::TileGeometry& tile, glm::uvec2 sizeTiles) {
     const glm::uvec2 corner = glm::uvec2(tile.tile % sizeTiles.x, tile.tile / sizeTiles.x) * kProbeTexels;
     const ProbeTexels packed = packProbe(tile.probe);
     glTextureSubImage2D(gpu.probes.name(), 0, GLint(corner.x), GLint(corner.y), kProbeTexels.x,

@@ -10,10 +10,10 @@
 
 namespace phat {
 
-/// What shaders/lib/lookup.glsl reads beside the PHATexels.
+/// Textures that shaders/lib/lookup.glsl reads beside the PHATexels.
 struct GpuLookup {
     GlTexture inverseCdfs;  // RGBA8, 16x16 a guide; the area lights' guides come last
-    GlTexture probes;       // RGBA32UI [4 tileY][2 tileX]: 8x4 levels of a DistanceProbe each
+    GlTexture probes;       // RGBA32UI [4 tileY][2 tileX]: 8x4 levels of a DepthProbe each
     GlTexture scrambles;    // R16UI [block row][layer][block], where there are several layers
     int guideCount = 0;     // of the indirect light; 0: these PHATexels cannot be looked up
     int layerCount = 0;
@@ -24,7 +24,7 @@ GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas);
 
 /// Parts of it anew.
 void updateLookupGuides(const GpuLookup& gpu, const LightUpdate::Guides& block);
-void updateProbe(const GpuLookup& gpu, const LightUpdate::Place& tile, glm::uvec2 sizeTiles);
+void updateProbe(const GpuLookup& gpu, const LightUpdate::TileGeometry& tile, glm::uvec2 sizeTiles);
 
 /// Pictures between the passes, of the frame's size.
 struct LookupTargets {
@@ -57,7 +57,7 @@ struct LookupSampling {
     int sampleCount = 8;  // directions of a lobe, at most 32
     int lightBits = 3;    // see shaders/lib/lookup.glsl
 };
-/// Clears the targets, binds what the lookup of every surface shares, and reseeds the samples.
+/// Clears the targets, binds the textures common to all surfaces, and reseeds the samples.
 void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
                  const LookupTargets& targets, const LookupSampling& sampling, uint32_t seed);
 /// Adds the neighbours' sums to each pixel's.

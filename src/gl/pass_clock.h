@@ -8,7 +8,7 @@
 namespace phat {
 
 enum class Pass : uint8_t {
-    none,  // what lies between passes, such as rays on the CPU
+    none,  // time between passes, such as rays on the CPU
     relight,
     pyramid,
     shadows,
@@ -22,7 +22,7 @@ class PassClock {
   public:
     /// A new frame begins here. pre: a complete framebuffer is bound, also for ended().
     void restart();
-    /// What ran since the last call belongs to `pass`.
+    /// Attributes the time since the last call to `pass`.
     void ended(Pass pass);
     /// Of all of the frame's runs of a pass. Waits for the GPU.
     double seconds(Pass pass) const;

@@ -134,7 +134,7 @@ void requireSizes(const Atlas& atlas, const Phatexture& phatexture) {
     const auto fits = [&](size_t size) { return size == count || size == 0; };
     bool good = count > 0 && fits(phatexture.indirectIrradiance.size()) &&
                 fits(phatexture.areaIrradiance.size()) &&
-                phatexture.tilePlaces.size() == atlas.tileChart.size();
+                phatexture.tilePatches.size() == atlas.tileChart.size();
     for (const auto* layers : {&phatexture.indirect, &phatexture.area})
         for (const PhatexelLayer& layer : *layers)
             good = good && layer.texels.size() == count && fits(layer.pdf.size());
@@ -151,7 +151,7 @@ GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const Phatexture& p
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     gpu.tileTable = uploadTileTable(atlas);
     gpu.tileLight = uploadTileLight(scene, atlas, phatexture);
-    gpu.tilePatches = uploadTilePatches(atlas, phatexture.tilePlaces);
+    gpu.tilePatches = uploadTilePatches(atlas, phatexture.tilePatches);
     gpu.charts = uploadCharts(atlas);
     gpu.irradiance = uploadIrradiance(phatexture, atlas.sizeTexels);
     const size_t layers = phatexture.indirect.size() + phatexture.area.size();
@@ -192,7 +192,7 @@ void updateIrradiance(const GpuAtlas& gpu, const LightUpdate::Irradiance& tile) 
                         GL_FLOAT, values.data());
 }
 
-void updateTilePatch(const GpuAtlas& gpu, const LightUpdate::Place& tile) {
+void updateTilePatch(const GpuAtlas& gpu, const LightUpdate::TileGeometry& tile) {
     const uint32_t wide = gpu.sizeTexels.x / kTileSize;
     glTextureSubImage2D(gpu.tilePatches.name(), 0, GLint(2 * (tile.tile % wide)), GLint(tile.tile / wide), 2,
                         1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, tile.packed.data());

@@ -12,7 +12,7 @@ namespace phat {
 /// One kind of light's PHATexels.
 struct GpuPhatexels {
     GlTexture guidePdf;  // R32F, see squareToGuidePdf in shaders/lib/phatexel.glsl
-    GlTexture texelPdf;  // R32F [layer][y][x], only where the guides do not tell the pdf
+    GlTexture texelPdf;  // R32F [layer][y][x], only where the pdf does not follow from the guides
     int firstLayer = 0;  // of GpuAtlas::phatexels
     int layerCount = 0;
     int guideCount = 0;
@@ -36,7 +36,7 @@ GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const Phatexture& p
 /// Parts of it anew. `block`: of LightUpdate::Guides.
 void updatePhatexels(const GpuAtlas& gpu, const LightUpdate::Phatexels& tile);
 void updateIrradiance(const GpuAtlas& gpu, const LightUpdate::Irradiance& tile);
-void updateTilePatch(const GpuAtlas& gpu, const LightUpdate::Place& tile);
+void updateTilePatch(const GpuAtlas& gpu, const LightUpdate::TileGeometry& tile);
 void updateGuides(const GpuAtlas& gpu, const LightUpdate::Guides& block);
 void updateTileLight(const GpuAtlas& gpu, const std::vector<glm::vec4>& light);
 

@@ -66,10 +66,11 @@ std::vector<TracedSurface> readTracedSurfaces(const ReflectionTargets& targets, 
         if (surface[i].x == 0) continue;
         const TracedLobe baseLobe = lobeOf(base[i], glm::unpackHalf2x16(surface[i].y), surface[i].z);
         const TracedLobe coatLobe = lobeOf(coat[i], glm::vec2(kClearcoatF0, 1), surface[i].w);
-        if (baseLobe.share <= 0.0f && coatLobe.share <= 0.0f) continue;
+        if (baseLobe.weight <= 0.0f && coatLobe.weight <= 0.0f) continue;
         // OpenGL's rows begin at the bottom.
         const glm::vec2 corner(uint32_t(i) % size.x, size.y - 1 - uint32_t(i) / size.x);
-        // The picture was moved by the jitter; what the pixel's centre shows lies as far the other way.
+        // The frame was shifted by the jitter; the point at the pixel's centre is shifted in the opposite
+        // direction.
         surfaces.push_back({uint32_t(i), corner + 0.5f + glm::vec2(-jitter.x, jitter.y),
                             (surface[i].x - 1) / 2, (surface[i].x - 1) % 2 == 1, baseLobe, coatLobe});
     }
@@ -77,7 +78,7 @@ std::vector<TracedSurface> readTracedSurfaces(const ReflectionTargets& targets, 
 }
 
 void uploadReflections(const ReflectionPass& pass, const ReflectionTargets& targets,
-                       std::span<const TracedSurface> surfaces, std::span<const SeenBySurface> incident,
+                       std::span<const TracedSurface> surfaces, std::span<const SurfaceIncident> incident,
                        GLuint pictures, int firstLayer) {
     const auto upload = [&](int layer, const auto& valueOf) {
         std::vector<glm::vec4> pixels(size_t(targets.size.x) * targets.size.y, glm::vec4(0));
@@ -85,12 +86,14 @@ void uploadReflections(const ReflectionPass& pass, const ReflectionTargets& targ
         glTextureSubImage3D(pictures, 0, 0, 0, firstLayer + layer, GLsizei(targets.size.x),
                             GLsizei(targets.size.y), 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, pixels.data());
     };
-    const auto uploadLobe = [&](int layer, SeenByLobe SeenBySurface::*lobe) {
-        upload(layer, [=](const SeenBySurface& s) { return glm::vec4((s.*lobe).indirect, (s.*lobe).share); });
-        upload(layer + 1, [=](const SeenBySurface& s) { return glm::vec4((s.*lobe).area, (s.*lobe).share); });
+    const auto uploadLobe = [&](int layer, LobeIncident SurfaceIncident::*lobe) {
+        upload(layer,
+               [=](const SurfaceIncident& s) { return glm::vec4((s.*lobe).indirect, (s.*lobe).weight); });
+        upload(layer + 1,
+               [=](const SurfaceIncident& s) { return glm::vec4((s.*lobe).area, (s.*lobe).weight); });
     };
-    uploadLobe(0, &SeenBySurface::base);
-    if (pass.clearcoat) uploadLobe(2, &SeenBySurface::coat);
+    uploadLobe(0, &SurfaceIncident::base);
+    if (pass.clearcoat) uploadLobe(2, &SurfaceIncident::coat);
 }
 
 }  // namespace phat

@@ -25,8 +25,8 @@ struct ReflectionTargets {
 };
 ReflectionTargets createReflectionTargets(glm::uvec2 size, GLuint depth);
 
-/// Binds the cleared targets, and what all surfaces share; the caller draws its opaque surfaces with
-/// `program`.
+/// Binds the cleared targets and the textures common to all surfaces; the caller draws its opaque surfaces
+/// with `program`.
 void beginReflections(const ReflectionPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
                       const ReflectionTargets& targets, Reflections reflections, uint32_t frame);
 
@@ -37,7 +37,7 @@ std::vector<TracedSurface> readTracedSurfaces(const ReflectionTargets& targets, 
 /// Writes their incident radiance to layers `firstLayer` on of `pictures` (RGBA32UI): indirect and area, then
 /// the coat's. The bits of RGB, and of the weight in A.
 void uploadReflections(const ReflectionPass& pass, const ReflectionTargets& targets,
-                       std::span<const TracedSurface> surfaces, std::span<const SeenBySurface> incident,
+                       std::span<const TracedSurface> surfaces, std::span<const SurfaceIncident> incident,
                        GLuint pictures, int firstLayer);
 
 }  // namespace phat

@@ -27,9 +27,9 @@ void requireOpenGl45() {
 }
 
 double bytesOfPhatexel(const Phatexture& phatexture) {
-    const double tiles = double(phatexture.tilePlaces.size()), layers = double(phatexture.indirect.size());
+    const double tiles = double(phatexture.tilePatches.size()), layers = double(phatexture.indirect.size());
     const double texels = tiles * kTileSize * kTileSize;
-    const double beside = double(phatexture.indirectGuides.size() * sizeof(Warp)) +
+    const double beside = double(phatexture.indirectGuides.size() * sizeof(InverseCdf)) +
                           tiles * (sizeof(PackedTile) + kProbeSize * kProbeSize / 2);
     return sizeof(PackedPhatexel) + beside / (texels * layers);
 }
@@ -48,7 +48,7 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->lookup = uploadLookup(input.phatexture, input.atlas);
     if (state_->lookup.guideCount > 0) state_->bytesPerPhatexel = bytesOfPhatexel(input.phatexture);
     if (input.scene.environment) state_->environmentWidth = input.scene.environment->radiance.width;
-    // What cannot be compiled is told now.
+    // Compiled here so that errors are reported at the start.
     state_->displayFor(false, false);
     if (state_->lookup.guideCount > 0) state_->lookupFor(false);
 }
@@ -78,7 +78,7 @@ PendingSample Renderer::beginSample(const FrameSettings& settings, Reflections r
     return sample;
 }
 
-void Renderer::finishSample(const PendingSample& sample, std::span<const SeenBySurface> incident,
+void Renderer::finishSample(const PendingSample& sample, std::span<const SurfaceIncident> incident,
                             PictureSum& sum) {
     assert(incident.size() == sample.surfaces.size());
     assert(sum.samples == int(sample.view.frame));
@@ -159,14 +159,14 @@ bool Renderer::takeUpdate(LightUpdate& update, double seconds) {
     if (!update.empty()) s.texelsChanged();
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     const glm::uvec2 tiles = s.atlas.sizeTexels / kTileSize;
-    for (const LightUpdate::Place& tile : update.places) {
+    for (const LightUpdate::TileGeometry& tile : update.tileGeometries) {
         updateTilePatch(s.atlas, tile);
         if (s.lookup.guideCount > 0) updateProbe(s.lookup, tile, tiles);
     }
-    update.places.clear();
+    update.tileGeometries.clear();
     if (!update.tileLight.empty()) updateTileLight(s.atlas, update.tileLight);
     update.tileLight.clear();
-    update.covers.clear();
+    update.occlusions.clear();
 
     // One portion at least, so that all is done in the end, however little time there is.
     size_t tile = 0, block = 0;

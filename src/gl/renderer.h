@@ -30,8 +30,8 @@ enum class Method : uint8_t {
     phatPyramid,  // the paper's passes: the BRDF on every PHATexel, a pyramid, a cone
     phatPaper,    // the same to the letter: no densities, plain means, the paper's filter; diffuse light too
 };
-/// What the lookup may cost: see docs/lookup.md for reads a pixel.
-enum class Quality : uint8_t { fast, standard, high };
+/// Numbers of samples of the lookup: see docs/lookup.md for reads a pixel.
+enum class Quality : uint8_t { fast, standard, high };  // `standard`: `default` of the command line
 enum class ToneMap : uint8_t { linear, agx, aces };
 
 /// Stored data that can be shown instead of the light. twin: shaders/inspect.frag.
@@ -43,7 +43,7 @@ enum class Inspected : uint8_t {
     validity,   // green: holds a value; red: none
     charts,     // a colour each, with their tiles
     density,    // a checker of texels; blue as coarse as anywhere, red an eighth
-    pyramid,    // a level of the relit PHATexels, seen from the eye: light
+    pyramid,    // a level of the relit PHATexels: light
     samples,    // effective number in the pyramid's cone: black 1, red 6, yellow 40, white 256
     reads,  // of texels by the lookup: red for indirect light, green for area lights; the numbers themselves
 };
@@ -85,7 +85,7 @@ struct PendingSample {
     FrameSettings settings;               // as far as the bake can show them
     Reflections reflections;              // which lobes are traced
     glm::vec2 jitter{0};                  // of the image plane, pixels
-    ReflectionView view;                  // what the rays' estimator must know of the frame
+    ReflectionView view;                  // the frame as the rays' estimator needs it
     std::vector<TracedSurface> surfaces;  // whose lobes are traced; none where all is looked up
 };
 
@@ -143,9 +143,9 @@ struct ResidentBytes {
     uint64_t sum() const { return scene + phatexels + lookup + irradiance + pyramid + shadows + frame; }
 };
 
-/// What the renderer needs of a bake. Scene, atlas and points must outlive it: a picture that needs the
-/// surface under every texel (the pyramid's methods, blended surfaces, views of data) reads them when it is
-/// first drawn. The PHATexels are read by the constructor alone.
+/// The parts of a bake that the renderer reads. Scene, atlas and points must outlive it: a picture that needs
+/// the surface under every texel (the pyramid's methods, blended surfaces, views of data) reads them when it
+/// is first drawn. The PHATexels are read by the constructor alone.
 struct RendererInput {
     const Scene& scene;
     const Atlas& atlas;
@@ -173,7 +173,8 @@ class Renderer {
     PendingSample beginSample(const FrameSettings& settings, Reflections reflections, PictureSum& sum);
     /// Then the display pass, which adds the sample to `sum`. `incident`: of each of the sample's surfaces.
     /// pre: nothing has been drawn or changed since beginSample.
-    void finishSample(const PendingSample& sample, std::span<const SeenBySurface> incident, PictureSum& sum);
+    void finishSample(const PendingSample& sample, std::span<const SurfaceIncident> incident,
+                      PictureSum& sum);
 
     /// lastFrameTimes() counts from the next sample on. draw() and render() call it.
     void restartTimes();
@@ -190,7 +191,7 @@ class Renderer {
     /// Punctual lights may change too; their direct light follows, the bake's indirect light does not. Shadow
     /// maps are drawn again when a light is another one.
     void setLights(const std::vector<PunctualLight>& lights);
-    /// The environment behind the scene as turned() of the one that was given; what it lit stays as it was
+    /// Rotates the environment behind the scene, see turned(); the light that it sent into the scene stays
     /// baked.
     void turnEnvironment(int columns);
 

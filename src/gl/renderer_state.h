@@ -1,5 +1,5 @@
 #pragma once
-// What a Renderer keeps between frames.
+// State of a Renderer between frames.
 
 #include <optional>
 #include <string>
@@ -13,35 +13,35 @@
 namespace phat {
 
 struct Renderer::State {
-    /// The relit PHATexels and what they were relit for.
+    /// The relit PHATexels and the view that they were relit for.
     struct Relit {
         RelightPass pass;
         bool materialsChanged = true;
         Eye eye;
     };
-    /// What the passes of a picture read.
+    /// Input of the passes of a frame.
     struct Prepared {
         const DisplayPass& pass;
         DisplayInput input;
     };
 
-    /// Makes what a sample needs and is missing, targets of `size` included. `settings`: as possible()
+    /// Creates the missing resources of a sample, targets of `size` included. `settings`: as possible()
     /// returns them; `traced`: with surfaces whose lobes are traced.
     Prepared prepare(const FrameSettings& settings, bool traced);
-    /// What of the settings this bake can show.
+    /// The settings restricted to what this bake supports.
     FrameSettings possible(FrameSettings settings) const;
     /// The surfaces are those of `now`, for what is made of them later.
     void show(const Scene& now, const Atlas& itsAtlas, const TexelPoints& points);
-    /// What the pyramids are made of has changed.
+    /// The inputs of the pyramids have changed.
     void texelsChanged();
-    /// A clear coat changes what the shaders are made of.
+    /// A clear coat changes the variants of the shaders.
     void dropPasses();
 
     const LookupPass& lookupFor(bool counting);
     const DisplayPass& displayFor(bool paper, bool counting);
 
     std::string shaderFolder;
-    // The scene as it is now, for what is made of it later.
+    // The present scene, for resources that are created later.
     const Scene* shownScene = nullptr;
     const Atlas* shownAtlas = nullptr;
     const TexelPoints* shownPoints = nullptr;
@@ -70,7 +70,7 @@ struct Renderer::State {
   private:
     Relit& relitFor(bool paper);
     const GpuTexelSurfaces& currentSurfaces();
-    /// The pyramid as it is seen from `eye`.
+    /// The pyramid relit for `eye`.
     const RelightPass& pyramidFrom(const Eye& eye, bool paper);
     const ReflectionPass& reflections();
     const ShaderProgram& inspecting();

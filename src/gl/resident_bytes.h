@@ -1,11 +1,11 @@
 #pragma once
-// What the renderer keeps in the GPU's memory.
+// Memory of the renderer's GPU resources.
 
 #include "gl/display_pass.h"
 
 namespace phat {
 
-/// Without what is made for the pyramids alone, but for the guides' densities.
+/// Without the textures of the pyramids alone, but with the guides' densities.
 ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, const GpuLookup& lookup,
                               const ShadowMaps& shadows, const FrameTargets& targets);
 uint64_t pyramidBytes(const RelightPass& pass);

@@ -16,8 +16,8 @@ struct GpuTexelSurfaces {
     GlTexture texturesB;      // RGBA8: mean specular colour, clearcoat, clearcoat roughness
 };
 
-/// By core/shading, so that relighting sees what the bake saw. `points` of the atlas, of which triangles and
-/// barycentric coordinates alone are read. Throws GlError.
+/// By core/shading, so that relighting uses the surfaces of the bake. `points` of the atlas, of which
+/// triangles and barycentric coordinates alone are read. Throws GlError.
 GpuTexelSurfaces uploadTexelSurfaces(const Scene& scene, const Atlas& atlas, const TexelPoints& points);
 
 /// Normals anew, where charts have turned.

@@ -114,7 +114,7 @@ GlTexture createTable(std::span<const glm::vec4> values) {
 void checkGl(const char* doing) {
     const GLenum error = glGetError();
     if (error == GL_NO_ERROR) return;
-    // Further ones must not be taken for those of what comes next. A lost context never ends to report.
+    // Later errors must not be attributed to the next call. A lost context never ends to report.
     for (int i = 0; i < 16 && glGetError() != GL_NO_ERROR; ++i) {
     }
     if (error == GL_OUT_OF_MEMORY) throw GlError(fmt::format("out of video memory while {}", doing));

@@ -11,7 +11,7 @@ ReflectionCost drawFrame(Renderer& renderer, const FrameSettings& settings, cons
     for (int left = samplesToDraw(settings, sum); left > 0; --left) {
         const PendingSample sample =
             renderer.beginSample(settings, traced ? traced->reflections : Reflections::lookup, sum);
-        std::vector<SeenBySurface> incident;
+        std::vector<SurfaceIncident> incident;
         if (!sample.surfaces.empty()) {
             const Stopwatch start;
             incident =

@@ -7,15 +7,15 @@
 
 namespace phat {
 
-/// Rays that replace the lookup for sharp lobes. What they read is the caller's, as are its
+/// Rays that replace the lookup for sharp lobes. Their input is the caller's, as are its
 /// materials.
 struct TracedReflections {
     const ReflectionScene& scene;
     Reflections reflections = Reflections::automatic;
-    Progress& progress;  // drawFrame() throws Interrupted when it asks
+    Progress& progress;  // drawFrame() throws Interrupted when it requests that
 };
 
-/// What rays cost a frame.
+/// Cost of a frame's rays.
 struct ReflectionCost {
     double seconds = 0;
     uint64_t rays = 0;

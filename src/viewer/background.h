@@ -27,7 +27,7 @@ class SharedProgress : public Progress {
 
     struct Report {
         std::string stage;
-        float share = 0;            // of the stage
+        float fraction = 0;         // of the stage
         double elapsedSeconds = 0;  // since construction
     };
     Report report() const;

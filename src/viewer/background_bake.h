@@ -27,7 +27,7 @@ class BackgroundBake {
         Bake bake;
         BakeSettings settings;
     };
-    /// The newest step's result, once. Throws what the bake threw.
+    /// The newest step's result, once. Rethrows the bake's exception.
     std::optional<Result> take();
     SharedProgress::Report report() const { return progress_.report(); }
     /// Counted from 1; kSteps + 1 when all are done.

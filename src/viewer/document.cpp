@@ -79,7 +79,7 @@ void Document::takeBake(Bake bake, const BakeSettings& settings) {
 
 void Document::takeLight(const LightUpdate& update) {
     if (!bakedLight_) bakedLight_ = BakedLight{baked.phatexture, baked.points.state};
-    rayVersion_ += !update.covers.empty();
+    rayVersion_ += !update.occlusions.empty();
     applyUpdate(update, baked.atlas, baked.phatexture, baked.points.state);
 }
 

@@ -12,7 +12,7 @@
 
 namespace phat {
 
-/// Where the file's own motion stands.
+/// The state of the file's animation.
 struct Playback {
     int animation = -1;  // -1: at rest
     double seconds = 0;
@@ -47,12 +47,13 @@ struct Document {
     uint64_t rayVersion() const { return rayVersion_; }
     /// Takes over a bake of scene() that was made with `settings`, which save() records.
     void takeBake(Bake bake, const BakeSettings& settings);
-    /// Takes over a part of the bake that was renewed; the file's is kept aside.
+    /// Takes over a part of the bake that was updated; the file's is kept aside.
     void takeLight(const LightUpdate& update);
-    /// Forgets what was kept aside: the bake is another one.
-    void forgetRenewedLight() { bakedLight_.reset(); }
-    /// Writes the edits of materials, lamps' colours and sky into the baked file; a bake that was made here
-    /// goes beside its scene first, as it was made. Returns the file's path. Throws FileError. pre: hasBake.
+    /// Drops the file's own light: the bake is another one.
+    void forgetUpdatedLight() { bakedLight_.reset(); }
+    /// Writes the edits of materials, lights' colours and environment into the baked file; a bake that was
+    /// made here goes beside its scene first, as it was made. Returns the file's path. Throws FileError. pre:
+    /// hasBake.
     std::string save();
 
     std::string path;

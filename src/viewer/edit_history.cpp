@@ -7,7 +7,7 @@ namespace phat {
 namespace {
 
 // A state is a few kilobytes.
-constexpr size_t kMostStates = 1000;
+constexpr size_t kMaxStates = 1000;
 
 }  // namespace
 
@@ -20,7 +20,7 @@ void EditHistory::change(SceneEdits next, bool goesOn) {
         states_[at_] = std::move(next);
         return;
     }
-    if (states_.size() == kMostStates) states_.erase(states_.begin());
+    if (states_.size() == kMaxStates) states_.erase(states_.begin());
     states_.push_back(std::move(next));
     at_ = states_.size() - 1;
 }

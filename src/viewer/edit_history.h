@@ -1,5 +1,5 @@
 #pragma once
-// What was changed by hand, with a way back.
+// The history of edits, for undo and redo.
 
 #include <cstdint>
 #include <vector>

@@ -8,7 +8,7 @@
 namespace phat {
 namespace {
 
-// Its strength and colour, so that a lamp can be dimmed without another tint.
+// Its strength and colour, so that a light can be dimmed without changing its tint.
 void drawEmission(Edit& edit, Material& m, bool glows) {
     if (!glows || m.unlit) return;
     float power = std::max({m.emission.x, m.emission.y, m.emission.z});
@@ -60,7 +60,7 @@ void drawSelectionPanel(ViewerState& state, Edit& edit) {
     Material& material = edit.next.materials[surface.material];
     wrappedText(
         fmt::format("{}, material {}", surface.name, material.name.empty() ? "(unnamed)" : material.name));
-    // Without any area lamp at the start there are no PHATexels for such light.
+    // Without any area light at the start there are no PHATexels for such light.
     const bool canGlow = !state.document->baked.phatexture.area.empty();
     const glm::vec3 original = state.document->edits.original().materials[surface.material].emission;
     drawMaterial(edit, material, canGlow && original != glm::vec3(0));

@@ -12,8 +12,8 @@
 namespace phat {
 namespace {
 
-CameraRay rayAt(const ViewerState& state, glm::vec2 place) {
-    return cameraRay(state.navigation.camera, state.pictureSize.x, state.pictureSize.y, place);
+CameraRay rayAt(const ViewerState& state, glm::vec2 pixel) {
+    return cameraRay(state.navigation.camera, state.pictureSize.x, state.pictureSize.y, pixel);
 }
 
 glm::vec3 axisOf(int axis) {
@@ -23,16 +23,16 @@ glm::vec3 axisOf(int axis) {
 }
 
 // Under the mouse, as far away as the pivot.
-glm::vec3 inPlane(const ViewerState& state, glm::vec3 pivot, glm::vec2 place) {
-    const CameraRay ray = rayAt(state, place);
+glm::vec3 inPlane(const ViewerState& state, glm::vec3 pivot, glm::vec2 pixel) {
+    const CameraRay ray = rayAt(state, pixel);
     const glm::vec3 forward = -glm::vec3(state.navigation.camera.worldFromCamera[2]);
     return ray.origin +
            ray.direction * (glm::dot(pivot - ray.origin, forward) / glm::dot(ray.direction, forward));
 }
 
 // Metres from the pivot to where the axis comes nearest to the mouse's ray.
-float alongAxis(const ViewerState& state, glm::vec3 pivot, glm::vec3 axis, glm::vec2 place) {
-    const CameraRay ray = rayAt(state, place);
+float alongAxis(const ViewerState& state, glm::vec3 pivot, glm::vec3 axis, glm::vec2 pixel) {
+    const CameraRay ray = rayAt(state, pixel);
     const float cosine = glm::dot(axis, ray.direction), sineSquared = 1 - cosine * cosine;
     if (sineSquared < 1e-4f) return 0;  // seen from its end
     return glm::dot(ray.origin - pivot, axis - cosine * ray.direction) / sineSquared;

@@ -28,7 +28,7 @@ void grabKey(ViewerState& state, const Window::KeyPress& press);
 void moveGrab(ViewerState& state, glm::vec2 mouse);
 void endGrab(ViewerState& state, bool keep);
 
-/// What it does, such as "Move y 0.2 m".
+/// A description, such as "Move y 0.2 m".
 std::string describe(const Grab& grab);
 /// Where a world point is in the picture, pixels; none behind the eye.
 std::optional<glm::vec2> placeInPicture(const ViewerState& state, glm::vec3 point);

@@ -23,8 +23,8 @@ Bounds boundsOf(const Scene& scene, const Surface& surface) {
     return bounds;
 }
 
-std::optional<uint32_t> pick(const ViewerState& state, glm::vec2 place, glm::vec2 size) {
-    const CameraRay ray = cameraRay(state.navigation.camera, int(size.x), int(size.y), place);
+std::optional<uint32_t> pick(const ViewerState& state, glm::vec2 pixel, glm::vec2 size) {
+    const CameraRay ray = cameraRay(state.navigation.camera, int(size.x), int(size.y), pixel);
     uint64_t rays = 0;
     const Hit hit = visibleHit(state.document->rays(), ray, rays);
     if (!hit) return std::nullopt;
@@ -32,7 +32,7 @@ std::optional<uint32_t> pick(const ViewerState& state, glm::vec2 place, glm::vec
 }
 
 // Coordinates of Dear ImGui to pixels of the picture.
-struct Place {
+struct PixelMapping {
     glm::vec2 corner{0}, size{1}, scale{1};
     glm::vec2 operator()(ImVec2 p) const { return glm::vec2(p.x, p.y) * scale - corner; }
 };
@@ -49,43 +49,43 @@ bool handleGrab(ViewerState& state, glm::vec2 mouse) {
     return true;
 }
 
-void handleMouse(ViewerState& state, const Place& place) {
+void handleMouse(ViewerState& state, const PixelMapping& toPixels) {
     const ImGuiIO& io = ImGui::GetIO();
     if (ImGui::IsAnyMouseDown()) state.message.clear();
-    if (handleGrab(state, place(io.MousePos))) return;
+    if (handleGrab(state, toPixels(io.MousePos))) return;
     if (state.pressKeptGrab) {
         state.pressKeptGrab = ImGui::IsAnyMouseDown();
         return;
     }
-    const glm::vec2 moved = glm::vec2(io.MouseDelta.x, io.MouseDelta.y) * place.scale;
-    const glm::vec2 mouse = place(io.MousePos);
+    const glm::vec2 moved = glm::vec2(io.MouseDelta.x, io.MouseDelta.y) * toPixels.scale;
+    const glm::vec2 mouse = toPixels(io.MousePos);
     Navigation& navigation = state.navigation;
     const Camera before = navigation.camera;
     const bool left = ImGui::IsMouseDragging(ImGuiMouseButton_Left);
     const bool middle = ImGui::IsMouseDragging(ImGuiMouseButton_Middle, 0);
     // The wipe's line is taken by the hand that comes near it.
-    const float line = state.view.wipe * place.size.x;
+    const float line = state.view.wipe * toPixels.size.x;
     if (ImGui::IsMouseClicked(ImGuiMouseButton_Left))
         state.draggingWipe = state.view.compare && !state.view.difference &&
-                             std::abs(mouse.x - line) < kWipeReach * place.scale.x;
+                             std::abs(mouse.x - line) < kWipeReach * toPixels.scale.x;
     if (!ImGui::IsMouseDown(ImGuiMouseButton_Left))
         state.draggingWipe &= ImGui::IsMouseReleased(ImGuiMouseButton_Left);
     if (state.draggingWipe) {
-        state.view.wipe = std::clamp(mouse.x / place.size.x, 0.0f, 1.0f);
+        state.view.wipe = std::clamp(mouse.x / toPixels.size.x, 0.0f, 1.0f);
     } else if (left || middle) {
         if (io.KeyShift)
-            pan(navigation, moved, place.size.y);
+            pan(navigation, moved, toPixels.size.y);
         else
-            orbit(navigation, moved, place.size.y);
+            orbit(navigation, moved, toPixels.size.y);
     } else if (ImGui::IsMouseDragging(ImGuiMouseButton_Right, 0)) {
-        look(navigation, moved, place.size.y);
+        look(navigation, moved, toPixels.size.y);
     }
     if (io.MouseWheel != 0) zoom(navigation, io.MouseWheel);
     const ImVec2 dragged = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0);
     const bool still =
         dragged.x * dragged.x + dragged.y * dragged.y < io.MouseDragThreshold * io.MouseDragThreshold;
     if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && still && !state.draggingWipe)
-        state.selectedSurface = pick(state, mouse, place.size);
+        state.selectedSurface = pick(state, mouse, toPixels.size);
     if (navigation.camera.worldFromCamera != before.worldFromCamera ||
         navigation.camera.ymag != before.ymag) {
         state.camera = -1;
@@ -159,20 +159,20 @@ void handleKey(ViewerState& state, const Window::KeyPress& press, glm::vec2 size
 Actions handleInput(ViewerState& state, const std::vector<Window::KeyPress>& pressed, glm::ivec4 area) {
     Actions actions;
     const ImGuiIO& io = ImGui::GetIO();
-    const Place place{glm::vec2(area.x, area.y),
-                      glm::vec2(area.z, area.w),
-                      {io.DisplayFramebufferScale.x, io.DisplayFramebufferScale.y}};
+    const PixelMapping toPixels{glm::vec2(area.x, area.y),
+                                glm::vec2(area.z, area.w),
+                                {io.DisplayFramebufferScale.x, io.DisplayFramebufferScale.y}};
     if (!io.WantTextInput) {
         if (!pressed.empty()) state.message.clear();
-        for (const Window::KeyPress& press : pressed) handleKey(state, press, place.size, actions);
+        for (const Window::KeyPress& press : pressed) handleKey(state, press, toPixels.size, actions);
         if (state.document) handleFlight(state);
     }
     if (!pressed.empty() || io.MouseDelta.x != 0 || io.MouseDelta.y != 0 || io.MouseWheel != 0 ||
         ImGui::IsAnyMouseDown())
         state.lastInput = std::chrono::steady_clock::now();
     state.pictureSize = {area.z, area.w};
-    state.mouse = io.WantCaptureMouse ? glm::vec2(-1) : place(io.MousePos);
-    if (!io.WantCaptureMouse && state.document) handleMouse(state, place);
+    state.mouse = io.WantCaptureMouse ? glm::vec2(-1) : toPixels(io.MousePos);
+    if (!io.WantCaptureMouse && state.document) handleMouse(state, toPixels);
     return actions;
 }
 

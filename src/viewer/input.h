@@ -6,7 +6,7 @@
 
 namespace phat {
 
-/// What a frame's keys asked for, beside what was done to the state at once.
+/// Actions that a frame's keys requested and that were not applied to the state at once.
 struct Actions {
     bool saveImage = false;
     bool save = false;

@@ -9,7 +9,7 @@
 namespace phat {
 namespace {
 
-// Renewed PHATexels are uploaded for so long a frame.
+// The time of uploads of updated PHATexels, per frame.
 constexpr double kUploadSeconds = 0.004;
 
 }  // namespace
@@ -29,28 +29,28 @@ void LightFollower::begin(const Document& document) {
 void LightFollower::follow(ViewerState& state, bool changed, bool visible) {
     if (failed_) return;
     Document& document = *state.document;
-    const bool renews = state.view.liveLight, refines = renews && state.view.refine && visible;
+    const bool updates = state.view.liveLight, refines = updates && state.view.refine && visible;
     try {
         if (!light_) {
-            // Things that have moved need their places renewed, even where light waits.
-            if (!document.isMoved() && !refines && (!renews || document.isAtRest())) return;
+            // Moved objects need their positions updated, even where light waits.
+            if (!document.isMoved() && !refines && (!updates || document.isAtRest())) return;
             begin(document);
             changed = true;
         }
         const Camera& eye = state.navigation.camera;
         const bool turned = eye.worldFromCamera != eye_ && !light_->report().converged;
-        if (changed || turned || renews != renews_ || refines != refines_) {
-            light_->follow(document.posed.snapshot(), eye, renews, refines);
-            renews_ = renews;
+        if (changed || turned || updates != updates_ || refines != refines_) {
+            light_->follow(document.posed.snapshot(), eye, updates, refines);
+            updates_ = updates;
             refines_ = refines;
             eye_ = eye.worldFromCamera;
         }
         state.refinements = light_->report().refinements;
-        if (renewed_.empty()) {
+        if (update_.empty()) {
             std::optional<LightUpdate> update = light_->take();
             if (!update) return;
-            renewed_ = std::move(*update);
-            document.takeLight(renewed_);
+            update_ = std::move(*update);
+            document.takeLight(update_);
         }
     } catch (const std::exception& error) {
         state.message = fmt::format("Dynamic lighting failed: {}.", sentenceOf(error));
@@ -58,8 +58,8 @@ void LightFollower::follow(ViewerState& state, bool changed, bool visible) {
         failed_ = true;
         return;
     }
-    const bool refined = renewed_.refined;
-    state.renderer->takeUpdate(renewed_, kUploadSeconds);
+    const bool refined = update_.refined;
+    state.renderer->takeUpdate(update_, kUploadSeconds);
     // What is refined is averaged with what was there.
     if (!refined) ++state.lightVersion;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Light that follows what is changed in the window: the live engine beside the renderer.
+// Dynamic lighting in the window: the incremental baker beside the renderer.
 
 #include <memory>
 #include <optional>
@@ -11,15 +11,15 @@ namespace phat {
 
 class LightFollower {
   public:
-    /// Forgets what was renewed, for another bake.
+    /// Drops updates, for another bake.
     void reset();
-    /// Asks for the light of what is shown now and gives the renderer what has been renewed, for so long as a
+    /// Asks for the light of what is shown now and gives the renderer what has been updated, for so long as a
     /// frame can spare. The first change begins it. What goes wrong is told in the state's message, and light
     /// stays as it is until reset(). `changed`: since the last call; `visible`: somebody may be looking. pre:
     /// a renderer and a whole bake.
     void follow(ViewerState& state, bool changed, bool visible);
     /// There is more to give than the last frame had time for.
-    bool hasMore() const { return !renewed_.empty(); }
+    bool hasMore() const { return !update_.empty(); }
     /// Before what it reads is written to.
     void waitUntilStarted();
     std::optional<BakerThread::Report> report() const;
@@ -29,8 +29,8 @@ class LightFollower {
 
     std::unique_ptr<BakerThread> light_;
     bool failed_ = false;
-    LightUpdate renewed_;  // not uploaded yet
-    bool renews_ = false, refines_ = false;
+    LightUpdate update_;  // not uploaded yet
+    bool updates_ = false, refines_ = false;
     glm::mat4 eye_{1};  // that light was last asked for
 };
 

@@ -8,7 +8,7 @@ namespace phat {
 
 struct Navigation {
     Camera camera;
-    float focusMeters = 1;  // from the eye to what is orbited, along the view
+    float focusMeters = 1;  // from the eye to the centre of orbiting, along the view
 };
 
 /// A camera of the file, or one of the viewer's: orbits what lies `focusMeters` ahead.
@@ -22,7 +22,7 @@ glm::vec3 focusOf(const Navigation& navigation);
 void orbit(Navigation& navigation, glm::vec2 pixels, float height);
 /// Turns the head instead.
 void look(Navigation& navigation, glm::vec2 pixels, float height);
-/// What lies in the focus stays under the mouse.
+/// The point in the focus stays under the mouse.
 void pan(Navigation& navigation, glm::vec2 pixels, float height);
 /// Steps of a mouse wheel, positive toward the focus. Never reaches it.
 void zoom(Navigation& navigation, float steps);
@@ -30,7 +30,7 @@ void zoom(Navigation& navigation, float steps);
 /// Metres along the camera's right, world's up and the camera's backward.
 void fly(Navigation& navigation, glm::vec3 meters);
 
-/// Looks at the middle of `bounds` from where all of it is seen; the direction stays. `aspect`: width /
+/// Looks at the middle of `bounds` from where all of it is visible; the direction stays. `aspect`: width /
 /// height.
 void frameBounds(Navigation& navigation, const Bounds& bounds, float aspect);
 

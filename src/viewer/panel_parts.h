@@ -22,13 +22,13 @@ bool choose(const char* label, Enum& value, const std::array<const char*, n>& na
     return true;
 }
 
-// Of what is shown: view_panels.cpp.
+// Of the view: view_panels.cpp.
 void drawPicturePanel(ViewerState& state);
 void drawComparePanel(ViewerState& state, const Pictures& pictures);
 void drawPhatexelPanel(ViewerState& state, const Pictures& pictures);
 void drawPerformancePanel(ViewerState& state, const Pictures& pictures);
 
-// Of what can be changed: edit_panels.cpp.
+// Of edits: edit_panels.cpp.
 /// The edit goes on while a slider is held.
 struct Edit {
     SceneEdits next;

@@ -73,11 +73,11 @@ void drawGrab(const ViewerState& state, float leftEdge) {
         list->PopClipRect();
     }
     const std::string words = describe(grab);
-    const ImVec2 place(leftEdge + line, line);
+    const ImVec2 position(leftEdge + line, line);
     const float width = size.x - leftEdge - 2 * line;
-    list->AddText(nullptr, 0, {place.x + 1, place.y + 1}, IM_COL32(0, 0, 0, 255), words.c_str(), nullptr,
-                  width);
-    list->AddText(nullptr, 0, place, IM_COL32(255, 255, 255, 255), words.c_str(), nullptr, width);
+    list->AddText(nullptr, 0, {position.x + 1, position.y + 1}, IM_COL32(0, 0, 0, 255), words.c_str(),
+                  nullptr, width);
+    list->AddText(nullptr, 0, position, IM_COL32(255, 255, 255, 255), words.c_str(), nullptr, width);
 }
 
 // Files to choose from.
@@ -104,9 +104,9 @@ void drawLabels(const ViewerState& state, const PanelInput& input, float leftEdg
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const float line = ImGui::GetTextLineHeight();
     const auto label = [&](float x, const std::string& words, int row = 0) {
-        const ImVec2 place(x, size.y - float(2 + row) * line);
-        list->AddText({place.x + 1, place.y + 1}, IM_COL32(0, 0, 0, 255), words.c_str());
-        list->AddText(place, IM_COL32(255, 255, 255, 255), words.c_str());
+        const ImVec2 position(x, size.y - float(2 + row) * line);
+        list->AddText({position.x + 1, position.y + 1}, IM_COL32(0, 0, 0, 255), words.c_str());
+        list->AddText(position, IM_COL32(255, 255, 255, 255), words.c_str());
     };
     const auto width = [](const std::string& words) { return ImGui::CalcTextSize(words.c_str()).x; };
     std::string left = samplesLine(kSourceNames[size_t(state.view.left)], pictures.left());
@@ -181,7 +181,7 @@ PanelActions drawPanels(ViewerState& state, const PanelInput& input) {
     ImGui::PushItemWidth(-ImGui::GetFontSize() * 8);
     if (!input.bakeStatus.empty()) {
         wrappedText(input.bakeStatus);
-        ImGui::ProgressBar(input.bakeShare);
+        ImGui::ProgressBar(input.bakeFraction);
     }
     drawFiles(state, actions);
     if (!state.document) {

@@ -11,7 +11,7 @@ namespace phat {
 struct PanelInput {
     const Pictures& pictures;
     std::string bakeStatus;  // empty: no bake is running
-    float bakeShare = 0;
+    float bakeFraction = 0;
     std::optional<BakerThread::Report> light;  // once anything has been changed
     float uiScale = 1;
     bool turning = false;  // a turntable is being written

@@ -83,16 +83,16 @@ void PathPreview::refine(const View& view, uint64_t version) {
         settings.camera = view.camera;
         Refined refined;
         // Passes that double: the first picture is there soon, and later ones spend little on handing over.
-        for (int samples = 1; refined.samplesPerPixel < kMostSamples; samples = std::min(2 * samples, 64)) {
+        for (int samples = 1; refined.samplesPerPixel < kMaxSamples; samples = std::min(2 * samples, 64)) {
             settings.samplesPerPixel = samples;
             settings.seed = uint64_t(refined.samplesPerPixel) + 1;
             const TracedPicture pass = tracePicture(settings, integrator, stop);
-            const float share = float(samples) / float(refined.samplesPerPixel + samples);
+            const float fraction = float(samples) / float(refined.samplesPerPixel + samples);
             if (refined.samplesPerPixel == 0)
                 refined.mean = pass.mean;
             else
                 for (size_t i = 0; i < pass.mean.pixels.size(); ++i)
-                    refined.mean.pixels[i] = glm::mix(refined.mean.pixels[i], pass.mean.pixels[i], share);
+                    refined.mean.pixels[i] = glm::mix(refined.mean.pixels[i], pass.mean.pixels[i], fraction);
             refined.samplesPerPixel += samples;
             {
                 const std::lock_guard lock(mutex_);

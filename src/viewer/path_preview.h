@@ -36,11 +36,11 @@ class PathPreview {
     void show(View view);
     /// Nothing to do until the next show().
     void pause();
-    /// The newest picture of the view that was asked for last, once. Throws what its tracing threw.
+    /// The newest image of the last requested view, once. Rethrows the exception of its tracing.
     std::optional<Refined> take();
 
     /// Refinement ends here.
-    static constexpr int kMostSamples = 4096;
+    static constexpr int kMaxSamples = 4096;
 
   private:
     class Stop;
@@ -53,7 +53,7 @@ class PathPreview {
     std::optional<View> wanted_;
     std::optional<Refined> ready_;
     std::exception_ptr failure_;
-    std::atomic<uint64_t> version_ = 0;  // of what is wanted
+    std::atomic<uint64_t> version_ = 0;  // of the request
     bool quit_ = false;
     std::thread thread_;
 };

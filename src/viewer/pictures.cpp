@@ -15,12 +15,12 @@ constexpr int kStillSamples = 16;
 // Of views whose cost is high or whose numbers must not be blended.
 constexpr int kCountSamples = 1;
 // Reads a pixel that are shown white; --quality high reads 137 in the mean.
-constexpr float kMostReads = 256;
+constexpr float kMaxReads = 256;
 // Rays of a still picture's first sample may take so long; the window does not answer meanwhile.
 constexpr double kRaySeconds = 0.8;
 // While something moves, pixels are left out so that a frame takes no longer than this.
 constexpr double kMovingFrameSeconds = 0.04;
-constexpr int kMostCoarseness = 8;
+constexpr int kMaxCoarseness = 8;
 
 int stillSamples(const ViewerState& state, Source source) {
     const Inspected what = state.view.inspection.what;
@@ -64,7 +64,7 @@ int Pictures::coarsenessFor(glm::uvec2 size) const {
     // Nothing is known of the first frame.
     if (secondsPerPixel_ == 0) return 4;
     int coarseness = 1;
-    while (coarseness < kMostCoarseness &&
+    while (coarseness < kMaxCoarseness &&
            secondsPerPixel_ * double(size.x) * double(size.y) > kMovingFrameSeconds * coarseness * coarseness)
         coarseness *= 2;
     return coarseness;
@@ -130,7 +130,7 @@ void Pictures::askPathTracer(const ViewerState& state, Side& side, glm::uvec2 si
                  state.document->posed.snapshot()});
     side.version = state.version;
     side.tracedSamples = 0;
-    side.wanted = PathPreview::kMostSamples;
+    side.wanted = PathPreview::kMaxSamples;
     measuredSamples_ = 0;
 }
 
@@ -234,7 +234,7 @@ void Pictures::show(const ViewerState& state, glm::ivec4 area, int windowHeight)
         if (side.source == Source::pathTracer && side.version == state.version && side.tracedSamples > 0)
             return Presented{side.tracedTexture.name()};
         return Presented{side.drawn.texture.name(), side.drawn.samples, side.light,
-                         side.counts ? 1 / kMostReads : 0.0f};
+                         side.counts ? 1 / kMaxReads : 0.0f};
     };
     Presented left = presented(sides_[0]), right = state.view.compare ? presented(sides_[1]) : left;
     // Until the path tracer's first pass is there, the drawn picture stands in.

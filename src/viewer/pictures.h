@@ -53,7 +53,7 @@ class Pictures {
         uint64_t version = ~0ull;  // of the state, that the picture shows
         uint64_t lightVersion = 0;
         PictureSum drawn;
-        PictureSum next;  // by newer light: takes the place of `drawn` when it has some samples
+        PictureSum next;  // by newer light: replaces `drawn` when it has some samples
         uint64_t nextLightVersion = 0;
         uint32_t refinements = 0;  // of the light when `drawn` was begun
         Image traced;              // what tracedTexture shows

@@ -10,7 +10,7 @@
 namespace phat {
 namespace {
 
-constexpr size_t kMostFiles = 10;
+constexpr size_t kMaxFiles = 10;
 
 std::filesystem::path listPath() {
     if (const char* state = std::getenv("XDG_STATE_HOME"); state && *state)
@@ -26,7 +26,7 @@ std::vector<std::string> recentFiles() {
     std::vector<std::string> files;
     std::ifstream list(listPath());
     std::error_code ignored;
-    for (std::string line; files.size() < kMostFiles && std::getline(list, line);)
+    for (std::string line; files.size() < kMaxFiles && std::getline(list, line);)
         if (std::filesystem::is_regular_file(line, ignored)) files.push_back(line);
     return files;
 }
@@ -38,7 +38,7 @@ void rememberFile(const std::string& path) {
     std::vector<std::string> files = recentFiles();
     std::erase(files, full);
     files.insert(files.begin(), full);
-    if (files.size() > kMostFiles) files.resize(kMostFiles);
+    if (files.size() > kMaxFiles) files.resize(kMaxFiles);
     std::string text;
     for (const std::string& file : files) text += file + "\n";
     try {

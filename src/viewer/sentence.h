@@ -1,5 +1,5 @@
 #pragma once
-// What went wrong, for the window.
+// Error messages for the window.
 
 #include <exception>
 #include <new>

@@ -14,15 +14,16 @@ std::optional<TexelUnderMouse> texelUnderMouse(const ViewerState& state) {
     uint32_t chart = atlas.triangleChart[hit.triangle];
     if (chart == kNoChart) return std::nullopt;
     const auto& corners = atlas.triangleTexels[hit.triangle];
-    glm::vec2 place = corners[0] + hit.barycentric.x * (corners[1] - corners[0]) +
-                      hit.barycentric.y * (corners[2] - corners[0]);
+    glm::vec2 position = corners[0] + hit.barycentric.x * (corners[1] - corners[0]) +
+                         hit.barycentric.y * (corners[2] - corners[0]);
     if (atlas.charts[chart].back != hit.backFace) {
         const uint32_t other = atlas.charts[chart].otherSide;
         if (other == kNoChart) return std::nullopt;
-        place += glm::vec2(atlas.charts[other].originTexel()) - glm::vec2(atlas.charts[chart].originTexel());
+        position +=
+            glm::vec2(atlas.charts[other].originTexel()) - glm::vec2(atlas.charts[chart].originTexel());
         chart = other;
     }
-    const glm::uvec2 texel = glm::min(glm::uvec2(glm::max(place, 0.0f)), atlas.sizeTexels - 1u);
+    const glm::uvec2 texel = glm::min(glm::uvec2(glm::max(position, 0.0f)), atlas.sizeTexels - 1u);
     if (atlas.chartAt(texel) != chart) return std::nullopt;
     const Phatexture& stored = document.baked.phatexture;
     const Inspection& inspection = state.view.inspection;

@@ -1,5 +1,5 @@
 #pragma once
-// What is stored where the mouse points.
+// The stored data of the texel under the mouse.
 
 #include <optional>
 

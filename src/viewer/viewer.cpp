@@ -124,7 +124,7 @@ void Viewer::open(const std::string& path) {
     state_.document = std::move(document);
     state_.selectedSurface.reset();
     state_.fileChanged = false;
-    // A file that is read again is seen from where it was.
+    // Reloading a file keeps the camera.
     if (!again) showCamera(state_, 0);
     state_.touch();
     rememberFile(path);
@@ -148,7 +148,7 @@ void Viewer::tryOpen(const std::string& path) {
 void Viewer::useBake() {
     const BakedScene& baked = state_.document->baked;
     pictures_.takeNewBake();
-    state_.document->forgetRenewedLight();
+    state_.document->forgetUpdatedLight();
     light_.reset();
     state_.renderer.reset();
     moved_.reset();
@@ -212,7 +212,7 @@ PanelInput Viewer::panelInput() const {
     input.bakeStatus =
         fmt::format("Baking, step {} of {}: {}, {:.0f} s", std::min(bake_->step(), BackgroundBake::kSteps),
                     BackgroundBake::kSteps, report.stage, report.elapsedSeconds);
-    input.bakeShare = report.share;
+    input.bakeFraction = report.fraction;
     return input;
 }
 

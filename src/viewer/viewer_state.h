@@ -1,5 +1,5 @@
 #pragma once
-// What the window shows and how: read by the drawing, changed by the panels and the mouse.
+// State of the window: read when drawing, changed by the panels and the mouse.
 
 #include <array>
 #include <chrono>
@@ -19,7 +19,7 @@ namespace phat {
 /// Samples a pixel of pictures that are written.
 inline constexpr int kKeptSamples = 16;
 
-/// What one side of the wipe shows.
+/// The source of one side of the wipe.
 enum class Source : uint8_t { phat, phatPyramid, phatPaper, direct, pathTracer, phatexels };
 inline constexpr std::array<const char*, 6> kSourceNames = {
     "phat", "phat-pyramid", "phat-paper", "direct light only", "path tracer", "PHATexels"};
@@ -27,7 +27,7 @@ inline constexpr std::array<const char*, 6> kSourceNames = {
 struct ViewSettings {
     Source left = Source::phat, right = Source::pathTracer;
     bool compare = false;
-    float wipe = 0.5f;  // share of the width
+    float wipe = 0.5f;  // fraction of the width
     bool difference = false;
     Component component = Component::all;
     Inspection inspection{Inspected::radiance};  // of Source::phatexels
@@ -53,16 +53,16 @@ struct ViewerState {
     bool editing = false;  // a slider is held
     bool draggingWipe = false;
     std::optional<Grab> grab;
-    std::vector<std::optional<glm::vec3>> switchedOff;  // [lamp], its intensity before
+    std::vector<std::optional<glm::vec3>> switchedOff;  // [light], its intensity before
     bool pressKeptGrab = false;  // the mouse's button that is still held selects nothing
     std::string message;         // the last error or notice, one sentence, until the next key or click
     std::vector<std::string> recentFiles;
     bool fileChanged = false;  // on disk, since it was read
-    /// Grows with every change that asks for a new picture.
+    /// Grows with every change that requires a new image.
     uint64_t version = 0;
     /// Grows when nothing but the light on things is newer.
     uint64_t lightVersion = 0;
-    /// How often the light of what is shown has been made anew with other draws.
+    /// The number of refinement passes of the displayed light.
     uint32_t refinements = 0;
 
     void touch() { ++version; }

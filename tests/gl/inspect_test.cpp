@@ -63,9 +63,9 @@ class Inspect : public ::testing::Test {
                 const Hit hit = visibleHit(rays_, ray, count);
                 if (!hit) continue;
                 const auto& corners = world_.atlas.triangleTexels[hit.triangle];
-                const glm::vec2 place = corners[0] + hit.barycentric.x * (corners[1] - corners[0]) +
-                                        hit.barycentric.y * (corners[2] - corners[0]);
-                const glm::uvec2 texel(place);
+                const glm::vec2 position = corners[0] + hit.barycentric.x * (corners[1] - corners[0]) +
+                                           hit.barycentric.y * (corners[2] - corners[0]);
+                const glm::uvec2 texel(position);
                 const glm::vec3 want = expected(texel);
                 const glm::vec3 apart = glm::abs(image.at(x, y) - want);
                 ++all;

@@ -1,4 +1,4 @@
-// Rays in place of the lookup: closed forms on quads whose irradiance is known.
+// Rays instead of the lookup: closed forms on quads whose irradiance is known.
 
 #include "core/render/traced_reflections.h"
 
@@ -86,28 +86,28 @@ struct WorldOfRays {
 struct FloorProbe : WorldOfRays {
     using WorldOfRays::WorldOfRays;
 
-    std::vector<SeenBySurface> trace(float roughness, uint32_t count, float share = 1) const {
+    std::vector<SurfaceIncident> trace(float roughness, uint32_t count, float weight = 1) const {
         ReflectionView view;
         view.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 1);
         view.width = int(count);
         view.height = 1;
         TracedSurface surface;
-        surface.place = {0.5f * float(count), 0.5f};
+        surface.position = {0.5f * float(count), 0.5f};
         surface.triangle = rays.closestHit({0, 1, 1}, glm::normalize(glm::vec3(0.1f, -1, -1))).triangle;
-        surface.base = {{0, 1, 0}, std::max(square(roughness), kMinAlpha), 1, 1, share, 2};
+        surface.base = {{0, 1, 0}, std::max(square(roughness), kMinAlpha), 1, 1, weight, 2};
         std::vector<TracedSurface> surfaces(count, surface);
         for (uint32_t i = 0; i < count; ++i) surfaces[i].pixel = i;
         SilentProgress silent;
         uint64_t rayCount = 0;
-        auto seen = traceReflections(scene, view, surfaces, silent, rayCount);
+        auto incident = traceReflections(scene, view, surfaces, silent, rayCount);
         EXPECT_GE(rayCount, count);
-        return seen;
+        return incident;
     }
-    SeenByLobe mean(float roughness, uint32_t count) const {
-        SeenByLobe sum;
-        for (const SeenBySurface& seen : trace(roughness, count)) {
-            sum.indirect += seen.base.indirect / float(count);
-            sum.area += seen.base.area / float(count);
+    LobeIncident mean(float roughness, uint32_t count) const {
+        LobeIncident sum;
+        for (const SurfaceIncident& incident : trace(roughness, count)) {
+            sum.indirect += incident.base.indirect / float(count);
+            sum.area += incident.base.area / float(count);
         }
         return sum;
     }
@@ -116,22 +116,22 @@ struct FloorProbe : WorldOfRays {
 TEST(TracedReflections, MirrorShowsAlbedoTimesIrradiance) {
     RendererWorld world = worldOfQuads(floorAndCeiling(metal(0), lambert(0.5f)), 4);
     setIrradiance(world, 1, 3);
-    const SeenByLobe seen = FloorProbe(world).mean(0, 4);
-    EXPECT_NEAR(seen.indirect.x, 0.5f * 3 / kPi, 2e-3f);  // RGB9E5 rounds by up to 2^-9
-    EXPECT_EQ(seen.area, glm::vec3(0));
+    const LobeIncident incident = FloorProbe(world).mean(0, 4);
+    EXPECT_NEAR(incident.indirect.x, 0.5f * 3 / kPi, 2e-3f);  // RGB9E5 rounds by up to 2^-9
+    EXPECT_EQ(incident.area, glm::vec3(0));
 }
 
-TEST(TracedReflections, LampIsSeenOnceAndAsAreaLight) {
+TEST(TracedReflections, EmissionCountsOnceAndAsAreaLight) {
     const RendererWorld world = worldOfQuads(floorAndCeiling(metal(0), emitter(glm::vec3(7)), 400), 4);
     const FloorProbe probe(world);
     for (float roughness : {0.0f, 0.1f, 0.18f}) {
-        const SeenByLobe seen = probe.mean(roughness, 4096);
-        EXPECT_NEAR(seen.area.x, 7, 0.03f) << roughness;
-        EXPECT_EQ(seen.indirect, glm::vec3(0)) << roughness;
+        const LobeIncident incident = probe.mean(roughness, 4096);
+        EXPECT_NEAR(incident.area.x, 7, 0.03f) << roughness;
+        EXPECT_EQ(incident.indirect, glm::vec3(0)) << roughness;
     }
 }
 
-// A lamp far smaller than the lobe: light samples and the lobe's own rays share it without loss. The exact
+// A lamp far smaller than the lobe: light samples and the lobe's own rays find it without loss. The exact
 // value is the integral of the lobe over the lamp, over the lobe's albedo.
 TEST(TracedReflections, SmallLampBringsItsShareOfTheLobe) {
     constexpr float kSide = 0.04f, kRoughness = 0.18f;
@@ -143,8 +143,8 @@ TEST(TracedReflections, SmallLampBringsItsShareOfTheLobe) {
         scene.positions[i] += shift;
     const RendererWorld world = worldOfQuads(std::move(scene), 4);
 
-    const glm::vec3 floorPlace(0.1f, 0, 0), lamp = glm::vec3(0, 2, 0) + shift;
-    const glm::vec3 towardEye = glm::normalize(glm::vec3(0, 1, 1) - floorPlace);
+    const glm::vec3 floorPoint(0.1f, 0, 0), lamp = glm::vec3(0, 2, 0) + shift;
+    const glm::vec3 towardEye = glm::normalize(glm::vec3(0, 1, 1) - floorPoint);
     const Frame frame = frameFromNormal({0, 1, 0});
     Brdf brdf;
     brdf.f0 = glm::vec3(1);
@@ -153,7 +153,7 @@ TEST(TracedReflections, SmallLampBringsItsShareOfTheLobe) {
     constexpr int kSteps = 16;
     for (int i = 0; i < kSteps * kSteps; ++i) {
         const glm::vec2 at = (glm::vec2(i % kSteps, i / kSteps) + 0.5f) / float(kSteps) - 0.5f;
-        const glm::vec3 way = lamp + kSide * glm::vec3(at.x, 0, at.y) - floorPlace;
+        const glm::vec3 way = lamp + kSide * glm::vec3(at.x, 0, at.y) - floorPoint;
         const glm::vec3 toward = glm::normalize(way);
         const float solidAngle = square(kSide / kSteps) * toward.y / glm::dot(way, way);
         expected +=
@@ -169,8 +169,8 @@ TEST(TracedReflections, MirrorInAMirrorIsNotBlack) {
     RendererWorld world = worldOfQuads(std::move(scene), 4);
     setIrradiance(world, 2, 3);
     // 45 degrees: up at z = -2 to the ceiling, down at z = -4 to the wall.
-    const SeenByLobe seen = FloorProbe(world).mean(0, 256);
-    EXPECT_NEAR(seen.indirect.x, 0.5f * 3 / kPi, 0.02f);
+    const LobeIncident incident = FloorProbe(world).mean(0, 256);
+    EXPECT_NEAR(incident.indirect.x, 0.5f * 3 / kPi, 0.02f);
 }
 
 TEST(TracedReflections, ThreadsDoNotChangeThem) {
@@ -213,12 +213,12 @@ TEST(TracedReflections, LobesSharperThanThePhatexelsAroundAreTraced) {
     EXPECT_GT(raysFor(0.05f, 2, 48), 0u);
     EXPECT_EQ(raysFor(0.5f, 2, 48), 0u);
     EXPECT_GT(raysFor(0.5f, 2, 8), 0u);       // texels too far apart
-    EXPECT_GT(raysFor(0.5f, 0.05f, 48), 0u);  // or what is seen too close
+    EXPECT_GT(raysFor(0.5f, 0.05f, 48), 0u);  // or what is reflected is too close
     EXPECT_EQ(raysFor(1, 2, 48), 0u);
 }
 
 // In the picture: what the lookup would say is replaced, not added to.
-TEST(TracedReflections, TakeThePlaceOfTheLookup) {
+TEST(TracedReflections, ReplaceTheLookup) {
     const HeadlessContext context;
     RendererWorld world = worldOfQuads(floorAndCeiling(metal(0.05f), emitter(glm::vec3(5))), 4);
     fillWithLookups(world, 2, 0);

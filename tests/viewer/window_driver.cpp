@@ -170,8 +170,8 @@ void WindowDriver::wait(double seconds) {
     sleepFor(seconds);
 }
 
-void WindowDriver::moveTo(glm::ivec2 place) {
-    XTestFakeMotionEvent(display_, 0, place.x, place.y, 0);
+void WindowDriver::moveTo(glm::ivec2 pixel) {
+    XTestFakeMotionEvent(display_, 0, pixel.x, pixel.y, 0);
     wait(0.05);
 }
 
@@ -180,9 +180,9 @@ void WindowDriver::hold(int button, bool down) {
     wait(0.05);
 }
 
-void WindowDriver::click(glm::ivec2 place, bool control) {
+void WindowDriver::click(glm::ivec2 pixel, bool control) {
     const KeyCode controlKey = XKeysymToKeycode(display_, XStringToKeysym("Control_L"));
-    moveTo(place);
+    moveTo(pixel);
     if (control) XTestFakeKeyEvent(display_, controlKey, True, 0);
     if (control) wait(0.05);
     hold(1, true);

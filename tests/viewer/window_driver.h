@@ -42,9 +42,9 @@ class WindowDriver {
     WindowDriver(const WindowDriver&) = delete;
     WindowDriver& operator=(const WindowDriver&) = delete;
 
-    // The hands. Places are pixels from the upper left corner.
-    void moveTo(glm::ivec2 place);
-    void click(glm::ivec2 place, bool control = false);
+    // Input. Positions are pixels from the upper left corner.
+    void moveTo(glm::ivec2 pixel);
+    void click(glm::ivec2 pixel, bool control = false);
     /// In several steps, as a hand does.
     void drag(glm::ivec2 from, glm::ivec2 to, int button = 1);
     void hold(int button, bool down);
@@ -57,8 +57,8 @@ class WindowDriver {
     // has drawn the widget and turns the wheel until it is in the window. Of equal labels it is the first
     // one.
     void clickWidget(const std::string& label, bool control = false);
-    /// The place on a slider, from 0 at its left end to 1.
-    glm::ivec2 placeOnWidget(const std::string& label, float share);
+    /// The pixel at a fraction of a slider, from 0 at its left end to 1.
+    glm::ivec2 pixelOnWidget(const std::string& label, float fraction);
 
     /// What the window put there.
     std::string clipboard();

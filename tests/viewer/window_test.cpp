@@ -98,7 +98,7 @@ TEST_F(ViewerWindow, EditsWithoutANewBakeAsSetDoes) {
     window.settle();
     EXPECT_EQ(largestDifference(pictureOf(window.screenshot()), pictureOf(start)), 0);
     window.key("l");  // as `--set` does, the light waits
-    window.drag(window.placeOnWidget("Roughness", 0.4f), window.placeOnWidget("Roughness", 0.8f));
+    window.drag(window.pixelOnWidget("Roughness", 0.4f), window.pixelOnWidget("Roughness", 0.8f));
     window.settle();
     EXPECT_GT(meanDifference(pictureOf(window.screenshot()), pictureOf(start)), 0.005);
     window.clickWidget("Roughness", true);
@@ -155,7 +155,7 @@ TEST_F(ViewerWindow, ShowsAnEditInTheFrameThatTakesIt) {
     window.settle();
     window.click(kTable);
     window.settle();
-    window.moveTo(window.placeOnWidget("Roughness", 0.8f));
+    window.moveTo(window.pixelOnWidget("Roughness", 0.8f));
     window.settle();
     const Image before = window.screenshot();
     window.hold(1, true);
@@ -206,7 +206,7 @@ TEST_F(ViewerWindow, SleepsAndNoticesThatItsFileChanged) {
     const Image start = window.screenshot();
     expectSleep(window);
     std::filesystem::last_write_time(path, std::filesystem::last_write_time(path) + std::chrono::seconds(5));
-    window.placeOnWidget("Reload", 0.5f);  // waits for it
+    window.pixelOnWidget("Reload", 0.5f);  // waits for it
     window.settle();
     const Image offered = window.screenshot();
     EXPECT_GT(meanDifference(panelsOf(offered), panelsOf(start)), 0.005);
@@ -266,7 +266,7 @@ TEST_F(ViewerWindow, RepeatedUseTakesNoMoreMemory) {
     window.click(kTable);
     double before = 0, after = 0;
     for (int round = 0; round < kRounds; ++round) {
-        window.drag(window.placeOnWidget("Roughness", 0.4f), window.placeOnWidget("Roughness", 0.8f));
+        window.drag(window.pixelOnWidget("Roughness", 0.4f), window.pixelOnWidget("Roughness", 0.8f));
         window.drag({360, 180}, {390, 190});
         window.key("ctrl+z");
         for (const char* key : {"c", "c", "Tab", "Tab", "f", "Home"}) window.key(key);

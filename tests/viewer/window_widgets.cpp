@@ -17,23 +17,23 @@ std::optional<glm::ivec4> WindowDriver::areaOf(const std::string& label) const {
     return {};
 }
 
-glm::ivec2 WindowDriver::placeOnWidget(const std::string& label, float share) {
+glm::ivec2 WindowDriver::pixelOnWidget(const std::string& label, float fraction) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(600);
     for (;; wait(0.05)) {
         if (!running()) throw std::runtime_error("phat view ended: " + errors());
         if (std::chrono::steady_clock::now() > end) throw std::runtime_error("no widget " + label);
         const auto area = areaOf(label);
         if (!area) continue;
-        const glm::ivec2 place(std::lround(glm::mix(float(area->x), float(area->z), share)),
+        const glm::ivec2 pixel(std::lround(glm::mix(float(area->x), float(area->z), fraction)),
                                (area->y + area->w) / 2);
-        if (place.y >= 0 && place.y < size_.y) return place;
+        if (pixel.y >= 0 && pixel.y < size_.y) return pixel;
         moveTo({(area->x + area->z) / 2, size_.y / 2});
-        wheel(place.y < 0 ? 1 : -1);
+        wheel(pixel.y < 0 ? 1 : -1);
     }
 }
 
 void WindowDriver::clickWidget(const std::string& label, bool control) {
-    click(placeOnWidget(label, 0.5f), control);
+    click(pixelOnWidget(label, 0.5f), control);
 }
 
 }  // namespace phat

@@ -150,7 +150,7 @@ const rows = [
         },
     ],
     ...['loopback', 'throttled'].map((network) => [
-        `${network}, s: poster; first picture; lamps; all`,
+        `${network}, s: poster; first picture; area lights; all`,
         ({ phat }) =>
             Object.values(phat[network])
                 .map((s) => fixed(s, 1))

@@ -1,4 +1,4 @@
-// What people use: MeshStandardMaterial, a RectAreaLight for each lamp, and a prefiltered probe whose
+// What people use: MeshStandardMaterial, a RectAreaLight for each area light, and a prefiltered probe whose
 // reflections are projected on the room's box. The probe is made here from the directly lit scene, as a page
 // without a bake would.
 import {
@@ -25,7 +25,7 @@ const gltf = await new GLTFLoader().loadAsync('room.glb');
 const scene = new Scene();
 scene.add(gltf.scene);
 
-// A lamp is a flat emissive mesh that shines down.
+// An area light here is a flat emissive mesh that faces down.
 function addLamp(mesh) {
     const box = new Box3().setFromObject(mesh),
         size = box.getSize(new Vector3()),
@@ -38,7 +38,7 @@ function addLamp(mesh) {
     scene.add(lamp);
 }
 
-// Parallax correction [Lagarde and Zanuttini 2012]: the reflected ray meets the box, seen from the probe's place.
+// Parallax correction [Lagarde and Zanuttini 2012]: the reflected ray meets the box, as seen from the probe's position.
 function projectOnBox(material, box, probe) {
     material.onBeforeCompile = (shader) => {
         Object.assign(shader.uniforms, {

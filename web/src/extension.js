@@ -77,8 +77,8 @@ export class BakedLight {
         this.environment = null;
     }
 
-    // The PHATexels, in the order of what they do for the picture by their bytes: area lights' highlights, a
-    // first layer of indirect light, then the others. The picture is drawn from what is there.
+    // The PHATexels, in the order of their effect per byte: area lights' highlights, a first layer of indirect
+    // light, then the others. Frames are drawn from the data that have arrived.
     async load(parser, description) {
         const { indirect, area } = description,
             { atlas } = this.bake,
@@ -158,7 +158,7 @@ function emptySource({ width, height, blockCount }) {
     return { guides: new Uint16Array(256).fill(256), layers: [layer] };
 }
 
-// What Passes upload.
+// Input of the uploads of Passes.
 function lookupOf(distances, indirect, area) {
     const sources = area ? [indirect, area] : [indirect];
     const guides = new Uint16Array(sources.reduce((sum, source) => sum + source.guides.length, 0));

@@ -70,7 +70,7 @@ export async function readAtlas(parser, description, triangleCount) {
         payload(atlas.charts, Uint32Array, 8 * atlas.chartCount, 'the list of charts'),
         payload(atlas.tiles, Uint32Array, tileCount, 'the list of tiles'),
         payload(atlas.triangles, Uint32Array, triangleCount, 'the list of triangles'),
-        payload(tiles.places, Uint32Array, 8 * tileCount, 'the places of the tiles'),
+        payload(tiles.places, Uint32Array, 8 * tileCount, 'the tile patches'),
         payload(tiles.brightest, Float32Array, 3 * tileCount, 'the bound of the light'),
         payload(indirect.irradiance, Uint32Array, texels, 'the indirect irradiance'),
         area.irradiance ? payload(area.irradiance, Uint32Array, texels, "the area lights' irradiance") : null,

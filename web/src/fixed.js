@@ -1,9 +1,9 @@
-// What the passes need whatever the room: WebGL's state, and textures that never change.
+// Resources of the passes that do not depend on the room: WebGL's state, and constant textures.
 import { ShaderProgram, createFramebuffer, createTexture2D } from './gl.js';
 
 const kSplitSumSize = 64; // twin: src/core/scene/brdf.h
 
-// What three.js may have left switched on.
+// WebGL state that three.js may have left enabled.
 export function resetState(gl, width, height) {
     for (const switched of [
         gl.BLEND,

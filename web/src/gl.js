@@ -90,7 +90,7 @@ export class ShaderProgram {
         else gl.uniform1i(location, value);
     }
 
-    // What not every program wants.
+    // Optional properties of programs.
     offer(name, value) {
         if (this.declared.has(name)) this.set(name, value);
     }
@@ -190,7 +190,7 @@ export function createFramebuffer(gl, colors, depth = null) {
     return framebuffer;
 }
 
-// Whether a WebGL 2 context can do what the lookup needs.
+// Whether a WebGL 2 context supports the lookup.
 export function isSupported(gl) {
     return (
         typeof WebGL2RenderingContext !== 'undefined' &&

@@ -10,7 +10,7 @@ export class PhatexturesExtension {
 
 /**
  * What a baked file adds to its scene: `gltf.userData.bakedLight`. Its materials show it wherever `gltf.scene` is drawn,
- * in place of ambient, hemisphere and environment light; changes of the materials are followed.
+ * instead of ambient, hemisphere and environment light; changes of the materials are followed.
  */
 export class BakedLight {
     private constructor();

@@ -24,7 +24,7 @@ vec3 phatLightHere() {
 }
 `;
 
-// The bake has all that lights without a direction of their own, and environments, stand for.
+// The bake replaces ambient, hemisphere and environment light.
 const replaceIndirect = `#include <aomap_fragment>
 reflectedLight.indirectDiffuse = vec3(0.0);
 reflectedLight.indirectSpecular = vec3(0.0);

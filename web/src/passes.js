@@ -1,5 +1,5 @@
 // The passes before three.js draws: depth, lookup, pool, display. Their picture is the light that a bake adds
-// to every pixel: all indirect light, and what area lights bring directly. One picture is of the opaque
+// to every pixel: all indirect light, and direct light of area lights. One picture is of the opaque
 // surfaces; where there are blended ones, another is of the nearest of these.
 // twin: src/gl/lookup_pass.cpp, src/gl/display_pass.cpp.
 import { ShaderProgram, createTextureArray } from './gl.js';

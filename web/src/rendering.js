@@ -1,4 +1,4 @@
-// What one renderer has drawn of a baked light.
+// The passes and targets of one renderer for a baked light.
 import { Matrix4, Vector3, Vector4 } from 'three';
 import { isSupported } from './gl.js';
 import { Passes } from './passes.js';

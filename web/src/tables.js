@@ -1,5 +1,5 @@
-// The tables that the shaders read, from what is in the file.
-// twin: src/gl/phatexture_upload.cpp, src/gl/lookup_pass.cpp, warpOf in src/core/phatexel/lookup_tables.cpp.
+// The tables that the shaders read, from the file's data.
+// twin: src/gl/phatexture_upload.cpp, src/gl/lookup_pass.cpp, inverseCdfOf in src/core/phatexel/lookup_tables.cpp.
 import { createTexture2D, createTextureArray } from './gl.js';
 import { kNoChart } from './file.js';
 
@@ -8,7 +8,7 @@ const kTablesWide = 512; // twin: shaders/lib/lookup_tables.glsl
 const kTableSide = 16;
 
 // The guide as it is inverted: each cell's part of the unit square, in 255ths.
-export function warpOf(weights) {
+export function inverseCdfOf(weights) {
     const code = (x) => Math.round(255 * x);
     const rows = new Float64Array(kTableSide);
     weights.forEach((weight, i) => {
@@ -44,7 +44,7 @@ export function uploadInverseCdfs(gl, guides) {
         height = Math.ceil(count / kTablesWide) * kTableSide;
     const pixels = new Uint8Array(4 * width * height);
     for (let i = 0; i < count; ++i) {
-        const cells = warpOf(guides.subarray(256 * i, 256 * i + 256));
+        const cells = inverseCdfOf(guides.subarray(256 * i, 256 * i + 256));
         const x = (i % kTablesWide) * kTableSide,
             y = Math.floor(i / kTablesWide) * kTableSide;
         for (let row = 0; row < kTableSide; ++row)
@@ -143,7 +143,7 @@ function uploadTileLight(gl, radianceBound, tilesWide, tilesHigh) {
     return createTexture2D(gl, gl.RGBA32F, tilesWide, tilesHigh, texels);
 }
 
-// What does not wait for the PHATexels.
+// Textures that do not depend on the PHATexels.
 export function uploadAtlas(gl, atlas) {
     const tilesWide = atlas.width / 8,
         tilesHigh = atlas.height / 8;

@@ -3,7 +3,7 @@
 import { createFramebuffer, createTexture2D, createTextureArray } from './gl.js';
 
 // `layers`: of the sums, see shaders/lib/sums_out.glsl. Returns { width, height, incident, pooled,
-// pooledTarget, opaque, blended }; the last, if wanted, like `opaque` { depth, light, incidentTarget,
+// pooledTarget, opaque, blended }; the last, if requested, like `opaque` { depth, light, incidentTarget,
 // lightTarget }.
 export function createTargets(gl, width, height, layers, hasBlended) {
     const texture = (format) => createTexture2D(gl, format, width, height);

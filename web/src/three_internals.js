@@ -1,4 +1,4 @@
-// What the passes use of three.js beyond its documentation: the WebGL texture behind a Texture, which
+// Undocumented parts of three.js that the passes use: the WebGL texture behind a Texture, which
 // `renderer.properties` holds as `__webglTexture` with the `__version` that was uploaded. Throws where a
 // release of three.js keeps them otherwise, for without them every map would silently be white.
 import { REVISION } from 'three';

@@ -44,7 +44,7 @@ export class Navigation {
         canvas.addEventListener('blur', () => this.pressed.clear());
     }
 
-    // From a camera of the file. What is in the middle of the picture is turned around.
+    // From a camera of the file. The point in the middle of the image is the centre of orbiting.
     goTo(view) {
         this.first = view;
         const { camera, controls } = this;

@@ -61,7 +61,7 @@ export function createPanel(viewer, materials, cameras, goTo, changed) {
         viewer.present();
     });
     element('exposure').value = viewer.exposure;
-    // A metal shows best what the sliders do.
+    // A metal shows the effect of the sliders best.
     material.value = Math.max(
         0,
         materials.findIndex((m) => m.metalness > 0.5 && !m.metalnessMap),

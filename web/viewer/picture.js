@@ -1,4 +1,4 @@
-// The mean of many pictures, and its way to the screen.
+// The mean of many frames, and its display.
 // twin: src/gl/picture_sum.cpp, src/gl/present_pass.cpp.
 import { HalfFloatType, NearestFilter, WebGLRenderTarget } from 'three';
 import { ShaderProgram, createFramebuffer, createTexture2D } from '../src/gl.js';

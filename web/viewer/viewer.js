@@ -24,7 +24,7 @@ const kRelativeCost = { fast: 1, default: 3, high: 8 };
 // Fine enough that a shadow's border is as sharp as in `phat render`, where maps are of 2048.
 const kShadowTexels = 1024,
     kShadowOffset = 0.01; // metres
-const kLeastScale = 0.25,
+const kMinScale = 0.25,
     kScaleSteps = 8;
 
 const element = (id) => document.getElementById(id);
@@ -55,7 +55,7 @@ function prepareShadow(light) {
     light.shadow.normalBias = kShadowOffset;
 }
 
-// Two things that three.js does to a lamp's highlight, and glTF's appendix B and hence the bake do not: it is
+// Two things that three.js does to a punctual light's highlight, and glTF's appendix B and hence the bake do not: it is
 // blunted where normals turn within a pixel (here many pictures are averaged), and brightened on rough metals
 // for light that would be reflected twice.
 function keepToGltf(material) {
@@ -164,7 +164,7 @@ class Viewer {
         const { width, height } = this.picture.target,
             pixels = (width * height) / this.scale ** 2;
         const fitting = Math.sqrt(seconds / (this.secondsPerPixel * kRelativeCost[quality] * pixels));
-        this.setScale(Math.min(1, Math.max(kLeastScale, Math.floor(fitting * kScaleSteps) / kScaleSteps)));
+        this.setScale(Math.min(1, Math.max(kMinScale, Math.floor(fitting * kScaleSteps) / kScaleSteps)));
     }
 
     setScale(scale) {
@@ -173,7 +173,7 @@ class Viewer {
         this.resize();
     }
 
-    // Whether the GPU has caught up. No more than one picture waits, or the page would not answer.
+    // Whether the GPU has caught up. At most one frame is queued, so that the page stays responsive.
     isIdle(gl, now) {
         if (!this.pending) return true;
         const { fence, since, cost } = this.pending;

@@ -26,13 +26,13 @@ std::vector<Side> chooseSides(const Scene& scene, const std::vector<FlatChart>& 
         componentSides.empty() ? std::vector<uint32_t>() : connectedComponents(scene);
     std::vector<Side> sides;
     for (uint32_t f = 0; f < flats.size(); ++f) {
-        Sides wanted = Sides::front;
+        Sides lit = Sides::front;
         if (!component.empty()) {
             assert(component[flats[f].triangles[0]] < componentSides.size());
-            wanted = componentSides[component[flats[f].triangles[0]]];
+            lit = componentSides[component[flats[f].triangles[0]]];
         }
-        if (wanted != Sides::back) sides.push_back({f, false});
-        if (wanted != Sides::front) sides.push_back({f, true});
+        if (lit != Sides::back) sides.push_back({f, false});
+        if (lit != Sides::front) sides.push_back({f, true});
     }
     return sides;
 }
@@ -116,7 +116,7 @@ Atlas placeCharts(const Scene& scene, const std::vector<FlatChart>& flats, const
 }
 
 float coverageOf(const Atlas& atlas) {
-    std::vector<bool> covered(atlas.texelCount(), false);
+    std::vector<bool> occupied(atlas.texelCount(), false);
     for (size_t t = 0; t < atlas.triangleChart.size(); ++t) {
         if (atlas.triangleChart[t] == kNoChart) continue;
         const Chart& chart = atlas.charts[atlas.triangleChart[t]];
@@ -127,18 +127,18 @@ float coverageOf(const Atlas& atlas) {
                      [&](int x, int y) {
                          const glm::uvec2 texel(x, y),
                              other = texel + toOther;  // wraps around, as unsigned numbers do
-                         covered[size_t(texel.y) * atlas.sizeTexels.x + texel.x] = true;
-                         covered[size_t(other.y) * atlas.sizeTexels.x + other.x] = true;
+                         occupied[size_t(texel.y) * atlas.sizeTexels.x + texel.x] = true;
+                         occupied[size_t(other.y) * atlas.sizeTexels.x + other.x] = true;
                      });
     }
     size_t count = 0;
-    for (const bool c : covered) count += c;
+    for (const bool c : occupied) count += c;
     return atlas.texelCount() ? float(double(count) / double(atlas.texelCount())) : 0.0f;
 }
 
 // About the texel size that will come out, before anything is packed.
 double guessTexelSize(const MeshTopology& topology, const AtlasSettings& settings) {
-    // Of the atlas; what the scenes in scenes/ reach is .74 to .90.
+    // Occupied fraction of the atlas; the scenes in scenes/ reach .74 to .90.
     constexpr double kUsualCoverage = 0.75;
     if (settings.texelSizeMeters > 0) return settings.texelSizeMeters;
     double area = 0;
@@ -146,7 +146,7 @@ double guessTexelSize(const MeshTopology& topology, const AtlasSettings& setting
     return std::sqrt(area / (kUsualCoverage * double(std::max<uint64_t>(settings.texelBudget, 1))));
 }
 
-// Texels a side at which a UV set is searched for overlaps: about what the charts will have.
+// Texels a side at which a UV set is searched for overlaps: about the size of the atlas.
 uint32_t checkResolutionFor(const MeshTopology& topology, double texelSizeMeters) {
     double area = 0;
     for (const double a : topology.faceArea) area += a;
@@ -156,18 +156,18 @@ uint32_t checkResolutionFor(const MeshTopology& topology, double texelSizeMeters
 
 }  // namespace
 
-std::vector<BlockPlace> blockPlaces(const Atlas& atlas) {
-    std::vector<BlockPlace> places(atlas.blockCount);
+std::vector<BlockRect> blockRects(const Atlas& atlas) {
+    std::vector<BlockRect> rects(atlas.blockCount);
     for (const Chart& chart : atlas.charts) {
         for (uint32_t y = 0; y < chart.blocksHigh(); ++y)
             for (uint32_t x = 0; x < chart.blocksWide(); ++x) {
                 const glm::uvec2 offset = glm::uvec2(x, y) * kBlockSize;
-                places[chart.firstBlock + y * chart.blocksWide() + x] = {
+                rects[chart.firstBlock + y * chart.blocksWide() + x] = {
                     chart.originTexel() + offset,
                     glm::min(glm::uvec2(kBlockSize), chart.sizeTexels() - offset)};
             }
     }
-    return places;
+    return rects;
 }
 
 void numberBlocks(Atlas& atlas) {
@@ -180,7 +180,7 @@ void numberBlocks(Atlas& atlas) {
 
 Atlas buildAtlas(const Scene& scene, const std::vector<Sides>& componentSides, const AtlasSettings& settings,
                  Progress& progress, AtlasStats* stats) {
-    if (!(settings.glossyDensity >= 1 && settings.glossyDensity <= kMostGlossyDensity))
+    if (!(settings.glossyDensity >= 1 && settings.glossyDensity <= kMaxGlossyDensity))
         throw std::invalid_argument("the density of glossy surfaces must be from 1 to 8");
     progress.begin("unwrap", scene.triangles.size());
     const MeshTopology topology = buildTopology(scene);
@@ -200,8 +200,8 @@ Atlas buildAtlas(const Scene& scene, const std::vector<Sides>& componentSides, c
     }
     Packing packing = packCharts(boxes, settings, progress);
     if (boxes.empty() && !scene.triangles.empty()) {
-        // Triangles without area have no charts, but stay in the file: one tile of no chart gives them a
-        // place.
+        // Triangles without area have no charts but stay in the file: one tile without a chart holds their
+        // UVs.
         packing.texelSizeMeters = 1;
         packing.sizeTiles = glm::uvec2(1);
     }

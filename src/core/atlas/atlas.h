@@ -57,7 +57,7 @@ struct Atlas {
     uint32_t chartAt(glm::uvec2 texel) const {
         return tileChart[size_t(texel.y / kTileSize) * sizeTiles().x + texel.x / kTileSize];
     }
-    /// `texel`: its place in an array of [y][x].
+    /// `texel`: index into an array of [y][x].
     uint32_t chartAt(size_t texel) const { return chartAt({texel % sizeTexels.x, texel / sizeTexels.x}); }
     /// pre: the texel's tile has a chart.
     float texelMetersAt(size_t texel) const {
@@ -79,9 +79,9 @@ enum class Sides : uint8_t { front, back, both };
 struct AtlasSettings {
     float texelSizeMeters = 0;        // of rough surfaces; 0: from texelBudget
     uint64_t texelBudget = 1 << 20;   // about how many texels the whole atlas may have
-    float glossyDensity = 3;          // texels of glossy surfaces are up to so much finer; 1..8, 1: nowhere
+    float glossyDensity = 3;          // texels of glossy surfaces are up to this factor finer; 1..8
     float maxNormalConeDegrees = 40;  // charts stop growing where normals leave this cone
-    uint32_t gutterTexels = 4;        // at least so many texels around every chart
+    uint32_t gutterTexels = 4;        // least number of texels around every chart
     uint32_t maxSizeTexels = 16384;   // per side
     int useUvSet = -1;                // >= 0: take the charts of this UV set instead of unwrapping
 };
@@ -90,7 +90,7 @@ struct AtlasSettings {
 struct AtlasStats {
     uint32_t chartCount = 0;
     float coverage = 0;             // texels with a surface under their centre / all texels
-    float areaWithinStretch15 = 0;  // share of the surface area whose L2-independent stretch is <= 1.5
+    float areaWithinStretch15 = 0;  // fraction of the surface area whose L2-independent stretch is <= 1.5
     uint32_t degenerateTriangles = 0;
 };
 
@@ -107,21 +107,21 @@ Atlas buildAtlas(const Scene& scene, const std::vector<Sides>& componentSides, c
                  Progress& progress, AtlasStats* stats = nullptr);
 
 /// The texels of a block that its chart has.
-struct BlockPlace {
+struct BlockRect {
     glm::uvec2 origin;  // texel
     glm::uvec2 size;    // texels, at most kBlockSize
 };
 /// [block]
-std::vector<BlockPlace> blockPlaces(const Atlas& atlas);
+std::vector<BlockRect> blockRects(const Atlas& atlas);
 
 /// Recomputes firstBlock and blockCount from the charts' sizes (after loading).
 void numberBlocks(Atlas& atlas);
 
 enum class TexelState : uint8_t {
-    unused,   // no chart, or too far from its chart's edge
-    surface,  // centre inside a triangle
-    gutter,   // extended past the edge (Hensley et al. 2003, section 4.2)
-    covered,  // inside or pressed against other geometry: never carries light
+    unused,    // no chart, or too far from its chart's edge
+    surface,   // centre inside a triangle
+    gutter,    // extended past the edge (Hensley et al. 2003, section 4.2)
+    occluded,  // inside or pressed against other geometry: never carries light
 };
 
 /// Where each texel is in the world. All arrays are [y][x] of the atlas.
@@ -143,12 +143,12 @@ struct TexelPoints {
 /// store it. States are unused, surface or gutter.
 TexelPoints buildTexelPoints(const Scene& scene, const Atlas& atlas);
 
-/// Marks as covered the texels of which at least half the hemisphere is the dark side of something (a side of
-/// a triangle without texels), those that something is pressed against, and the gutters that reach through
+/// Marks as occluded the texels of which at least half the hemisphere is the dark side of something (a side
+/// of a triangle without texels), those that something is pressed against, and the gutters that reach through
 /// geometry. `rays` must be of the atlas's scene.
-void markCoveredTexels(TexelPoints& points, const Atlas& atlas, const RayScene& rays, Progress& progress);
+void markOccludedTexels(TexelPoints& points, const Atlas& atlas, const RayScene& rays, Progress& progress);
 /// Whether it would mark one texel, which must be valid in `points`.
-bool isCoveredTexel(const TexelPoints& points, const Atlas& atlas, const RayScene& rays, size_t texel);
+bool isOccludedTexel(const TexelPoints& points, const Atlas& atlas, const RayScene& rays, size_t texel);
 
 /// Frame of each block: mean normal and tangent of its texels. Directions of a block's PHATexels are stored
 /// in it, so that they follow the surface when it moves.

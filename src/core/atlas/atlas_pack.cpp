@@ -184,8 +184,9 @@ Packing packCharts(std::span<const PackBox> boxes, const AtlasSettings& settings
     const double budget = double(std::max<uint64_t>(settings.texelBudget, kTileSize * kTileSize));
     const auto [finest, coarsest] = texelSizesFor(boxes, settings, budget);
 
-    // Bisection of the logarithm, first on the boxes' sum (cheap) with the share of the atlas that the last
-    // packing could fill, then packed. The share hardly depends on the texel size: two or three packings do.
+    // Bisection of the logarithm, first on the boxes' sum (cheap) with the fraction of the atlas that the
+    // last packing could fill, then packed. The fraction hardly depends on the texel size: two or three
+    // packings do.
     constexpr double kTolerance = 0.02;
     double filled = 0.85;
     // Many small charts: their gutters alone may exceed the budget, and coarser texels then save nothing. A

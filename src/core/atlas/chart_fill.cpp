@@ -23,7 +23,7 @@ void fillWithinCharts(std::vector<glm::vec3>& values, std::vector<uint8_t>& know
         if (glm::any(glm::lessThan(before, glm::ivec2(0))) || glm::any(glm::greaterThanEqual(before, size)) ||
             !known[indexOf(before)] || chartOf(before) != chartOf(p))
             return last;
-        // Held between none and twice the light: next to a shadow's edge the slope does not go on.
+        // Clamped between none and twice the light: next to a shadow's edge the slope does not go on.
         return glm::clamp(2.0f * last - values[indexOf(before)], glm::vec3(0), 2.0f * last);
     };
 

@@ -6,7 +6,7 @@
 
 namespace phat {
 
-/// Carries known values into unknown places of the same chart, nearest ring first, until no place with a
+/// Extrapolates known values to unknown texels of the same chart, nearest ring first, until no texel with a
 /// known neighbour is left. The first ring continues the slope of what it touches, the others copy. Values
 /// are >= 0. `values` and `known` are [y][x] of the atlas taken at every `step`-th texel.
 void fillWithinCharts(std::vector<glm::vec3>& values, std::vector<uint8_t>& known, const Atlas& atlas,

@@ -1,5 +1,5 @@
 #pragma once
-// One chart on its way to the plane.
+// One chart while it is flattened.
 
 #include <array>
 #include <cstdint>

@@ -25,9 +25,9 @@ namespace {
 constexpr float kRoughEnough = 0.6f;
 // Sharper lobes find so few PHATexels that relighting widens them, whatever the texels' size.
 constexpr float kSharpest = 0.2f;
-constexpr float kMostCoarsening = 1.25f;
-// Textured materials are looked up at so many places: the cube root forgives a noisy mean.
-constexpr uint32_t kPlaces = 64;
+constexpr float kMaxCoarsening = 1.25f;
+// Textured materials are evaluated at so many points: the cube root damps the noise of their mean.
+constexpr uint32_t kSamplePoints = 64;
 
 // F / alpha^2 of one lobe, 1 for the perfect metal above.
 float weightOfLobe(float reflectance, float alpha) {
@@ -39,7 +39,7 @@ float weightOf(const Brdf& brdf) {
            weightOfLobe(brdf.clearcoat * kClearcoatF0, brdf.clearcoatAlpha);
 }
 
-// Whether no texture and no place can make the weight exceed 1.
+// Whether the weight is at most 1 at every point of the surface.
 bool roughEverywhere(const Material& m) {
     return m.unlit ||
            (m.metallicRoughnessTexture.image < 0 && m.roughness >= kRoughEnough && m.clearcoat <= 0);
@@ -51,23 +51,23 @@ double areaOf(const Scene& scene, uint32_t triangle) {
                                                scene.positions[t.z] - scene.positions[t.x])));
 }
 
-// Mean weight over places that share the surface's area evenly.
+// Mean weight over points that are stratified by area.
 double meanWeight(const Scene& scene, const Surface& surface) {
     double area = 0;
     for (uint32_t t = 0; t < surface.triangleCount; ++t) area += areaOf(scene, surface.firstTriangle + t);
     if (!(area > 0)) return 0;
     double sum = 0, passed = 0;
-    uint32_t place = 0;
+    uint32_t sample = 0;
     for (uint32_t t = surface.firstTriangle; t < surface.firstTriangle + surface.triangleCount; ++t) {
         passed += areaOf(scene, t);
-        for (; place < kPlaces && (place + 0.5) * area <= passed * kPlaces; ++place) {
-            Rng random(hashOf(surface.firstTriangle, place));
+        for (; sample < kSamplePoints && (sample + 0.5) * area <= passed * kSamplePoints; ++sample) {
+            Rng random(hashOf(surface.firstTriangle, sample));
             glm::vec2 b = random.uniform2();
             if (b.x + b.y > 1) b = 1.0f - b;
             sum += double(weightOf(surfaceAt(scene, t, b, false).brdf));
         }
     }
-    return place > 0 ? sum / place : 0;
+    return sample > 0 ? sum / sample : 0;
 }
 
 }  // namespace
@@ -87,7 +87,7 @@ void keepBudget(std::span<const double> area, std::span<double> density) {
     if (density.empty()) return;
     const double least = *std::min_element(density.begin(), density.end());
     for (double& d : density) d /= least;
-    // Of the pieces' excess g = density - 1: sum A (1 + s g)^2 <= kMostCoarsening^2 sum A, for the largest s.
+    // Of the pieces' excess g = density - 1: sum A (1 + s g)^2 <= kMaxCoarsening^2 sum A, for the largest s.
     double total = 0, linear = 0, quadratic = 0;
     for (size_t i = 0; i < area.size(); ++i) {
         const double excess = density[i] - 1;
@@ -95,7 +95,7 @@ void keepBudget(std::span<const double> area, std::span<double> density) {
         linear += area[i] * excess;
         quadratic += area[i] * excess * excess;
     }
-    const double room = (double(square(kMostCoarsening)) - 1) * total;
+    const double room = (double(square(kMaxCoarsening)) - 1) * total;
     if (2 * linear + quadratic <= room) return;
     const double scale = (std::sqrt(linear * linear + quadratic * room) - linear) / quadratic;
     for (double& d : density) d = 1 + scale * (d - 1);

@@ -13,7 +13,7 @@
 namespace phat {
 namespace {
 
-// A triangle whose altitude is under this share of its longest edge has no usable normal: float positions
+// A triangle whose altitude is under this fraction of its longest edge has no usable normal: float positions
 // carry 24 bits, so that such an altitude is rounding of the longest edge itself.
 constexpr double kMinAltitude = 1e-7;
 

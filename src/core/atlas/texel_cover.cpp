@@ -1,4 +1,4 @@
-// Texels that never carry light: inside closed objects, under what stands on them.
+// Occluded texels: inside closed objects, or under objects that stand on the surface.
 
 #include <tbb/parallel_for.h>
 
@@ -14,12 +14,12 @@ namespace {
 
 constexpr int kStrata = 4;  // per axis: 16 rays a texel
 constexpr int kRays = kStrata * kStrata;
-// Half of the sky dark from behind: the texel is inside or under something. Texels beside a wall's foot see
-// at most a little less than half of it.
+// Half of the rays meet unlit backs: the texel is inside or under an object. For texels beside a wall's foot
+// it is at most a little less than half.
 constexpr int kMaxDeadRays = kRays / 2;
-// Nine tenths of the sky, by cosine, end less than a quarter of a texel above the surface: something is
-// pressed on it. Height and not distance, and grazing rays count little, so that a lid's print has no
-// speckles.
+// Nine tenths of the hemisphere, by cosine, are blocked less than a quarter of a texel above the surface: an
+// object touches it. Height instead of distance, weighted by cosine, so that the border of the contact is not
+// speckled.
 constexpr float kMaxBlocked = 0.9f;
 constexpr float kPressedTexels = 0.25f;
 // Gutters are checked half a texel above their surface, so that the sag of a finely tessellated concave
@@ -28,7 +28,7 @@ constexpr float kGutterLiftTexels = 0.5f;
 
 bool sideLit(const Atlas& atlas, uint32_t triangle, bool backFace) {
     const uint32_t chart = atlas.triangleChart[triangle];
-    if (chart == kNoChart) return true;  // degenerate: tells nothing
+    if (chart == kNoChart) return true;  // degenerate: no information
     return atlas.charts[chart].back == backFace || atlas.charts[chart].otherSide != kNoChart;
 }
 
@@ -54,7 +54,7 @@ bool surroundedByDark(const TexelPoints& points, const Atlas& atlas, float texel
     return dead >= kMaxDeadRays || blocked >= kMaxBlocked * sky;
 }
 
-// Whether the way from the surface's edge to an extrapolated point leads through something.
+// Whether the segment from the surface's edge to an extrapolated point is occluded.
 bool behindGeometry(const TexelPoints& points, float texelSizeMeters, const RayScene& rays, size_t i) {
     const Scene& scene = rays.scene();
     const glm::uvec3& v = scene.triangles[points.triangle[i]];
@@ -74,7 +74,7 @@ bool behindGeometry(const TexelPoints& points, float texelSizeMeters, const RayS
 
 }  // namespace
 
-bool isCoveredTexel(const TexelPoints& points, const Atlas& atlas, const RayScene& rays, size_t texel) {
+bool isOccludedTexel(const TexelPoints& points, const Atlas& atlas, const RayScene& rays, size_t texel) {
     const uint32_t chart = atlas.chartAt(size_t(texel));
     const float texelSize = atlas.charts[chart].texelSizeMeters;
     const bool gutter = points.state[texel] == TexelState::gutter;
@@ -82,14 +82,14 @@ bool isCoveredTexel(const TexelPoints& points, const Atlas& atlas, const RayScen
            surroundedByDark(points, atlas, texelSize, rays, texel);
 }
 
-void markCoveredTexels(TexelPoints& points, const Atlas& atlas, const RayScene& rays, Progress& progress) {
-    progress.begin("find covered texels", points.sizeTexels.y);
+void markOccludedTexels(TexelPoints& points, const Atlas& atlas, const RayScene& rays, Progress& progress) {
+    progress.begin("find occluded texels", points.sizeTexels.y);
     tbb::parallel_for(uint32_t(0), points.sizeTexels.y, [&](uint32_t y) {
         progress.throwIfStopped();
         for (uint32_t x = 0; x < points.sizeTexels.x; ++x) {
             const size_t i = size_t(y) * points.sizeTexels.x + x;
-            if (points.valid(i) && isCoveredTexel(points, atlas, rays, i))
-                points.state[i] = TexelState::covered;
+            if (points.valid(i) && isOccludedTexel(points, atlas, rays, i))
+                points.state[i] = TexelState::occluded;
         }
         progress.advance(1);
     });

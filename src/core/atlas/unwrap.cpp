@@ -51,7 +51,7 @@ struct Flattener {
 
     // `trials`: how often a sound chart may still be halved for the sake of a smaller box.
     std::vector<FlatChart> flatten(std::vector<uint32_t> triangles, int trials) const {
-        // What the whole atlas is asked for (95 % of the area), of every chart.
+        // The same criterion as for the whole atlas (95 % of the area), for every chart.
         constexpr double kMinGoodArea = 0.95;
         // A disc fills .785 of its box, a triangle .5; rings and arcs less.
         constexpr double kMinFill = 0.5;

@@ -1,5 +1,5 @@
 #pragma once
-// The scene's surface as flat pieces in metres, before they have a place in the atlas.
+// The scene's surface as flat pieces in metres, before they are packed into the atlas.
 
 #include <array>
 #include <vector>
@@ -18,7 +18,7 @@ struct FlatChart {
     std::vector<std::array<glm::dvec2, 3>> uvMeters;  // per triangle corner; counter-clockwise
     glm::dvec2 sizeMeters{0};                         // all of uvMeters is in [0, sizeMeters]; x >= y
     double area = 0;                                  // of the surface, square metres
-    double areaWithinStretch15 = 0;                   // share of it
+    double areaWithinStretch15 = 0;                   // fraction of it
 };
 
 /// Cuts every surface into connected, near-isometric charts without overlaps. All triangles but the
@@ -29,7 +29,7 @@ std::vector<FlatChart> unwrapScene(const Scene& scene, const MeshTopology& topol
 
 /// Takes the islands of UV set 0 or 1 as charts, each scaled to its surface's area, otherwise in its own
 /// shape; mirrored islands are mirrored back. Throws std::runtime_error with the reason if the set is
-/// missing, not in [0, 1], or maps two places of the surface to one or a triangle to nothing. Overlaps are
+/// missing, not in [0, 1], or maps two points of the surface to one or a triangle to nothing. Overlaps are
 /// looked for at `checkResolution` texels a side.
 std::vector<FlatChart> chartsFromUvSet(const Scene& scene, const MeshTopology& topology, int uvSet,
                                        uint32_t checkResolution, Progress& progress);

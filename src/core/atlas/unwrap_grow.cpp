@@ -210,20 +210,20 @@ class Grower {
 std::vector<std::vector<uint32_t>> collectPieces(const Patch& patch, const std::vector<uint32_t>& chartOf,
                                                  std::span<const uint32_t> triangles) {
     std::vector<std::vector<uint32_t>> pieces;
-    std::vector<bool> seen(patch.count(), false);
+    std::vector<bool> visited(patch.count(), false);
     std::vector<uint32_t> stack;
     for (uint32_t first = 0; first < patch.count(); ++first) {
-        if (seen[first]) continue;
+        if (visited[first]) continue;
         std::vector<uint32_t> piece;
         stack.push_back(first);
-        seen[first] = true;
+        visited[first] = true;
         while (!stack.empty()) {
             const uint32_t t = stack.back();
             stack.pop_back();
             piece.push_back(triangles[t]);
             for (const uint32_t n : patch.neighbors[t]) {
-                if (n == kNone || seen[n] || chartOf[n] != chartOf[t]) continue;
-                seen[n] = true;
+                if (n == kNone || visited[n] || chartOf[n] != chartOf[t]) continue;
+                visited[n] = true;
                 stack.push_back(n);
             }
         }
@@ -236,12 +236,12 @@ std::vector<std::vector<uint32_t>> collectPieces(const Patch& patch, const std::
 // Triangles in breadth-first order from `start`.
 std::vector<uint32_t> breadthFirst(const Patch& patch, uint32_t start) {
     std::vector<uint32_t> order{start};
-    std::vector<bool> seen(patch.count(), false);
-    seen[start] = true;
+    std::vector<bool> visited(patch.count(), false);
+    visited[start] = true;
     for (size_t i = 0; i < order.size(); ++i)
         for (const uint32_t n : patch.neighbors[order[i]])
-            if (n != kNone && !seen[n]) {
-                seen[n] = true;
+            if (n != kNone && !visited[n]) {
+                visited[n] = true;
                 order.push_back(n);
             }
     return order;

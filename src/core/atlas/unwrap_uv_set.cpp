@@ -95,7 +95,7 @@ FlatChart flattenIsland(const Scene& scene, const MeshTopology& cut, const std::
                         std::vector<uint32_t> triangles) {
     const ChartMesh mesh = buildChartMesh(scene, cut, std::move(triangles));
     const bool mirrored = signedArea(cornersOf(scene, uv, mesh.triangles[0])) < 0;
-    std::vector<glm::dvec2> placed(mesh.vertexCount());
+    std::vector<glm::dvec2> positions(mesh.vertexCount());
     double uvArea = 0;
     FlatChart chart;
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -103,17 +103,17 @@ FlatChart flattenIsland(const Scene& scene, const MeshTopology& cut, const std::
         uvArea += std::abs(signedArea(corners));
         chart.area += cut.faceArea[mesh.triangles[t]];
         for (int corner = 0; corner < 3; ++corner)
-            placed[mesh.corners[t][corner]] = {mirrored ? -corners[corner].x : corners[corner].x,
-                                               corners[corner].y};
+            positions[mesh.corners[t][corner]] = {mirrored ? -corners[corner].x : corners[corner].x,
+                                                  corners[corner].y};
     }
-    for (glm::dvec2& p : placed) p *= std::sqrt(chart.area / uvArea);
+    for (glm::dvec2& p : positions) p *= std::sqrt(chart.area / uvArea);
 
     chart.triangles = mesh.triangles;
-    chart.sizeMeters = alignToBox(placed);
+    chart.sizeMeters = alignToBox(positions);
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         const auto& [a, b, c] = mesh.corners[t];
-        chart.uvMeters.push_back({placed[a], placed[b], placed[c]});
-        if (stretchOf(uvFromSurface(mesh, placed, t)) <= kGoodStretch)
+        chart.uvMeters.push_back({positions[a], positions[b], positions[c]});
+        if (stretchOf(uvFromSurface(mesh, positions, t)) <= kGoodStretch)
             chart.areaWithinStretch15 += cut.faceArea[mesh.triangles[t]] / chart.area;
     }
     return chart;

@@ -8,10 +8,10 @@ namespace {
 constexpr int kReach = 3;
 // Differences of this many standard errors still count as noise.
 constexpr float kNoiseSigmas = 3.0f;
-// Estimates are never taken to be better than this: half a percent cannot be seen.
-constexpr float kLeastRelativeError = 0.005f;
+// Lower bound of the relative standard error: half a percent is invisible.
+constexpr float kMinFilterRelativeError = 0.005f;
 // Normals farther apart than this are different surfaces to the eye, even in one chart.
-constexpr float kLeastNormalCosine = 0.9f;
+constexpr float kMinFilterNormalCosine = 0.9f;
 // In rays: a texel of either pass.
 constexpr uint64_t kFilterWork = 1;
 
@@ -23,7 +23,7 @@ struct Guide3x3 {
 };
 
 template <typename Visit>
-void forNeighbors(const Atlas& atlas, const std::vector<uint8_t>& wanted, glm::ivec2 texel, int reach,
+void forNeighbors(const Atlas& atlas, const std::vector<uint8_t>& receives, glm::ivec2 texel, int reach,
                   const Visit& visit) {
     const uint32_t chart = atlas.chartAt(texel);
     const glm::ivec2 low = glm::max(texel - reach, glm::ivec2(0));
@@ -31,7 +31,7 @@ void forNeighbors(const Atlas& atlas, const std::vector<uint8_t>& wanted, glm::i
     for (int y = low.y; y <= high.y; ++y) {
         for (int x = low.x; x <= high.x; ++x) {
             const size_t index = size_t(y) * atlas.sizeTexels.x + x;
-            if (atlas.chartAt({x, y}) == chart && wanted[index]) visit(glm::ivec2(x, y) - texel, index);
+            if (atlas.chartAt({x, y}) == chart && receives[index]) visit(glm::ivec2(x, y) - texel, index);
         }
     }
 }
@@ -39,13 +39,13 @@ void forNeighbors(const Atlas& atlas, const std::vector<uint8_t>& wanted, glm::i
 }  // namespace
 
 std::vector<uint8_t> irradianceTexels(const Atlas& atlas, const TexelPoints& points) {
-    std::vector<uint8_t> hasSurface(atlas.charts.size(), 0), wanted(points.state.size(), 0);
-    for (size_t i = 0; i < wanted.size(); ++i)
+    std::vector<uint8_t> hasSurface(atlas.charts.size(), 0), receives(points.state.size(), 0);
+    for (size_t i = 0; i < receives.size(); ++i)
         if (points.state[i] == TexelState::surface) hasSurface[atlas.chartAt(i)] = 1;
-    for (size_t i = 0; i < wanted.size(); ++i)
-        wanted[i] =
+    for (size_t i = 0; i < receives.size(); ++i)
+        receives[i] =
             points.valid(i) && (points.state[i] == TexelState::surface || !hasSurface[atlas.chartAt(i)]);
-    return wanted;
+    return receives;
 }
 
 ResumableTask filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, ReceiverTexels texels,
@@ -72,13 +72,13 @@ ResumableTask filterAreaIrradiance(const std::vector<IrradianceEstimate>& estima
             count += 1;
         });
         guide[i].luminance = sum / count;
-        guide[i].variance = variance / square(count) + square(kLeastRelativeError * guide[i].luminance);
+        guide[i].variance = variance / square(count) + square(kMinFilterRelativeError * guide[i].luminance);
     };
     const auto filter = [&](size_t i, glm::ivec2 texel) {
         glm::vec3 sum(0);
         float weights = 0;
         forNeighbors(atlas, receives, texel, kReach, [&](glm::ivec2 offset, size_t j) {
-            if (glm::dot(points.normal[i], points.normal[j]) < kLeastNormalCosine) return;
+            if (glm::dot(points.normal[i], points.normal[j]) < kMinFilterNormalCosine) return;
             const float difference = guide[i].luminance - guide[j].luminance;
             const float noise = square(kNoiseSigmas) * (guide[i].variance + guide[j].variance);
             const float tent = (kReach + 1 - std::abs(offset.x)) * (kReach + 1 - std::abs(offset.y));

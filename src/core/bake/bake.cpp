@@ -16,8 +16,8 @@
 namespace phat {
 namespace {
 
-// A side that gets less than this share of the other side's photons is a leak or an outside that nobody sees.
-constexpr double kLeastSideShare = 0.02;
+// A side that receives less than this fraction of the other side's photons is a leak or an invisible outside.
+constexpr double kMinSideFraction = 0.02;
 
 /// Sides that light reaches, per connected component; only they get texels.
 std::vector<Sides> litSides(const Scene& scene, const PhotonMap& map) {
@@ -29,8 +29,8 @@ std::vector<Sides> litSides(const Scene& scene, const PhotonMap& map) {
     std::vector<Sides> sides(count, Sides::front);
     for (uint32_t i = 0; i < count; ++i) {
         const auto [front, back] = photons[i];
-        if (back > kLeastSideShare * front)
-            sides[i] = front > kLeastSideShare * back ? Sides::both : Sides::back;
+        if (back > kMinSideFraction * front)
+            sides[i] = front > kMinSideFraction * back ? Sides::both : Sides::back;
     }
     return sides;
 }
@@ -132,7 +132,7 @@ Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, 
     const PhotonIndex index(photons.photons);
     result.atlas = buildAtlas(scene, litSides(scene, photons), settings.atlas, progress, &result.stats.atlas);
     result.points = buildTexelPoints(scene, result.atlas);
-    markCoveredTexels(result.points, result.atlas, rays, progress);
+    markOccludedTexels(result.points, result.atlas, rays, progress);
     const std::vector<Frame> frames = blockFrames(result.atlas, result.points);
     const std::vector<uint8_t> receivers = irradianceTexels(result.atlas, result.points);
     const GatherInput input{rays, lights, result.atlas, result.points, frames, photons, index, receivers};
@@ -173,7 +173,7 @@ uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings) {
     constexpr double kIndirectIrradiance = sizeof(NodeRays) / kNodeTexels + 2 * sizeof(glm::vec3);
     constexpr double kAreaLight = sizeof(PackedPhatexel) + sizeof(uint32_t);  // a layer, a map
     constexpr double kTables =
-        2 * sizeof(Guide) / kBlockTexels + (sizeof(DistanceProbe) + sizeof(PackedTile)) / kTileTexels;
+        2 * sizeof(Guide) / kBlockTexels + (sizeof(DepthProbe) + sizeof(PackedTile)) / kTileTexels;
     constexpr double kLayer = 3 * sizeof(PackedPhatexel);  // itself, sorted for compression, compressed
     // Irradiance is gathered before directions are chosen: the larger of the two counts.
     const double bytesPerTexel = kPoints + std::max(kDirections, kIndirectIrradiance) + kAreaLight + kTables +

@@ -26,7 +26,8 @@ struct Bake {
     BakeStats stats;
 };
 
-/// Throws Interrupted when `progress` asks, std::invalid_argument for splats without photon directions.
+/// Throws Interrupted when `progress` requests it, std::invalid_argument for splats without photon
+/// directions.
 Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress,
           BakeJournal* journal = nullptr);
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a bake is made by: resolution, photons, directions and the source of radiance.
+// Settings of a bake: resolution, photons, directions and the source of radiance.
 
 #include "core/atlas/atlas.h"
 #include "core/phatexel/directions.h"

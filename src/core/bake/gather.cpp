@@ -8,13 +8,13 @@
 namespace phat {
 namespace {
 
-// Of what is nearer the lookup asks fewer PHATexels, so that the noise of each counts: measured,
+// For nearer hits the lookup reads fewer PHATexels, so that the noise of each matters: measured,
 // notes/experiments.md.
 constexpr float kNearTexels = 160.0f;
 
 // Rounds of light samples for every texel, and further ones for those in penumbrae or noise.
 constexpr int kFirstRounds = 2, kFurtherRounds = 6;
-// Standard errors below this share need no further rounds: the filter removes them.
+// Relative standard errors below this need no further rounds: the filter removes them.
 constexpr float kQuietRelativeError = 0.02f;
 
 /// A texel's ray; nothing below the texel's horizon.
@@ -60,7 +60,7 @@ IncidentRadiance incidentAt(const IndirectLayer& of, const TexelDirection& chose
         case RadianceSource::splat:
             break;
     }
-    // splat: the photon itself is the sample; the ray only tells how far it came.
+    // splat: the photon itself is the sample; the ray gives only its distance.
     IncidentRadiance incident;
     incident.rays = 1;
     if (const Hit hit = input.rays.closestHit(ray.origin, ray.direction)) incident.distance = hit.distance;
@@ -106,9 +106,9 @@ IrradianceEstimate estimateArea(const GatherInput& input, const BakeSettings& se
 
 IrradianceEstimate joined(const IrradianceEstimate& first, const IrradianceEstimate& further) {
     constexpr float kAll = kFirstRounds + kFurtherRounds;
-    constexpr float kFirstShare = kFirstRounds / kAll, kFurtherShare = kFurtherRounds / kAll;
-    return {kFirstShare * first.value + kFurtherShare * further.value,
-            square(kFirstShare) * first.variance + square(kFurtherShare) * further.variance,
+    constexpr float kFirstFraction = kFirstRounds / kAll, kFurtherFraction = kFurtherRounds / kAll;
+    return {kFirstFraction * first.value + kFurtherFraction * further.value,
+            square(kFirstFraction) * first.variance + square(kFurtherFraction) * further.variance,
             first.partlyShadowed};
 }
 
@@ -166,10 +166,10 @@ PhatexelLayer gatherArea(const GatherContext& context, const ChosenDirections& c
 
 std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherContext& context) {
     const GatherInput& input = context.input;
-    const auto estimate = [&](GatherStage stage, const auto& wanted) {
+    const auto estimate = [&](GatherStage stage, const auto& selects) {
         std::vector<IrradianceEstimate> estimates(input.atlas.texelCount());
         fillParts(estimates, uint64_t(stage), context, [&](size_t texel, uint64_t& rays) {
-            if (!input.irradianceTexels[texel] || !wanted(texel)) return;
+            if (!input.irradianceTexels[texel] || !selects(texel)) return;
             estimates[texel] = estimateArea(input, context.settings, stage, texel, rays);
         });
         return estimates;
@@ -188,9 +188,9 @@ std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherContext& contex
     return estimates;
 }
 
-void renewAreaIrradiance(const GatherInput& input, const BakeSettings& settings, glm::uvec2 corner,
-                         glm::uvec2 size, std::vector<IrradianceEstimate>& estimates, uint64_t& rays) {
-    // With a ring around, whose first rounds tell which texels at the border are hard.
+void updateAreaIrradiance(const GatherInput& input, const BakeSettings& settings, glm::uvec2 corner,
+                          glm::uvec2 size, std::vector<IrradianceEstimate>& estimates, uint64_t& rays) {
+    // With a ring around, whose first rounds decide which texels at the border are hard.
     const glm::ivec2 low = glm::max(glm::ivec2(corner) - 1, glm::ivec2(0));
     const glm::ivec2 high = glm::min(glm::ivec2(corner + size) + 1, glm::ivec2(input.atlas.sizeTexels));
     const int width = high.x - low.x, atlasWidth = int(input.atlas.sizeTexels.x);

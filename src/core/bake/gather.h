@@ -12,7 +12,7 @@ namespace phat {
 
 struct TexelIrradiance;
 
-/// What the gathering stages read.
+/// Input of the gathering stages.
 struct GatherInput {
     const RayScene& rays;
     const LightSampler& lights;
@@ -24,7 +24,7 @@ struct GatherInput {
     const std::vector<uint8_t>& irradianceTexels;  // [y][x], as the function of that name
 };
 
-/// A run of the gathering stages: what they read, report to and are taken up again from.
+/// A run of the gathering stages: input, progress and journal.
 struct GatherContext {
     GatherInput input;
     const BakeSettings& settings;
@@ -68,11 +68,11 @@ PhatexelLayer gatherArea(const GatherContext& context, const ChosenDirections& c
 std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherContext& context);
 
 /// The same for a rectangle of texels inside the atlas, into their elements of `estimates`.
-void renewAreaIrradiance(const GatherInput& input, const BakeSettings& settings, glm::uvec2 corner,
-                         glm::uvec2 size, std::vector<IrradianceEstimate>& estimates, uint64_t& rays);
+void updateAreaIrradiance(const GatherInput& input, const BakeSettings& settings, glm::uvec2 corner,
+                          glm::uvec2 size, std::vector<IrradianceEstimate>& estimates, uint64_t& rays);
 
 /// Irradiance of all light that was reflected at least once, [y][x], everywhere in the charts, by rays of its
-/// own and smooth: the PHATexels have no part in it. `areaIrradiance`: as Phatexture's, what surfaces are
+/// own and smooth; it does not depend on the PHATexels. `areaIrradiance`: as Phatexture's, what surfaces are
 /// lit by.
 IrradianceMap gatherIndirectIrradiance(const GatherContext& context,
                                        const std::vector<uint32_t>& areaIrradiance);

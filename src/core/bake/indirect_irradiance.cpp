@@ -11,14 +11,14 @@ namespace {
 // Rays of a node of the finer levels, which lie closer.
 constexpr uint32_t kFineRays = 32;
 // Between nodes s texels apart the irradiance is a plane to within some (s / distance)^2 / 8: 1 %, with as
-// much again by the smoothing, where the distance of what is seen is this many steps.
+// much again by the smoothing, where the harmonic mean distance of the hits is this many steps.
 constexpr float kSplitBelowSteps = 6.0f;
 // Bounces of a closed room of albedo .8 converge to a thousandth in thirty; the setting is mostly lower.
 constexpr float kConverged = 1e-4f;
 // Nodes that a bounce takes in the time of a ray.
 constexpr uint64_t kNodesARay = 3;
 
-/// What is left of a node's rays once irradiance is known everywhere.
+/// Sums over the rays of a node, once irradiance is known everywhere.
 struct NodeSum {
     glm::vec3 irradiance{0};
     float nearness = 0;
@@ -140,7 +140,7 @@ void setDistances(IrradianceLevel& level, const Atlas& atlas, const std::vector<
     }
 }
 
-/// Whether a group's node or one beside it, in the same chart, is near to what it sees.
+/// Whether a group's node or a neighbour in the same chart has a small harmonic mean distance.
 std::vector<uint8_t> groupsToSplit(const IrradianceLevel& level, const Atlas& atlas) {
     const glm::ivec2 size(level.size);
     std::vector<uint8_t> split(level.node.size(), 0);

@@ -1,5 +1,5 @@
 #pragma once
-// Indirect irradiance in two steps: the rays of its nodes, which can be renewed one by one, and the light
+// Indirect irradiance in two steps: the rays of its nodes, which can be updated one by one, and the light
 // that bounces between them.
 
 #include <array>
@@ -14,7 +14,7 @@ namespace phat {
 // Rays of a node of the coarsest level.
 inline constexpr uint32_t kNodeRays = 64;
 
-/// A node's rays: what they know, and in which texels' irradiance they end.
+/// A node's rays: their direct light, and the texels in whose irradiance they end.
 struct NodeRays {
     glm::vec3 light{0};  // sum over the rays
     float nearness = 0;  // mean of 1 / metres

@@ -1,5 +1,5 @@
 #pragma once
-// From estimates of irradiance to the maps that are stored and drawn.
+// From estimates of irradiance to the maps that are stored and read.
 
 #include <vector>
 

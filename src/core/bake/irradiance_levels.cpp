@@ -13,20 +13,21 @@ constexpr float kMinRadiusSteps = 2.0f;
 constexpr float kRadiusRatio = 1.5f;
 constexpr float kMaxRadiusSteps = 12.0f;
 constexpr float kMaxRadiusTexels = 32.0f;
-// Nor beyond this share of the largest harmonic mean distance in that neighbourhood: a plane over irradiance
-// that bends as quickly as what it sees is near then misses by (1/4)^2 / 8, under 1 %.
+// Nor beyond this fraction of the largest harmonic mean distance in that neighbourhood: a plane over
+// irradiance that bends as quickly as what it sees is near then misses by (1/4)^2 / 8, under 1 %.
 constexpr float kMaxRadiusOverDistance = 0.25f;
 // Between smooth nodes: at least two in each direction.
 constexpr float kBetweenSteps = 1.7f;
 // Half the width of the confidence intervals that must meet, standard errors.
 constexpr float kConfidence = 3.0f;
-// A node that lies so many standard errors above its neighbours had a ray that the others missed.
+// A node so many standard errors above its neighbours is an outlier: one of its rays hit a rare bright
+// surface.
 constexpr float kOutlierErrors = 6.0f;
-// Estimates are never taken to be better than this: a third of a percent cannot be seen.
-constexpr float kLeastRelativeError = 0.003f;
+// Lower bound of the relative standard error: a third of a percent is invisible.
+constexpr float kMinFitRelativeError = 0.003f;
 // Normals farther apart than this are different surfaces to the light.
-constexpr float kLeastNormalCosine = 0.9f;
-// In rays: the fit that tells a node's noise, a node's smoothing, a texel.
+constexpr float kMinFitNormalCosine = 0.9f;
+// Costs in rays: the fit that estimates a node's noise, a node's smoothing, a texel.
 constexpr uint64_t kNoiseWork = 4, kSmoothWork = 40, kTexelWork = 1;
 
 class Interpolator {
@@ -52,12 +53,12 @@ class Interpolator {
         forNodes(level, begin, end,
                  [&](uint32_t node) { outlying_[level][node] = outlyingPart(level, node); });
     }
-    bool shareOutOutliers() {
+    bool redistributeOutliers() {
         bool any = false;
         for (size_t level = 0; level < levels_.size(); ++level)
             for (uint32_t node = 0; node < outlying_[level].size(); ++node) {
                 if (outlying_[level][node] == glm::vec3(0)) continue;
-                shareOut(level, node, outlying_[level][node]);
+                redistribute(level, node, outlying_[level][node]);
                 any = true;
             }
         return any;
@@ -80,7 +81,7 @@ class Interpolator {
                [&](size_t l, uint32_t n, bool split, float weight, glm::vec2 offset) {
                    if (!split) fit.add(weight, offset, smooth_[l][n]);
                });
-        // On a crease no node may face the same way.
+        // On a crease no node may have a similar normal.
         return fit.empty() ? smooth_[own][node] : fit.atOrigin().value;
     }
 
@@ -108,36 +109,37 @@ class Interpolator {
         return fit;
     }
 
-    /// What a node has more than its neighbours, if that is no noise.
+    /// The excess of a node over its neighbours, if it is not noise.
     glm::vec3 outlyingPart(size_t level, uint32_t node) const {
         const glm::vec3 value = values_[level][node];
         const PlaneFit others = fitAround(level, node, kMinRadiusSteps * stepOf(level), false);
         if (others.empty()) return glm::vec3(0);
         const float light = luminance(value), expected = luminance(others.atOrigin().value);
-        // An outlier is a part of the noise at its own place: the cheaper question first.
+        // The cheaper test first: an outlier also exceeds the noise of its own node.
         if (light - expected <= 2.0f * std::sqrt(noise_[level][node])) return glm::vec3(0);
         const float noise = noiseAround(level, node, widestAround(level));
         if (light - expected <= kOutlierErrors * std::sqrt(noise)) return glm::vec3(0);
         return value * (1.0f - expected / light);
     }
 
-    /// A ray that meets a rare bright thing makes a spot that no smoothing removes, because it agrees with no
-    /// wider fit. Its light goes to all around, so that none is lost: it stands for what they missed.
-    void shareOut(size_t level, uint32_t node, glm::vec3 excess) {
+    /// Firefly redistribution: a rare bright ray makes an outlier that no smoothing removes, because it
+    /// agrees with no wider fit. Its excess is spread over the neighbourhood, which preserves the sum.
+    void redistribute(size_t level, uint32_t node, glm::vec3 excess) {
         const uint32_t texel = levels_[level].texel[node];
         const float radius = widestAround(level);
         float area = 0;  // texels, by weight
         gather(texel, radius, [&](size_t l, uint32_t, bool split, float weight, glm::vec2) {
             if (!split) area += weight * square(stepOf(l));
         });
-        const glm::vec3 share = excess * square(stepOf(level)) / area;
+        const glm::vec3 perTexel = excess * square(stepOf(level)) / area;
         values_[level][node] -= excess;
-        gather(texel, radius,
-               [&](size_t l, uint32_t n, bool, float weight, glm::vec2) { values_[l][n] += weight * share; });
+        gather(texel, radius, [&](size_t l, uint32_t n, bool, float weight, glm::vec2) {
+            values_[l][n] += weight * perTexel;
+        });
     }
 
-    /// Variance of the values around a node. The mean over many: with an estimate of its own, a place that a
-    /// rare bright ray missed would seem to be quiet, and be taken at its word.
+    /// Variance of the values around a node: the mean over the neighbourhood. By its own estimate a node that
+    /// the rare bright rays missed would seem free of noise, and the result would be too dark.
     float noiseAround(size_t level, uint32_t node, float radius) const {
         float sum = 0, weights = 0;
         gather(levels_[level].texel[node], radius, [&](size_t l, uint32_t n, bool, float weight, glm::vec2) {
@@ -155,8 +157,8 @@ class Interpolator {
         return largest;
     }
 
-    /// The widest fit that agrees with all narrower ones: the confidence intervals of all still have a place
-    /// in common. source: Katkovnik 1999, "A new method for varying adaptive bandwidth selection".
+    /// The widest fit that agrees with all narrower ones: the confidence intervals of all still
+    /// intersect. source: Katkovnik 1999, "A new method for varying adaptive bandwidth selection".
     glm::vec3 smoothed(size_t level, uint32_t node) const {
         const float step = stepOf(level);
         const float around = widestAround(level);
@@ -168,8 +170,8 @@ class Interpolator {
         for (float radius = kMinRadiusSteps * step; radius <= widest; radius *= kRadiusRatio) {
             const PlaneFit::Estimate estimate = fitAround(level, node, radius).atOrigin();
             const float light = luminance(estimate.value);
-            const float error =
-                kConfidence * std::sqrt(noise * estimate.share + square(kLeastRelativeError * light));
+            const float error = kConfidence * std::sqrt(noise * estimate.varianceFraction +
+                                                        square(kMinFitRelativeError * light));
             low = std::max(low, light - error);
             high = std::min(high, light + error);
             if (low > high) break;
@@ -202,7 +204,7 @@ class Interpolator {
             const float fall = 1.0f - glm::dot(offset, offset);
             if (fall <= 0.0f) return;
             const float cosine = glm::dot(points_.normal[texel], points_.normal[other]);
-            const float alike = (cosine - kLeastNormalCosine) / (1.0f - kLeastNormalCosine);
+            const float alike = (cosine - kMinFitNormalCosine) / (1.0f - kMinFitNormalCosine);
             if (alike > 0.0f) add(level, node, split, fall * fall * alike, offset);
         };
         for (int y = from.y; y <= to.y; ++y)
@@ -236,7 +238,7 @@ class Interpolator {
 }  // namespace
 
 IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradianceTexels, uint32_t step,
-                          const std::function<bool(glm::uvec2 group)>& wanted) {
+                          const std::function<bool(glm::uvec2 group)>& selects) {
     IrradianceLevel level;
     level.step = step;
     level.size = atlas.sizeTexels / step;
@@ -256,7 +258,7 @@ IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradi
                 bestCost = cost;
                 best = uint32_t(index);
             }
-            if (best == kNoNode || !wanted({x, y})) continue;
+            if (best == kNoNode || !selects({x, y})) continue;
             level.node[size_t(y) * level.size.x + x] = uint32_t(level.texel.size());
             level.texel.push_back(best);
         }
@@ -281,7 +283,7 @@ ResumableTask interpolateLevels(const std::vector<IrradianceLevel>& levels, cons
     };
     for (ResumableTask p = forAll(&Interpolator::findNoise, kNoiseWork); p.next();) co_yield p.work();
     for (ResumableTask p = forAll(&Interpolator::findOutliers, kNoiseWork); p.next();) co_yield p.work();
-    if (interpolator.shareOutOutliers())
+    if (interpolator.redistributeOutliers())
         for (ResumableTask p = forAll(&Interpolator::findNoise, kNoiseWork); p.next();) co_yield p.work();
     for (ResumableTask p = forAll(&Interpolator::smooth, kSmoothWork); p.next();) co_yield p.work();
     map.assign(atlas.texelCount(), glm::vec3(0));

@@ -13,8 +13,8 @@ inline constexpr uint32_t kNoNode = ~0u;
 /// Texels between nodes. Groups of so many never mix charts: tiles are larger.
 inline constexpr uint32_t kLevelSteps[] = {4, 2, 1};
 
-/// One node a group of step x step texels, where the group is wanted and has one of irradianceTexels: the one
-/// nearest its middle.
+/// One node a group of step x step texels, where `selects` holds for the group and it has one of
+/// irradianceTexels: the one nearest its middle.
 struct IrradianceLevel {
     uint32_t step = 1;
     glm::uvec2 size{0};                 // in groups
@@ -29,11 +29,11 @@ struct IrradianceLevel {
 };
 
 IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradianceTexels, uint32_t step,
-                          const std::function<bool(glm::uvec2 group)>& wanted);
+                          const std::function<bool(glm::uvec2 group)>& selects);
 
 /// Smooths the nodes and interpolates between them: local linear fits [Cleveland 1979] over neighbourhoods
 /// that shrink with the distance of what the nodes see. `levels` from coarse to fine; a group of a finer
-/// level has a node of every coarser one around it. Texels without a place are filled from their chart's.
+/// level has a node of every coarser one around it. Texels without a surface are filled from their chart's.
 /// Other charts than `charts` are zero. `map` becomes the result.
 ResumableTask interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
                                 const TexelPoints& points, const ChartSet& charts, IrradianceMap& map,

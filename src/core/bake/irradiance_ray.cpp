@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/atlas/atlas_place.h"
+#include "core/atlas/atlas_position.h"
 #include "core/base/sobol.h"
 #include "core/transport/path.h"
 #include "core/transport/path_vertex.h"
@@ -13,10 +13,10 @@ namespace {
 
 // Walks that a lossless mirror gets for each path that is asked for: measured, see notes/experiments.md.
 constexpr float kWalksPerPath = 3.0f;
-// How many times as many what is near gets.
-constexpr float kMostNear = 8.0f;
+// Factor by which near hits have more walks.
+constexpr float kMaxNearFactor = 8.0f;
 
-// The share of diffuse irradiance over pi that is reflected toward the eye.
+// The fraction of diffuse irradiance over pi that is reflected toward the eye.
 glm::vec3 diffuseAlbedo(const Brdf& brdf, glm::vec3 towardEyeLocal) {
     return clearcoatTransmission(brdf, towardEyeLocal) * diffuseWeight(brdf, towardEyeLocal.z) *
            brdf.diffuseColor;
@@ -29,36 +29,36 @@ SurfacePoint withoutDiffuse(SurfacePoint point) {
 
 }  // namespace
 
-std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t>& wanted, const Hit& hit) {
-    const AtlasPlace place = atlasPlaceOf(atlas, hit);
-    if (place.chart == kNoChart) return {};
-    const glm::ivec2 center(place.texel), last = glm::ivec2(atlas.sizeTexels) - 1;
-    // At edges and contacts the texel's own centre may be off the surface or covered. The middle first.
+std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t>& receives, const Hit& hit) {
+    const AtlasPosition position = atlasPositionOf(atlas, hit);
+    if (position.chart == kNoChart) return {};
+    const glm::ivec2 center(position.texel), last = glm::ivec2(atlas.sizeTexels) - 1;
+    // At edges and contacts the texel's own centre may be off the surface or occluded. The middle first.
     constexpr int kOrder[9] = {4, 1, 3, 5, 7, 0, 2, 6, 8};
     for (const int i : kOrder) {
         const glm::ivec2 texel = center + glm::ivec2(i % 3 - 1, i / 3 - 1);
         if (glm::any(glm::lessThan(texel, glm::ivec2(0))) || glm::any(glm::greaterThan(texel, last)))
             continue;
         const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
-        if (wanted[index] && atlas.chartAt(texel) == place.chart) return uint32_t(index);
+        if (receives[index] && atlas.chartAt(texel) == position.chart) return uint32_t(index);
     }
     return {};
 }
 
 namespace {
 
-// What one glossy reflection is made of, in [0, 1).
+// The random numbers of one glossy reflection, in [0, 1).
 struct StepNumbers {
     glm::vec4 reflection;  // the lobe, the direction in it, whether the walk survives
-    glm::vec3 light;       // which area light, the place on it
+    glm::vec3 light;       // which area light, the point on it
 };
 
 StepNumbers stepNumbers(Rng& rng) {
-    const glm::vec2 lobe = rng.uniform2(), rest = rng.uniform2(), place = rng.uniform2();
-    return {{lobe, rest}, {place, rng.uniform()}};
+    const glm::vec2 lobe = rng.uniform2(), rest = rng.uniform2(), onLight = rng.uniform2();
+    return {{lobe, rest}, {onLight, rng.uniform()}};
 }
 
-// The same of walk `i` of those from one place, which are stratified together.
+// The same of walk `i` of those from one point, which are stratified together.
 StepNumbers firstStepNumbers(uint32_t i, uint64_t seed) {
     return {shuffledSobol4(i, seed), glm::vec3(shuffledSobol4(i, seed + 3 * kSeedStep))};
 }
@@ -169,7 +169,7 @@ glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& ir
     const auto arriving = [&](const std::vector<uint32_t>& map) {
         if (map.empty()) return glm::vec3(0);
         if (!irradiance.interpolated) return unpackRgb9e5(map[*texel]);
-        return bilinearAt(world.atlas, atlasPlaceOf(world.atlas, hit),
+        return bilinearAt(world.atlas, atlasPositionOf(world.atlas, hit),
                           [&](size_t at) { return unpackRgb9e5(map[at]); });
     };
     const glm::vec3 diffuse = diffuseAlbedo(point.brdf, eyeLocal) / kPi *
@@ -205,7 +205,7 @@ IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradia
     incident.distance = hit.distance;
     const TexelWorld world{{input.rays, input.lights}, input.atlas, input.irradianceTexels};
     PathSettings paths = settings;
-    paths.pathsPerHit *= int(std::clamp(nearMeters / hit.distance, 1.0f, kMostNear));
+    paths.pathsPerHit *= int(std::clamp(nearMeters / hit.distance, 1.0f, kMaxNearFactor));
     incident.reflected = reflectedFromTexels(
         world, irradiance, {hit, surfaceAt(input.rays.scene(), hit, ray.direction), -ray.direction}, paths,
         rng, incident.rays);

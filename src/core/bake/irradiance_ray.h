@@ -10,17 +10,17 @@ namespace phat {
 
 inline constexpr uint32_t kNoTexel = ~0u;
 
-/// The wanted texel under a hit, or one beside it; none where the surface has no texels on that side.
-std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t>& wanted, const Hit& hit);
+/// The receiving texel under a hit, or one beside it; none where the surface has no texels on that side.
+std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t>& receives, const Hit& hit);
 
-/// What a ray that ends in texels reads.
+/// Input of rays that end in texels.
 struct TexelWorld {
     LitScene scene;
     const Atlas& atlas;
     const std::vector<uint8_t>& irradianceTexels;  // as GatherInput's
 };
 
-/// Radiance that a ray brings back, without what emitters send straight along it:
+/// Incident radiance along a ray without direct emission:
 /// light + weight * indirect irradiance of `texel`.
 struct IrradianceRay {
     glm::vec3 light{0};         // W/(m2 sr)
@@ -29,18 +29,18 @@ struct IrradianceRay {
     float distance = kFarDistance;
 };
 
-/// Traces one ray. The diffuse part of what it meets ends there: shadow rays bring the punctual lights'
+/// Traces one ray. The diffuse part of its hit ends the path: shadow rays sample the punctual lights'
 /// light, `areaIrradiance` (RGB9E5 [y][x] or empty) the area lights', and the texel the rest. The specular
 /// part is followed, chosen in proportion to the albedos, through at most `maxBounces` reflections. Where a
 /// hit has no texel, an ordinary path goes on.
 IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
                             const Ray& ray, int maxBounces, Rng& rng, uint64_t& rayCount);
 
-/// What arrives at the texels, RGB9E5 [y][x], W/m2.
+/// Irradiance of the texels, RGB9E5 [y][x], W/m2.
 struct TexelIrradiance {
     const std::vector<uint32_t>& indirect;
     const std::vector<uint32_t>& area;  // may be empty
-    /// Between texels for the eye, which would see their squares; else the nearest.
+    /// Whether to interpolate between texels, for directly visible reflections; else the nearest texel.
     bool interpolated = false;
 };
 
@@ -51,15 +51,15 @@ struct VisibleHit {
     glm::vec3 towardEye;        // back along the ray
 };
 
-/// What the surface under a ray's hit reflects back along the ray: its diffuse part lit by the irradiance of
-/// the texel there and by shadow rays to the punctual lights, its glossy part by `pathsPerHit` walks through
-/// further glossy reflections until they end in a texel. Where there is no texel, ordinary paths.
+/// Radiance that the surface at a ray's hit reflects back along the ray: its diffuse part by the irradiance
+/// of the texel there and by shadow rays to the punctual lights, its glossy part by `pathsPerHit` walks
+/// through further glossy reflections until they end in a texel. Where there is no texel, ordinary paths.
 glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance,
                               const VisibleHit& visible, const PathSettings& settings, Rng& rng,
                               uint64_t& rayCount);
 
-/// What arrives along a ray, as traceIncident finds it, but with the irradiance of the texel that the ray
-/// hits in place of diffuse paths (reflectedFromTexels). Emission is not looked for. What is nearer than
+/// Incident radiance along a ray, as traceIncident estimates it, but with the irradiance of the texel that it
+/// hits instead of diffuse paths (reflectedFromTexels). Emission is not looked for. What is nearer than
 /// `nearMeters` gets more walks: fewer PHATexels contribute to the picture of it.
 IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradiance& irradiance,
                                     const Ray& ray, const PathSettings& settings, float nearMeters, Rng rng);

@@ -21,7 +21,7 @@ constexpr float kSurfaceWeight = 0.03f, kGutterWeight = 0.003f;
 // With a spread, jumps are mistakes of wide fits and all texels give way alike: where changes of neighbours
 // are to be equal, with the weight c = kSpreadWeight spread^2, a change falls off over `spread` texels.
 constexpr float kSpreadWeight = 0.003f;
-// A change is followed over so many spreads, to a twentieth.
+// A change is solved for over so many spreads, where it has decayed to a twentieth.
 constexpr float kSpreads = 3.0f;
 // Of the first residual. Seventy rounds do.
 constexpr double kStitched = 1e-4;
@@ -57,7 +57,7 @@ bool smooth(const Scene& scene, const SharedEdge& edge) {
 
 void addPoints(const Atlas& atlas, const SharedEdge& edge, bool back, std::vector<SeamPoint>& points) {
     std::array<uint32_t, 2> chart;
-    std::array<std::array<glm::vec2, 2>, 2> place;  // [side][end]
+    std::array<std::array<glm::vec2, 2>, 2> position;  // [side][end]
     for (int side = 0; side < 2; ++side) {
         const uint32_t own = atlas.triangleChart[edge.triangle[side]];
         if (own == kNoChart) return;
@@ -66,20 +66,21 @@ void addPoints(const Atlas& atlas, const SharedEdge& edge, bool back, std::vecto
         const glm::vec2 shift =
             glm::vec2(atlas.charts[chart[side]].originTexel()) - glm::vec2(atlas.charts[own].originTexel());
         for (int end = 0; end < 2; ++end)
-            place[side][end] = atlas.triangleTexels[edge.triangle[side]][edge.corner[side][end]] + shift;
+            position[side][end] = atlas.triangleTexels[edge.triangle[side]][edge.corner[side][end]] + shift;
     }
-    if (chart[0] == chart[1] && glm::distance(place[0][0], place[1][0]) < kSameCorner &&
-        glm::distance(place[0][1], place[1][1]) < kSameCorner)
+    if (chart[0] == chart[1] && glm::distance(position[0][0], position[1][0]) < kSameCorner &&
+        glm::distance(position[0][1], position[1][1]) < kSameCorner)
         return;
 
-    const float length =
-        std::max(glm::distance(place[0][0], place[0][1]), glm::distance(place[1][0], place[1][1]));
+    const float length = std::max(glm::distance(position[0][0], position[0][1]),
+                                  glm::distance(position[1][0], position[1][1]));
     const int count = std::max(int(std::ceil(kPointsPerTexel * length)), 1);
     for (int i = 0; i < count; ++i) {
         const float t = (float(i) + 0.5f) / float(count);
-        points.push_back({chart,
-                          {glm::mix(place[0][0], place[0][1], t), glm::mix(place[1][0], place[1][1], t)},
-                          length / float(count)});
+        points.push_back(
+            {chart,
+             {glm::mix(position[0][0], position[0][1], t), glm::mix(position[1][0], position[1][1], t)},
+             length / float(count)});
     }
 }
 
@@ -88,10 +89,10 @@ struct Tap {
     float weight = 0;
 };
 
-/// Those of other charts weigh nothing, the rest sum to 1.
-std::array<Tap, 4> bilinearTaps(const Atlas& atlas, uint32_t chart, glm::vec2 place) {
-    const glm::vec2 corner = glm::floor(place - 0.5f);
-    const glm::vec2 t = place - 0.5f - corner;
+/// Texels of other charts have weight 0; the weights sum to 1.
+std::array<Tap, 4> bilinearTaps(const Atlas& atlas, uint32_t chart, glm::vec2 position) {
+    const glm::vec2 corner = glm::floor(position - 0.5f);
+    const glm::vec2 t = position - 0.5f - corner;
     std::array<Tap, 4> taps;
     float sum = 0;
     for (int i = 0; i < 4; ++i) {
@@ -125,22 +126,23 @@ struct System {
     size_t size() const { return texel.size(); }
 };
 
-std::vector<uint8_t> knownCharts(const Atlas& atlas, const std::vector<uint8_t>& wanted) {
+std::vector<uint8_t> knownCharts(const Atlas& atlas, const std::vector<uint8_t>& receives) {
     std::vector<uint8_t> known(atlas.charts.size(), 0);
-    for (size_t i = 0; i < wanted.size(); ++i)
-        if (wanted[i]) known[atlas.chartAt(i)] = 1;
+    for (size_t i = 0; i < receives.size(); ++i)
+        if (receives[i]) known[atlas.chartAt(i)] = 1;
     return known;
 }
 
-// Under what stands on the surface values are guesses that must not reach the light beside it.
-bool isHidden(const std::array<Tap, 4>& taps, const TexelPoints& points, const std::vector<uint8_t>& wanted) {
-    bool covered = false;
+// Values under objects on the surface are extrapolated and must not affect the exposed texels.
+bool isOccluded(const std::array<Tap, 4>& taps, const TexelPoints& points,
+                const std::vector<uint8_t>& receives) {
+    bool occluded = false;
     for (const Tap& tap : taps) {
         if (tap.weight <= 0) continue;
-        if (wanted[tap.texel]) return false;
-        covered |= points.state[tap.texel] == TexelState::covered;
+        if (receives[tap.texel]) return false;
+        occluded |= points.state[tap.texel] == TexelState::occluded;
     }
-    return covered;
+    return occluded;
 }
 
 /// Calls visit(texel) for the neighbours of a texel in its chart.
@@ -176,10 +178,10 @@ System makeSystem(const IrradianceMap& map, const std::vector<SeamPoint>& seams,
         return unknownOf[texel];
     };
     for (const SeamPoint& seam : seams) {
-        const std::array<Tap, 4> sides[2] = {bilinearTaps(atlas, seam.chart[0], seam.place[0]),
-                                             bilinearTaps(atlas, seam.chart[1], seam.place[1])};
-        if (!known[seam.chart[0]] || !known[seam.chart[1]] || isHidden(sides[0], points, receives) ||
-            isHidden(sides[1], points, receives))
+        const std::array<Tap, 4> sides[2] = {bilinearTaps(atlas, seam.chart[0], seam.position[0]),
+                                             bilinearTaps(atlas, seam.chart[1], seam.position[1])};
+        if (!known[seam.chart[0]] || !known[seam.chart[1]] || isOccluded(sides[0], points, receives) ||
+            isOccluded(sides[1], points, receives))
             continue;
         Equation equation;
         equation.weight = seam.weight;
@@ -293,9 +295,9 @@ std::vector<SeamPoint> findSeams(const Scene& scene, const Atlas& atlas) {
     return points;
 }
 
-glm::vec3 irradianceAt(const IrradianceMap& map, const Atlas& atlas, uint32_t chart, glm::vec2 place) {
+glm::vec3 irradianceAt(const IrradianceMap& map, const Atlas& atlas, uint32_t chart, glm::vec2 position) {
     glm::vec3 sum(0);
-    for (const Tap& tap : bilinearTaps(atlas, chart, place)) sum += tap.weight * map[tap.texel];
+    for (const Tap& tap : bilinearTaps(atlas, chart, position)) sum += tap.weight * map[tap.texel];
     return sum;
 }
 

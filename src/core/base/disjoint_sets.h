@@ -10,7 +10,7 @@
 
 namespace phat {
 
-/// The smallest item of a set stands for it. source: Tarjan and van Leeuwen 1984, path halving.
+/// The smallest item of a set represents it. source: Tarjan and van Leeuwen 1984, path halving.
 class DisjointSets {
   public:
     /// Each item is a set of its own.

@@ -1,5 +1,5 @@
 #pragma once
-// A float image: what every picture is between the stages.
+// A float image: the representation of every image between the stages.
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-// The few numeric helpers that everything shares.
+// The numeric helpers of the whole program.
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@ namespace phat {
 
 inline constexpr float kPi = 3.14159265358979f;
 
-/// Stands for an infinite distance: a ray that left the scene.
+/// Represents an infinite distance: a ray that left the scene.
 inline constexpr float kFarDistance = 1e30f;
 
 /// Relative luminance of a linear Rec. 709 colour.

@@ -1,5 +1,6 @@
 #pragma once
-// Loops over all cores. Results must not depend on who runs what: each index writes its own place.
+// Loops over all cores. Results must not depend on the assignment of indices to threads: each index writes
+// its own element.
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

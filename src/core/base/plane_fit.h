@@ -30,8 +30,8 @@ class PlaneFit {
 
     struct Estimate {
         glm::vec3 value;
-        float residual;  // variance of the values' luminance that the plane leaves unexplained
-        float share;     // of the values' variance that is left in the estimate
+        float residual;          // variance of the values' luminance that the plane leaves unexplained
+        float varianceFraction;  // of the values' variance that is left in the estimate
     };
     /// pre: not empty().
     Estimate atOrigin() const {
@@ -48,7 +48,7 @@ class PlaneFit {
         const float residual = lightSquared_ / weights_ - square(luminance(mean)) -
                                luminance(slopeX) * luminance(vx) - luminance(slopeY) * luminance(vy);
         const float leverage = 1.0f + (yy * m.x * m.x - 2.0f * xy * m.x * m.y + xx * m.y * m.y) / determinant;
-        // Never beyond what was seen: outside the nodes a plane may go anywhere.
+        // Clamped to the range of the values: outside the nodes a plane extrapolates without bound.
         return {glm::clamp(mean - m.x * slopeX - m.y * slopeY, low_, high_), std::max(residual, 0.0f),
                 leverage * weightsSquared_ / square(weights_)};
     }

@@ -1,5 +1,5 @@
 #pragma once
-// A kd-tree over places: what nanoflann needs to know of them.
+// A kd-tree over positions: the adaptor that nanoflann requires.
 
 #include <cstdint>
 #include <nanoflann.hpp>
@@ -9,7 +9,7 @@
 
 namespace phat {
 
-/// Places alone: a search reads 12 bytes of each instead of a cache line.
+/// Positions alone: a search reads 12 bytes of each instead of a cache line.
 struct PointCloud {
     std::vector<glm::vec3> points;
 

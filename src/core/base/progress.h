@@ -38,7 +38,7 @@ class SilentProgress : public Progress {
     bool stopRequested() const override { return false; }
 };
 
-/// A stage's report, ended on every way out.
+/// RAII guard of a progress stage: ends it on every exit from the scope.
 class ProgressStage {
   public:
     ProgressStage(Progress& progress, const char* name, uint64_t total) : progress_(progress) {

@@ -47,7 +47,7 @@ class Rng {
     uint64_t state_;
 };
 
-/// Interleaves the low 16 bits of x (even places) and y (odd places).
+/// Interleaves the low 16 bits of x (even positions) and y (odd positions).
 uint32_t morton(uint32_t x, uint32_t y);
 /// Inverse of morton.
 glm::uvec2 mortonDecode(uint32_t code);

@@ -9,7 +9,7 @@
 
 namespace phat {
 
-/// A coroutine that yields after each slice what it took, in rays or what takes as long. What its arguments
+/// A coroutine that yields the cost of each slice, in rays or their equivalent in time. What its arguments
 /// refer to must outlive it. Exceptions come out of next().
 class ResumableTask {
   public:
@@ -60,7 +60,7 @@ inline void finish(ResumableTask slices) {
     }
 }
 
-/// How much is done between two stops, in rays or what takes as long. All at once: a bake's way.
+/// Work between two yields, in rays or their equivalent in time. A bake does not slice.
 inline constexpr uint64_t kNoSlicing = ~uint64_t(0);
 
 /// Items of a slice, each of which takes `itemWork`.

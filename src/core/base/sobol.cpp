@@ -88,7 +88,7 @@ glm::vec4 sobol4(uint32_t index, uint32_t seed) {
 }
 
 glm::vec4 shuffledSobol4(uint32_t index, uint64_t seed) {
-    assert(index < kMostShuffled);
+    assert(index < kMaxShuffled);
     const uint64_t order = mixBits(seed), first = mixBits(seed + kSeedStep),
                    second = mixBits(seed + 2 * kSeedStep);
     // The index's digits, the highest of 16 first, are scrambled like a coordinate's.

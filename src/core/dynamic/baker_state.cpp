@@ -33,7 +33,7 @@ BakerState::BakerState(SharedSnapshot rest, const Atlas& atlas, const TexelPoint
     updateSceneQueries();
     hasArea = lights->hasArea();
     noIndex.emplace(noPhotons.photons);
-    blocks = blockPlaces(atlas);
+    blocks = blockRects(atlas);
 
     const size_t tiles = atlas.tileChart.size(), texels = atlas.texelCount();
     const bool fresh = phatexture.indirect.empty();

@@ -1,6 +1,6 @@
 #pragma once
-// What the parts of the incremental baker share: the scene, its bake, and the version of the scene that each
-// item of the bake was made from.
+// State common to the parts of the incremental baker: the scene, its bake, and the version of the scene that
+// each item of the bake was made from.
 
 #include <optional>
 
@@ -12,14 +12,14 @@
 
 namespace phat {
 
-/// What a block's PHATexels were made from; 0: never.
+/// Versions that a block's PHATexels were computed from; 0: never.
 struct BlockAge {
     uint64_t scene = 0, photons = 0, irradiance = 0;  // versions
     uint64_t clock = 0;
     uint64_t seed = 0;  // of its directions and of its scrambles
 };
 
-/// What a node's rays were traced in; scene 0: never.
+/// Version of the scene that a node's rays were traced in; 0: never.
 struct NodeAge {
     uint64_t scene = 0, area = 0;  // versions
     uint64_t clock = 0;
@@ -55,7 +55,7 @@ struct BakerState {
     std::optional<LightSampler> lights;
     PhotonMap noPhotons;
     std::optional<PhotonIndex> noIndex;
-    std::vector<BlockPlace> blocks;
+    std::vector<BlockRect> blocks;
 
     Phatexture phatexture;
     uint32_t pass = 0;      // of refinement: how often all light has been made anew of this very scene
@@ -64,7 +64,7 @@ struct BakerState {
     std::vector<NodeAge> nodeAge;
     uint64_t levelTexelsVersion = 0;  // DynamicScene::texelsVersion() of `level`
 
-    uint64_t clock = 0;     // all work so far, in rays or what takes as long
+    uint64_t clock = 0;     // all work so far, in rays or their equivalent in time
     uint64_t revision = 1;  // grows when items may have become stale
 
     // Ages: version of the scene that an item is up to date with, and the clock at its last update.
@@ -74,7 +74,7 @@ struct BakerState {
     std::vector<BlockAge> blockAge;
     uint64_t areaVersion = 1, irradianceVersion = 1;
 
-    // What the renderer has not been sent yet.
+    // Changes that the renderer has not been sent yet.
     std::vector<uint8_t> tileDirty;  // bits of kDirty...
     std::vector<uint8_t> blockDirty;
 };

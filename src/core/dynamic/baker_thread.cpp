@@ -137,13 +137,13 @@ BakerThread::Handover BakerThread::handOver(IncrementalBaker& baker, Activity ac
     LightUpdate update;
     if (taken) update = baker.drainUpdate();
     const bool any = !update.empty();
-    // The shares need a look at every item: only where there is something new to report.
+    // The fractions need a pass over every item: only where there is something new to report.
     const bool reports = any || activity != Activity::updating;
-    const UpToDateShares shares = reports ? baker.upToDate() : UpToDateShares{};
+    const UpToDateFractions fractions = reports ? baker.upToDate() : UpToDateFractions{};
     bool nowConverged = false;
     {
         const std::lock_guard lock(mutex_);
-        if (reports) report_.upToDate = shares;
+        if (reports) report_.upToDate = fractions;
         report_.refinements =
             activity == Activity::passConverged ? baker.passes() : std::max(baker.passes(), 1u) - 1;
         if (any) ready_ = std::move(update);

@@ -45,8 +45,8 @@ class BakerThread {
     std::optional<LightUpdate> take();
 
     struct Report {
-        bool converged = true;  // nothing comes after what can be taken now
-        UpToDateShares upToDate{};
+        bool converged = true;  // no update follows the one that can be taken now
+        UpToDateFractions upToDate{};
         uint32_t refinements = 0;  // done since the last change
         uint64_t phatexels = 0;    // so far
         double seconds = 0;        // of work so far
@@ -62,7 +62,7 @@ class BakerThread {
         Camera eye;
         bool updatesLight = true, refines = false;
     };
-    /// What the baker is at between two looks at the request.
+    /// The baker's activity between two checks for a new request.
     enum class Activity {
         updating,       // some of the light is not up to date
         passConverged,  // all of it is, and another pass of refinement follows
@@ -77,7 +77,7 @@ class BakerThread {
     bool acceptRequest(IncrementalBaker& baker);
     Activity activityOf(const IncrementalBaker& baker) const;
     void update(IncrementalBaker& baker);
-    /// Puts together what has changed, if the last update has been taken, and reports.
+    /// Assembles an update of all changes, if the last one has been taken, and reports.
     Handover handOver(IncrementalBaker& baker, Activity activity);
     bool hasRequest() const;
     /// Waits for a request or, where `forTaker`, until the last update has been taken. Returns false at the
@@ -88,7 +88,7 @@ class BakerThread {
 
     Wake wake_;
     bool updatesLight_ = true, refines_ = false;  // of the request that was accepted; of the thread alone
-    mutable std::mutex mutex_;                    // guards what follows, but for stop_ and thread_
+    mutable std::mutex mutex_;                    // guards the members below but stop_ and thread_
     std::condition_variable changed_;
     std::optional<Request> request_;  // not yet accepted
     std::optional<LightUpdate> ready_;

@@ -9,7 +9,7 @@
 namespace phat {
 namespace {
 
-// So many boxes are kept apart: the positions of a node that moves in every frame.
+// Greatest number of separate boxes: the positions of a node that moves in every frame.
 constexpr size_t kMaxChanges = 48;
 
 Frame movedFrame(const Frame& frame, const glm::mat4& m) {
@@ -164,7 +164,7 @@ ChangedParts DynamicScene::set(SharedSnapshot next) {
     return changed;
 }
 
-void DynamicScene::markCovered(size_t tile, const RayScene& rays) {
+void DynamicScene::markOccluded(size_t tile, const RayScene& rays) {
     const glm::uvec2 corner =
         glm::uvec2(tile % atlas_.sizeTiles().x, tile / atlas_.sizeTiles().x) * kTileSize;
     for (uint32_t i = 0; i < kTileSize * kTileSize; ++i) {
@@ -172,11 +172,11 @@ void DynamicScene::markCovered(size_t tile, const RayScene& rays) {
             size_t(corner.y + i / kTileSize) * atlas_.sizeTexels.x + corner.x + i % kTileSize;
         if (restState_[texel] == TexelState::unused) continue;
         points_.state[texel] = restState_[texel];
-        if (isCoveredTexel(points_, atlas_, rays, texel)) points_.state[texel] = TexelState::covered;
+        if (isOccludedTexel(points_, atlas_, rays, texel)) points_.state[texel] = TexelState::occluded;
     }
 }
 
-bool DynamicScene::commitCovered(size_t tile) {
+bool DynamicScene::commitOccluded(size_t tile) {
     const glm::uvec2 corner =
         glm::uvec2(tile % atlas_.sizeTiles().x, tile / atlas_.sizeTiles().x) * kTileSize;
     const uint32_t chart = atlas_.tileChart[tile];

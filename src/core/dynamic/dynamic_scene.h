@@ -11,18 +11,18 @@ namespace phat {
 
 /// A box in which light may meet other surfaces than before, or surfaces that are lit differently.
 struct SceneChange {
-    /// Ordered: a box that stands for several changes has the first of their kinds.
+    /// Ordered: a box merged from several changes has the first of their kinds.
     enum class Kind : uint8_t {
         surface,     // a surface has moved or has another material
-        lightRange,  // what a changed punctual light of limited range reaches
-        wholeScene,  // what a changed punctual light of unlimited range reaches
+        lightRange,  // the region that a changed punctual light of limited range reaches
+        wholeScene,  // a changed punctual light of unlimited range
     };
     uint64_t version = 0;  // of the scene that it led to
     Bounds box;
     Kind kind = Kind::surface;
 };
 
-/// A snapshot of the scene with its texels in place. Motion is meant to be rigid: the atlas does not follow a
+/// A snapshot of the scene with its texels moved along. Motion is meant to be rigid: the atlas does not follow a
 /// change of scale.
 class DynamicScene {
   public:
@@ -53,12 +53,12 @@ class DynamicScene {
     /// Oldest first; the oldest ones are merged.
     std::span<const SceneChange> changes() const { return changes_; }
 
-    /// Asks again which of a tile's texels are covered; safe for different tiles at a time.
-    void markCovered(size_t tile, const RayScene& rays);
-    /// To be called for a tile after markCovered, by one thread: whether any state has changed.
-    bool commitCovered(size_t tile);
+    /// Tests again which of a tile's texels are occluded; safe for different tiles at a time.
+    void markOccluded(size_t tile, const RayScene& rays);
+    /// To be called for a tile after markOccluded, by one thread: whether any state has changed.
+    bool commitOccluded(size_t tile);
     /// Ends such calls: if any has changed something, the scene is a new one.
-    void endCovered(bool anyChanged) { version_ += anyChanged; }
+    void endOccluded(bool anyChanged) { version_ += anyChanged; }
 
   private:
     void moveChart(const Chart& chart, const glm::mat4& worldFromRest);

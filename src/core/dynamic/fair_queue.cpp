@@ -15,7 +15,7 @@ double taskWeight(BakerTask task) {
 std::optional<BakerTask> FairQueue::next(const std::array<bool, kBakerTasks>& hasWork) {
     std::optional<size_t> best;
     for (size_t t = 0; t < kBakerTasks; ++t) {
-        // A task that was idle has no claim on what it missed.
+        // An idle task accumulates no credit.
         if (hasWork[t] && !busy_[t]) served_[t] = std::max(served_[t], now_);
         busy_[t] = hasWork[t];
         if (hasWork[t] && (!best || served_[t] < served_[*best])) best = t;

@@ -1,5 +1,5 @@
 #pragma once
-// Which task runs next, so that each gets its share of the work.
+// Which task runs next, so that each receives work in proportion to its weight.
 
 #include <optional>
 

@@ -141,7 +141,7 @@ void IncrementalBaker::runSlice(BakerTask task, Progress& progress) {
     const Stopwatch start;
     const std::span<const uint32_t> items = scheduler_.takeItems(task);
     const uint64_t work = runItems(task, items, progress);
-    // What is stale may depend on all of a kind being up to date.
+    // Whether items are stale may depend on all items of a kind being up to date.
     if (!items.empty() && !scheduler_.hasWork(task, {})) ++state_.revision;
     state_.clock += work;
     scheduler_.charge(task, work, state_.clock);
@@ -166,21 +166,21 @@ LightUpdate IncrementalBaker::drainUpdate() {
     return update;
 }
 
-UpToDateShares IncrementalBaker::upToDate() const {
+UpToDateFractions IncrementalBaker::upToDate() const {
     const uint64_t version = state_.scene.version();
     const auto shareOf = [](const auto& items, const auto& isNew) {
         const auto count = std::count_if(items.begin(), items.end(), isNew);
         return items.empty() ? 1.0f : float(double(count) / double(items.size()));
     };
     const auto present = [&](uint64_t scene) { return scene == version; };
-    UpToDateShares share;
+    UpToDateFractions fractions;
     uint64_t tiles = 0, updated = 0;
     for (size_t tile = 0; tile < state_.tileScene.size(); ++tile) {
         if (state_.scene.atlas().tileChart[tile] == kNoChart) continue;
         ++tiles;
         updated += state_.tileScene[tile] == version;
     }
-    const auto of = [&](BakerTask task) -> float& { return share[size_t(task)]; };
+    const auto of = [&](BakerTask task) -> float& { return fractions[size_t(task)]; };
     of(BakerTask::moved) = moved_.hasWork() ? 0.0f : 1.0f;
     of(BakerTask::retraceInvalidated) = float(double(updated) / double(std::max<uint64_t>(tiles, 1)));
     of(BakerTask::photons) = shareOf(state_.photonsScene, present);
@@ -192,7 +192,7 @@ UpToDateShares IncrementalBaker::upToDate() const {
     of(BakerTask::blocks) = shareOf(state_.blockAge, [&](const BlockAge& age) {
         return age.scene == version && age.photons == version && age.irradiance == state_.irradianceVersion;
     });
-    return share;
+    return fractions;
 }
 
 }  // namespace phat

@@ -16,7 +16,7 @@ namespace phat {
 
 class IncrementalBaker {
   public:
-    /// `points`: of the scene at rest, covered ones marked. `baked`: its bake by these settings, or empty:
+    /// `points`: of the scene at rest, occluded ones marked. `baked`: its bake by these settings, or empty:
     /// then it is made here. Throws std::invalid_argument for directions or radiance from single photons.
     /// pre: `rest` is at rest.
     IncrementalBaker(SharedSnapshot rest, const Atlas& atlas, const TexelPoints& points,
@@ -24,7 +24,7 @@ class IncrementalBaker {
     IncrementalBaker(const IncrementalBaker&) = delete;  // its parts refer to its state
     IncrementalBaker& operator=(const IncrementalBaker&) = delete;
 
-    /// The scene as it is from now on. Its geometry is in place at once, its light follows by advance().
+    /// The scene as it is from now on. Its geometry is up to date at once, its light after advance().
     /// Returns whether anything is different. pre: a snapshot of the same PosedScene.
     bool setScene(SharedSnapshot snapshot);
     /// Makes all light of the scene anew with other random numbers: its PHATexels replace the last ones, to
@@ -36,10 +36,10 @@ class IncrementalBaker {
     /// The camera whose visible tiles are updated first; null: no priority.
     void setEye(const Camera* eye) { scheduler_.setCamera(eye); }
 
-    /// Goes on for about `work`, counted in rays or what takes as long; a slice that takes more is made up
+    /// Advances by about `work`, in rays or their equivalent in time; a slice that takes more is made up
     /// for by the next calls. The state depends on the calls alone, not on threads or time. Returns what was
     /// done: nothing while earlier slices are made up for, or when all is converged. Throws Interrupted when
-    /// `progress` asks, between slices.
+    /// `progress` requests it, between slices.
     uint64_t advance(uint64_t work, const Progress& progress);
     /// Whether everything is of the scene as it is.
     bool converged() const;
@@ -54,7 +54,7 @@ class IncrementalBaker {
     const LightSampler& lights() const { return *state_.lights; }
     const Phatexture& phatexture() const { return state_.phatexture; }
     const BakerStats& stats() const { return stats_; }
-    UpToDateShares upToDate() const;
+    UpToDateFractions upToDate() const;
 
   private:
     UnqueuedWork unqueuedWork() const;

@@ -52,9 +52,10 @@ LightUpdate collectUpdate(BakerState& state) {
                 taken.area[i] = now.areaIrradiance.empty() ? 0 : now.areaIrradiance[texel];
             }
         }
-        if (dirty & kDirtyGeometry) update.places.push_back({tile, now.tilePlaces[tile], now.probes[tile]});
+        if (dirty & kDirtyGeometry)
+            update.tileGeometries.push_back({tile, now.tilePatches[tile], now.probes[tile]});
         if (dirty & kDirtyCover) {
-            LightUpdate::Cover& cover = update.covers.emplace_back();
+            LightUpdate::Occlusion& cover = update.occlusions.emplace_back();
             cover.tile = tile;
             for (uint32_t i = 0; i < kTileTexels; ++i)
                 cover.state[i] = state.scene.points().state[state.texelOf(tile, i)];
@@ -90,11 +91,11 @@ void applyUpdate(const LightUpdate& update, const Atlas& atlas, Phatexture& phat
             phatexture.indirectIrradiance[texel] = tile.indirect[i];
             if (!phatexture.areaIrradiance.empty()) phatexture.areaIrradiance[texel] = tile.area[i];
         }
-    for (const LightUpdate::Place& place : update.places) {
-        phatexture.probes[place.tile] = place.probe;
-        phatexture.tilePlaces[place.tile] = place.packed;
+    for (const LightUpdate::TileGeometry& geometry : update.tileGeometries) {
+        phatexture.probes[geometry.tile] = geometry.probe;
+        phatexture.tilePatches[geometry.tile] = geometry.packed;
     }
-    for (const LightUpdate::Cover& cover : update.covers)
+    for (const LightUpdate::Occlusion& cover : update.occlusions)
         for (uint32_t i = 0; i < kTileTexels; ++i) states[texelOfTile(atlas, cover.tile, i)] = cover.state[i];
 }
 

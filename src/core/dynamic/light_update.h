@@ -21,43 +21,43 @@ struct LightUpdate {
         uint32_t tile = 0;
         std::array<uint32_t, kTileTexels> indirect, area;
     };
-    /// Where a tile is and what is around it.
-    struct Place {
+    /// A tile's patch and depth probe.
+    struct TileGeometry {
         uint32_t tile = 0;
         PackedTile packed;
-        DistanceProbe probe;
+        DepthProbe probe;
     };
-    /// The directions of a block's PHATexels follow its guide: all of its tiles come in the same update.
+    /// The directions of a block's PHATexels depend on its guide: all of its tiles come in the same update.
     struct Guides {
         uint32_t block = 0;
         Guide indirect, area;
         std::vector<uint16_t> scrambles;  // [layer], as Phatexels::texels
     };
-    /// Which of a tile's texels are covered now: of the CPU's copy alone.
-    struct Cover {
+    /// Which of a tile's texels are occluded: for the CPU's copy alone.
+    struct Occlusion {
         uint32_t tile = 0;
         std::array<TexelState, kTileTexels> state;
     };
     std::vector<Phatexels> phatexels;  // by block
     std::vector<Irradiance> irradiance;
-    std::vector<Place> places;
+    std::vector<TileGeometry> tileGeometries;
     std::vector<Guides> guides;  // by block
-    std::vector<Cover> covers;
-    /// Nothing but noise is different: the same light by other random numbers, to be averaged with what was
+    std::vector<Occlusion> occlusions;
+    /// Only the noise differs: the same light by other random numbers, to be averaged with the frames
     /// shown.
     bool refined = false;
     std::vector<glm::vec4> tileLight;  // see tileLight(); of all tiles, or empty: as before
 
     bool empty() const {
-        return phatexels.empty() && irradiance.empty() && places.empty() && guides.empty() &&
-               covers.empty() && tileLight.empty();
+        return phatexels.empty() && irradiance.empty() && tileGeometries.empty() && guides.empty() &&
+               occlusions.empty() && tileLight.empty();
     }
 };
 
 /// Texel `inTile` ([y][x]) of a tile as an index into the atlas.
 size_t texelOfTile(const Atlas& atlas, size_t tile, uint32_t inTile);
 
-/// Brings a copy of the PHATexels, and of which texels are covered, to the baker's state.
+/// Brings a copy of the PHATexels, and of which texels are occluded, to the baker's state.
 void applyUpdate(const LightUpdate& update, const Atlas& atlas, Phatexture& phatexture,
                  std::vector<TexelState>& states);
 

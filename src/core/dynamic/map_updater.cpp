@@ -13,19 +13,19 @@ namespace {
 
 // In rays: a texel of the area lights' map and of the indirect one, in all.
 constexpr uint64_t kAreaMapWork = 2, kIndirectMapWork = 6;
-// Maps are made anew when the work on what they are made from outweighs them so many times.
-constexpr uint64_t kMapShare = 3;
-// So many texels are stitched and packed in the time of a ray.
+// A map is updated when the work on its inputs exceeds its own by this factor.
+constexpr uint64_t kMapWorkRatio = 3;
+// Texels that are stitched and packed in the time of a ray.
 constexpr uint64_t kTexelsStitchedPerRay = 8;
 // A slice of a map: some ten milliseconds of a core.
 constexpr uint64_t kMapSliceWork = 30'000;
 
-/// Takes what is `wanted` of a renewed map: wanted(chart).
-template <typename Value, typename Wanted>
-void mix(std::vector<Value>& map, const std::vector<Value>& renewed, const Atlas& atlas,
-         const Wanted& wanted) {
+/// Copies the charts for which selects(chart) holds from `updated`.
+template <typename Value, typename Selects>
+void mix(std::vector<Value>& map, const std::vector<Value>& updated, const Atlas& atlas,
+         const Selects& selects) {
     for (size_t i = 0; i < map.size(); ++i)
-        if (wanted(atlas.chartAt(i))) map[i] = renewed[i];
+        if (selects(atlas.chartAt(i))) map[i] = updated[i];
 }
 
 /// Mean of `passes` maps, whose own mean is `mean`, and one more.
@@ -43,21 +43,21 @@ MapUpdater::MapUpdater(BakerState& state)
     for (const uint32_t packed : baked.areaIrradiance) areaMap_.push_back(unpackRgb9e5(packed));
     for (const uint32_t packed : baked.indirectIrradiance) indirectMap_.push_back(unpackRgb9e5(packed));
     if (state_.hasArea) {
-        // Until a texel has an estimate of its own, what was baked stands for it.
+        // Until a texel has an estimate of its own, the baked value is used.
         areaEstimates_.resize(areaMap_.size());
         for (size_t i = 0; i < areaMap_.size(); ++i) areaEstimates_[i].value = areaMap_[i];
     }
     adaptNodes();
 }
 
-uint64_t MapUpdater::estimateArea(std::span<const BlockPlace> blocks) {
+uint64_t MapUpdater::estimateArea(std::span<const BlockRect> blocks) {
     std::vector<uint64_t> rays(blocks.size(), 0);
     const GatherInput input = state_.input();
     SilentProgress silent;
     parallelRanges(blocks.size(), 1, silent, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i)
-            renewAreaIrradiance(input, state_.settings, blocks[i].origin, blocks[i].size, areaEstimates_,
-                                rays[i]);
+            updateAreaIrradiance(input, state_.settings, blocks[i].origin, blocks[i].size, areaEstimates_,
+                                 rays[i]);
     });
     areaDirty_ = true;
     const uint64_t work = std::accumulate(rays.begin(), rays.end(), uint64_t(0));
@@ -68,7 +68,7 @@ uint64_t MapUpdater::estimateArea(std::span<const BlockPlace> blocks) {
 uint64_t MapUpdater::estimateRegions(std::span<const uint32_t> regions) {
     const Atlas& atlas = state_.scene.atlas();
     const uint32_t wide = (atlas.sizeTexels.x + kBlockSize - 1) / kBlockSize;
-    std::vector<BlockPlace> blocks;
+    std::vector<BlockRect> blocks;
     for (const uint32_t region : regions) {
         const glm::uvec2 corner = glm::uvec2(region % wide, region / wide) * kBlockSize;
         blocks.push_back({corner, glm::min(glm::uvec2(kBlockSize), atlas.sizeTexels - corner)});
@@ -89,7 +89,7 @@ void MapUpdater::adaptNodes() {
         if (before == kNoNode || state_.level.texel[before] != level.texel[n]) continue;
         nodes[n] = state_.nodes[before];
         ages[n] = state_.nodeAge[before];
-        // Rays that ended in what is covered now tell nothing until they are traced again.
+        // Rays that end in texels that are occluded now are invalid until they are traced again.
         for (uint32_t i = 0; i < nodes[n].count; ++i) {
             uint32_t& texel = nodes[n].texel[i];
             if (texel != kNoTexel && level.node[level.groupOf(texel, width)] == kNoNode) texel = kNoTexel;
@@ -120,12 +120,12 @@ uint64_t MapUpdater::traceNodes(std::span<const uint32_t> nodes) {
 
 bool MapUpdater::areaIsDue(bool allEstimated) const {
     if (!areaDirty_ || allEstimated) return areaDirty_;
-    return state_.pass == 0 && areaWork_ > kMapShare * kAreaMapWork * state_.scene.atlas().texelCount();
+    return state_.pass == 0 && areaWork_ > kMapWorkRatio * kAreaMapWork * state_.scene.atlas().texelCount();
 }
 
 bool MapUpdater::indirectIsDue(bool allTraced) const {
     if (!indirectDirty_) return false;
-    if (!allTraced && nodeWork_ <= kMapShare * kIndirectMapWork * state_.scene.atlas().texelCount())
+    if (!allTraced && nodeWork_ <= kMapWorkRatio * kIndirectMapWork * state_.scene.atlas().texelCount())
         return false;
     return std::all_of(state_.nodeAge.begin(), state_.nodeAge.end(),
                        [](const NodeAge& age) { return age.scene != 0; });
@@ -210,12 +210,12 @@ void MapUpdater::publish(MapJob& job) {
     for (const SeamPoint& point : seams_)
         if (hasChart(job.charts, point.chart[0])) seams.push_back(point);
     IrradianceMap mean = state_.pass > 0 ? meanMap(area ? areaMean_ : indirectMean_, map, state_.pass) : map;
-    std::vector<uint32_t> renewed =
+    std::vector<uint32_t> updated =
         area ? finishAreaIrradiance(std::move(mean), input, seams, job.progress)
              : finishIndirectIrradiance(std::move(mean), input, seams, job.progress);
     if (!whole)
-        mix(renewed, shown, input.atlas, [&](uint32_t chart) { return !hasChart(job.charts, chart); });
-    const bool changed = replace(shown, std::move(renewed));
+        mix(updated, shown, input.atlas, [&](uint32_t chart) { return !hasChart(job.charts, chart); });
+    const bool changed = replace(shown, std::move(updated));
     state_.areaVersion += changed && area;
     state_.irradianceVersion += changed;
     ++state_.revision;
@@ -228,18 +228,18 @@ void MapUpdater::publish(MapJob& job) {
     if (whole && !job.newer.empty()) (area ? areaDirty_ : indirectDirty_) = true;
 }
 
-bool MapUpdater::replace(std::vector<uint32_t>& shown, std::vector<uint32_t> renewed) {
-    if (shown == renewed) return false;
+bool MapUpdater::replace(std::vector<uint32_t>& shown, std::vector<uint32_t> updated) {
+    if (shown == updated) return false;
     for (size_t tile = 0; tile < state_.tileDirty.size(); ++tile) {
         if (state_.scene.atlas().tileChart[tile] == kNoChart) continue;
         for (uint32_t i = 0; i < kTileTexels; ++i) {
             const size_t texel = state_.texelOf(tile, i);
-            if (shown[texel] == renewed[texel]) continue;
+            if (shown[texel] == updated[texel]) continue;
             state_.tileDirty[tile] |= kDirtyIrradiance;
             break;
         }
     }
-    shown = std::move(renewed);
+    shown = std::move(updated);
     return true;
 }
 

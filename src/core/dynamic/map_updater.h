@@ -28,10 +28,10 @@ class MapUpdater {
     explicit MapUpdater(BakerState& state);
 
     /// Estimates the area lights' irradiance of the blocks' texels. Returns the work.
-    uint64_t estimateArea(std::span<const BlockPlace> blocks);
+    uint64_t estimateArea(std::span<const BlockRect> blocks);
     /// Likewise of squares of 32x32 texels of the atlas.
     uint64_t estimateRegions(std::span<const uint32_t> regions);
-    /// Adapts the nodes of indirect irradiance to the texels that are covered now.
+    /// Adapts the nodes of indirect irradiance to the texels that are occluded now.
     void adaptNodes();
     /// Traces the rays of nodes. Returns the work.
     uint64_t traceNodes(std::span<const uint32_t> nodes);
@@ -76,8 +76,8 @@ class MapUpdater {
     /// Returns the work; empties `job` when it is done.
     uint64_t advance(std::optional<MapJob>& job);
     void publish(MapJob& job);
-    /// Whether the renewed map differs from the one that is shown, which it replaces.
-    bool replace(std::vector<uint32_t>& shown, std::vector<uint32_t> renewed);
+    /// Whether the updated map differs from the one that is shown, which it replaces.
+    bool replace(std::vector<uint32_t>& shown, std::vector<uint32_t> updated);
     uint64_t texelsOf(const ChartSet& charts) const;
 
     BakerState& state_;

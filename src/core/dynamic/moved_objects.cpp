@@ -71,7 +71,7 @@ std::span<const uint32_t> MovedObjects::takeItems(size_t count) {
 }
 
 uint64_t MovedObjects::advanceEstimates() {
-    std::vector<BlockPlace> blocks;
+    std::vector<BlockRect> blocks;
     for (const uint32_t block : takeItems(kBlocksPerSlice)) blocks.push_back(state_.blocks[block]);
     const uint64_t work = maps_.estimateArea(blocks);
     if (next_ == items_.size()) begin(Step::areaMap);
@@ -80,7 +80,7 @@ uint64_t MovedObjects::advanceEstimates() {
 
 uint64_t MovedObjects::advanceNodes() {
     std::vector<uint32_t> nodes;
-    // Texels that were covered meanwhile may have changed the nodes of their groups.
+    // Texels that were occluded meanwhile may have changed the nodes of their groups.
     for (const uint32_t group : takeItems(kGroupsPerSlice))
         if (state_.level.node[group] != kNoNode) nodes.push_back(state_.level.node[group]);
     const uint64_t work = maps_.traceNodes(nodes);

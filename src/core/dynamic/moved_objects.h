@@ -36,7 +36,7 @@ class MovedObjects {
     ChartSet charts_;              // of the round
     std::vector<uint32_t> items_;  // of the step
     size_t next_ = 0;
-    uint64_t version_ = 1;  // of the scene at the last round: what has moved since comes next
+    uint64_t version_ = 1;  // of the scene at the last round; objects moved since are next
     uint64_t rounds_ = 0;
 };
 

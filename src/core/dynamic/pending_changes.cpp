@@ -3,12 +3,12 @@
 namespace phat {
 namespace {
 
-// For so many punctual lights it is tested whether a change occludes or disoccludes where a ray ends; more
-// would cost more than the rays.
+// The number of punctual lights for which a ray's end is tested for occlusion or disocclusion by a change;
+// more would cost more than the rays.
 constexpr size_t kMaxShadowLights = 4;
 // Stored distances are right to 5.6 % (packDistance).
 constexpr float kDistanceMargin = 1.06f;
-// An object covers what is in its box, or so much of its size outside.
+// An object occludes texels inside its box, or within this fraction of its size outside.
 constexpr float kCoverReach = 0.1f;
 
 // Whether the segment meets the box. source: Williams et al. 2005, "An Efficient and Robust Ray-Box

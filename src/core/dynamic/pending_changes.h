@@ -12,7 +12,7 @@ class PendingChanges {
 
     /// Whether the tile itself has moved.
     bool moved() const { return moved_; }
-    /// Whether they may have covered or uncovered texels of the tile.
+    /// Whether they may have occluded or exposed texels of the tile.
     bool mayCover(const TilePatch& patch) const;
     /// Whether they may have changed the light that arrives along a PHATexel's ray of length `stored`.
     bool affectRay(const Scene& scene, glm::vec3 origin, glm::vec3 direction, float stored) const;

@@ -10,7 +10,7 @@ namespace phat {
 /// A tile's PHATexels after a change.
 struct TileUpdate {
     std::vector<PackedPhatexel> texels;  // as LightUpdate::Phatexels; empty: nothing has changed
-    DistanceProbe probe;
+    DepthProbe probe;
     uint64_t work = 0;  // rays, or as long as so many take
     uint32_t phatexels = 0;
 };
@@ -20,7 +20,7 @@ struct BlockUpdate {
     Guide indirectGuide, areaGuide;
     std::vector<std::vector<PackedPhatexel>> indirect;  // [layer][y][x] of the block
     std::vector<PackedPhatexel> area;
-    std::vector<DistanceProbe> probes;  // of its tiles [y][x]
+    std::vector<DepthProbe> probes;  // of its tiles [y][x]
     uint64_t work = 0;
     uint32_t phatexels = 0;
 };
@@ -28,7 +28,7 @@ struct BlockUpdate {
 namespace {
 
 // What else than rays costs time, in rays: building a block's guides (1.7 ms), a direction, tracing a photon
-// and sorting it in, testing whether a texel is covered.
+// and sorting it in, testing whether a texel is occluded.
 constexpr uint64_t kGuideWork = 5000, kDirectionWork = 2, kPhotonWork = 4, kCoverWork = 16;
 
 // Calls body(i) for all items in parallel.
@@ -65,9 +65,9 @@ struct TexelUpdater {
     }
 };
 
-DistanceProbe traceProbe(const BakerState& state, size_t tile) {
-    return traceDistanceProbe(state.scene.atlas(), state.scene.points(), state.scene.frames(),
-                              state.scene.patches()[tile], tile, *state.rays);
+DepthProbe traceProbe(const BakerState& state, size_t tile) {
+    return traceDepthProbe(state.scene.atlas(), state.scene.points(), state.scene.frames(),
+                           state.scene.patches()[tile], tile, *state.rays);
 }
 
 // Calls body(tile) for the tiles of a block [y][x].
@@ -79,7 +79,7 @@ void forTilesOf(const BakerState& state, uint32_t block, const Body& body) {
         for (uint32_t x = first.x; x < end.x; ++x) body(size_t(y) * state.scene.atlas().sizeTiles().x + x);
 }
 
-void setProbe(BakerState& state, size_t tile, const DistanceProbe& probe) {
+void setProbe(BakerState& state, size_t tile, const DepthProbe& probe) {
     state.phatexture.probes[tile] = probe;
     packTile(state, tile);
     state.tileDirty[tile] |= kDirtyPhatexels;
@@ -91,8 +91,8 @@ void packTile(BakerState& state, size_t tile) {
     const Atlas& atlas = state.scene.atlas();
     if (atlas.tileChart[tile] == kNoChart) return;
     const Frame& frame = state.scene.frames()[atlas.blockAt(state.cornerOfTile(tile))];
-    state.phatexture.tilePlaces[tile] = packedTileOf(state.phatexture, atlas, state.scene.patches()[tile],
-                                                     frame, state.phatexture.probes[tile], tile);
+    state.phatexture.tilePatches[tile] = packedTileOf(state.phatexture, atlas, state.scene.patches()[tile],
+                                                      frame, state.phatexture.probes[tile], tile);
     state.tileDirty[tile] |= kDirtyGeometry;
 }
 
@@ -160,14 +160,14 @@ uint64_t PhatexelUpdater::retraceInvalidated(std::span<const uint32_t> tiles) {
     std::vector<uint8_t> coverTested(tiles.size(), 0), coverChanged(tiles.size(), 0);
     forAll(tiles.size(), [&](size_t i) {
         coverTested[i] = PendingChanges(state_, tiles[i]).mayCover(state_.scene.patches()[tiles[i]]);
-        if (coverTested[i]) state_.scene.markCovered(tiles[i], *state_.rays);
+        if (coverTested[i]) state_.scene.markOccluded(tiles[i], *state_.rays);
     });
     uint64_t work = 0;
     bool anyChanged = false;
     for (size_t i = 0; i < tiles.size(); ++i) {
         if (!coverTested[i]) continue;
         work += kCoverWork * kTileTexels;
-        coverChanged[i] = state_.scene.commitCovered(tiles[i]);
+        coverChanged[i] = state_.scene.commitOccluded(tiles[i]);
         if (coverChanged[i]) state_.tileDirty[tiles[i]] |= kDirtyCover;
         anyChanged |= coverChanged[i] != 0;
     }
@@ -177,8 +177,8 @@ uint64_t PhatexelUpdater::retraceInvalidated(std::span<const uint32_t> tiles) {
         commit(size_t(tiles[i]), updates[i]);
         work += updates[i].work;
     }
-    // Rays end in texels, so what is covered matters to all of them.
-    state_.scene.endCovered(anyChanged);
+    // Rays end in texels, so occlusion of texels affects all of them.
+    state_.scene.endOccluded(anyChanged);
     state_.revision += anyChanged;
     return work;
 }
@@ -196,7 +196,7 @@ BlockUpdate PhatexelUpdater::updateBlock(uint32_t block) const {
     BlockUpdate update;
     const Atlas& atlas = state_.scene.atlas();
     const TexelPoints& points = state_.scene.points();
-    const BlockPlace& place = state_.blocks[block];
+    const BlockRect& rect = state_.blocks[block];
     const TexelUpdater updater{.state = state_, .seed = state_.settings.seed};
     update.indirectGuide = state_.guideOf(state_.phatexture.indirectGuides, block);
     if (state_.guided() || state_.hasArea) {
@@ -204,16 +204,16 @@ BlockUpdate PhatexelUpdater::updateBlock(uint32_t block) const {
         for (const std::optional<PhotonMapPart>& part : photons_)
             if (part) sets.push_back({part->map, part->index});
         std::vector<PhotonIndex::Neighbor> near;
-        const Bounds bounds = blockBounds(atlas, points, place);
+        const Bounds bounds = blockBounds(atlas, points, rect);
         const Frame& frame = state_.scene.frames()[block];
         if (state_.guided()) update.indirectGuide = buildGuide(bounds, frame, sets, isIndirectPhoton, near);
         if (state_.hasArea) update.areaGuide = buildGuide(bounds, frame, sets, isAreaPhoton, near);
         update.work += kGuideWork;
     }
     update.indirect.resize(state_.phatexture.indirect.size());
-    for (uint32_t y = 0; y < place.size.y; ++y)
-        for (uint32_t x = 0; x < place.size.x; ++x) {
-            const size_t texel = size_t(place.origin.y + y) * atlas.sizeTexels.x + place.origin.x + x;
+    for (uint32_t y = 0; y < rect.size.y; ++y)
+        for (uint32_t x = 0; x < rect.size.x; ++x) {
+            const size_t texel = size_t(rect.origin.y + y) * atlas.sizeTexels.x + rect.origin.x + x;
             for (size_t l = 0; l < update.indirect.size(); ++l)
                 update.indirect[l].push_back(
                     updater.indirect(update.indirectGuide, texel, int(l), update.work));
@@ -243,14 +243,13 @@ void PhatexelUpdater::updateScrambles(uint32_t block) {
 
 void PhatexelUpdater::commit(uint32_t block, const BlockUpdate& update) {
     const uint32_t width = state_.scene.atlas().sizeTexels.x;
-    const BlockPlace& place = state_.blocks[block];
+    const BlockRect& rect = state_.blocks[block];
     if (state_.guided()) state_.phatexture.indirectGuides[block] = update.indirectGuide;
     if (state_.hasArea) state_.phatexture.areaGuides[block] = update.areaGuide;
     const auto take = [&](PhatexelLayer& layer, const std::vector<PackedPhatexel>& texels) {
-        for (uint32_t y = 0; y < place.size.y; ++y)
-            std::copy_n(
-                texels.begin() + ptrdiff_t(y * place.size.x), place.size.x,
-                layer.texels.begin() + ptrdiff_t(size_t(place.origin.y + y) * width + place.origin.x));
+        for (uint32_t y = 0; y < rect.size.y; ++y)
+            std::copy_n(texels.begin() + ptrdiff_t(y * rect.size.x), rect.size.x,
+                        layer.texels.begin() + ptrdiff_t(size_t(rect.origin.y + y) * width + rect.origin.x));
     };
     for (size_t l = 0; l < update.indirect.size(); ++l)
         take(state_.phatexture.indirect[l], update.indirect[l]);

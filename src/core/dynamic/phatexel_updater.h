@@ -15,8 +15,8 @@ class PhatexelUpdater {
   public:
     explicit PhatexelUpdater(BakerState& state);
 
-    /// The first response to a change: marks the tiles' covered texels again where the change may have
-    /// covered some, and retraces the PHATexels that it may have changed. Returns the work.
+    /// The first response to a change: tests the tiles' texels for occlusion again where the change
+    /// may have altered it, and retraces the PHATexels that it may have changed. Returns the work.
     uint64_t retraceInvalidated(std::span<const uint32_t> tiles);
     /// Traces a part of the photon map, from which blocks take their guides. Returns the work.
     uint64_t tracePhotonPart(uint32_t part, Progress& progress);
@@ -45,7 +45,7 @@ class PhatexelUpdater {
     uint64_t updated_ = 0;
 };
 
-/// Packs anew what the renderer knows of a tile's geometry, after its block or its probe has changed.
+/// Packs a tile's patch and depth probe for the renderer anew, after its block or its probe has changed.
 void packTile(BakerState& state, size_t tile);
 
 }  // namespace phat

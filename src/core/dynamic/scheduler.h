@@ -33,7 +33,7 @@ class Scheduler {
 
     /// Whether the task has anything to do.
     bool hasWork(BakerTask task, const UnqueuedWork& other) const;
-    /// Whether updating the task's items now would be in vain: what they depend on is not up to date.
+    /// Whether the task must wait because its inputs are not up to date.
     bool waits(BakerTask task, const UnqueuedWork& other) const;
     bool areaIsKnown(const UnqueuedWork& other) const;
     bool indirectIsKnown(const UnqueuedWork& other) const;

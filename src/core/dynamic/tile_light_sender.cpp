@@ -6,7 +6,7 @@
 namespace phat {
 namespace {
 
-// The bounds are computed anew after so much work, in rays a texel.
+// Work between two computations of the bounds, in rays a texel.
 constexpr uint64_t kTileLightWork = 1;
 
 }  // namespace

@@ -7,9 +7,9 @@
 namespace phat {
 namespace {
 
-// Of the changes, the latest so many boxes decide the order.
+// The number of latest boxes that decide the order.
 constexpr size_t kRecentChanges = 16;
-// Of tiles outside the view: they still light what is visible.
+// Factor for tiles outside the view: they still light visible surfaces.
 constexpr float kOutOfView = 0.25f;
 // Of tiles far from any change, so that the camera decides among them.
 constexpr float kMinValue = 0.25f;
@@ -35,7 +35,7 @@ bool isVisible(const Camera& camera, const TilePatch& patch, glm::vec3 normal, f
 
 std::vector<float> tileValues(const BakerState& state, const Camera* camera) {
     const Atlas& atlas = state.scene.atlas();
-    // What has changed everywhere tells no tile from another.
+    // A change of the whole scene gives all tiles the same urgency.
     std::vector<SceneChange> changes;
     for (const SceneChange& change : state.scene.changes())
         if (change.kind != SceneChange::Kind::wholeScene) changes.push_back(change);

@@ -7,16 +7,16 @@
 namespace phat {
 namespace {
 
-float levelZero(const DistanceProbe& probe) {
+float levelZero(const DepthProbe& probe) {
     return unpackDistance(std::max(4 * probe.low, 1u));
 }
-float topLevel(const DistanceProbe& probe) {
+float topLevel(const DepthProbe& probe) {
     return unpackDistance(std::min(4 * probe.high, 254u));
 }
 
-DistanceProbe roundToLevels(const std::array<uint8_t, kProbeSize * kProbeSize>& codes) {
+DepthProbe roundToLevels(const std::array<uint8_t, kProbeSize * kProbeSize>& codes) {
     const uint8_t far = uint8_t(packDistance(kFarDistance));
-    DistanceProbe probe;
+    DepthProbe probe;
     probe.low = far;
     for (uint8_t code : codes)
         if (code != far) {
@@ -27,32 +27,31 @@ DistanceProbe roundToLevels(const std::array<uint8_t, kProbeSize * kProbeSize>& 
     const float low = std::log2(levelZero(probe)),
                 octaves = std::max(std::log2(topLevel(probe)) - low, 1e-6f);
     for (size_t i = 0; i < codes.size(); ++i) {
-        const float share = (std::log2(unpackDistance(codes[i])) - low) / octaves;
+        const float fraction = (std::log2(unpackDistance(codes[i])) - low) / octaves;
         probe.level[i] = codes[i] == far
                              ? uint8_t(kFarLevel)
-                             : uint8_t(std::lround(std::clamp(share, 0.0f, 1.0f) * (kFarLevel - 1)));
+                             : uint8_t(std::lround(std::clamp(fraction, 0.0f, 1.0f) * (kFarLevel - 1)));
     }
     return probe;
 }
 
 }  // namespace
 
-float probeDistance(const DistanceProbe& probe, uint32_t level) {
+float probeDistance(const DepthProbe& probe, uint32_t level) {
     if (level == kFarLevel) return kFarDistance;
     const float low = levelZero(probe);
     return low * std::pow(topLevel(probe) / low, float(level) / float(kFarLevel - 1));
 }
 
-DistanceProbe traceDistanceProbe(const Atlas& atlas, const TexelPoints& points,
-                                 const std::vector<Frame>& frames, const TilePatch& patch, size_t tile,
-                                 const RayScene& rays) {
+DepthProbe traceDepthProbe(const Atlas& atlas, const TexelPoints& points, const std::vector<Frame>& frames,
+                           const TilePatch& patch, size_t tile, const RayScene& rays) {
     if (patch.empty) {
-        DistanceProbe nothing;
+        DepthProbe nothing;
         nothing.level.fill(uint8_t(kFarLevel));
         return nothing;
     }
     // One ray a cell, through its middle: the least of several makes floors near pedestals too dark, because
-    // what is expected near is asked in a small neighbourhood.
+    // near hits are looked up in a small neighbourhood.
     static const auto kDirections = [] {
         std::array<glm::vec3, kProbeSize * kProbeSize> directions;
         for (int i = 0; i < kProbeSize * kProbeSize; ++i)
@@ -77,14 +76,14 @@ DistanceProbe traceDistanceProbe(const Atlas& atlas, const TexelPoints& points,
     return roundToLevels(codes);
 }
 
-std::vector<DistanceProbe> traceDistanceProbes(const Atlas& atlas, const TexelPoints& points,
-                                               const std::vector<Frame>& frames,
-                                               const std::vector<TilePatch>& patches, const RayScene& rays,
-                                               Progress& progress) {
-    std::vector<DistanceProbe> probes(patches.size());
+std::vector<DepthProbe> traceDepthProbes(const Atlas& atlas, const TexelPoints& points,
+                                         const std::vector<Frame>& frames,
+                                         const std::vector<TilePatch>& patches, const RayScene& rays,
+                                         Progress& progress) {
+    std::vector<DepthProbe> probes(patches.size());
     parallelRanges(probes.size(), 64, progress, [&](size_t begin, size_t end) {
         for (size_t tile = begin; tile < end; ++tile)
-            probes[tile] = traceDistanceProbe(atlas, points, frames, patches[tile], tile, rays);
+            probes[tile] = traceDepthProbe(atlas, points, frames, patches[tile], tile, rays);
     });
     return probes;
 }

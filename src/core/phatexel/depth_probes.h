@@ -1,5 +1,5 @@
 #pragma once
-// How far away things are around each tile of an atlas: what the lookup expects before it looks.
+// Distances around each tile of an atlas, from which the lookup takes the expected distance of a hit.
 
 #include <array>
 #include <cstdint>
@@ -15,23 +15,22 @@ namespace phat {
 /// the codes of packDistance would make no difference (notes/experiments.md).
 inline constexpr int kProbeSize = 16;
 inline constexpr uint32_t kFarLevel = 15;
-struct DistanceProbe {
+struct DepthProbe {
     uint32_t low = 0, high = 0;  // a quarter of the codes of levels 0 and 14; 15 is infinity
     std::array<uint8_t, kProbeSize * kProbeSize> level;  // [y][x]
 };
 
 /// Metres, or kFarDistance. twin: levelDistance in shaders/lib/lookup_tables.glsl.
-float probeDistance(const DistanceProbe& probe, uint32_t level);
+float probeDistance(const DepthProbe& probe, uint32_t level);
 
 /// Of one tile; of an empty one all levels are far.
-DistanceProbe traceDistanceProbe(const Atlas& atlas, const TexelPoints& points,
-                                 const std::vector<Frame>& frames, const TilePatch& patch, size_t tile,
-                                 const RayScene& rays);
+DepthProbe traceDepthProbe(const Atlas& atlas, const TexelPoints& points, const std::vector<Frame>& frames,
+                           const TilePatch& patch, size_t tile, const RayScene& rays);
 
 /// One a tile, [tileY][tileX].
-std::vector<DistanceProbe> traceDistanceProbes(const Atlas& atlas, const TexelPoints& points,
-                                               const std::vector<Frame>& frames,
-                                               const std::vector<TilePatch>& patches, const RayScene& rays,
-                                               Progress& progress);
+std::vector<DepthProbe> traceDepthProbes(const Atlas& atlas, const TexelPoints& points,
+                                         const std::vector<Frame>& frames,
+                                         const std::vector<TilePatch>& patches, const RayScene& rays,
+                                         Progress& progress);
 
 }  // namespace phat

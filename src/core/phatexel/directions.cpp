@@ -13,8 +13,8 @@ namespace {
 constexpr float kGuideRadiusMeters = 0.25f;
 constexpr float kGuideRadiusOverBlock = 1.5f;
 // Share of directions that ignore the photons, so that nothing unseen by them is missed for good.
-constexpr float kUniformShare = 0.3f;
-// With few photons their histogram is noise: a prior of so many uniform ones joins them.
+constexpr float kUniformFraction = 0.3f;
+// A histogram of few photons is noise: a prior of so many uniform photons is added.
 constexpr float kPriorPhotons = 8;
 // flux / cos of a grazing photon would outweigh the rest of the block.
 constexpr float kMinGuideCosine = 0.05f;
@@ -57,11 +57,11 @@ bool isAreaPhoton(const Photon& photon) {
     return photon.firstHit && !photon.punctual;
 }
 
-Bounds blockBounds(const Atlas& atlas, const TexelPoints& points, const BlockPlace& place) {
+Bounds blockBounds(const Atlas& atlas, const TexelPoints& points, const BlockRect& rect) {
     Bounds bounds;
-    for (uint32_t y = 0; y < place.size.y; ++y)
-        for (uint32_t x = 0; x < place.size.x; ++x) {
-            const size_t texel = size_t(place.origin.y + y) * atlas.sizeTexels.x + place.origin.x + x;
+    for (uint32_t y = 0; y < rect.size.y; ++y)
+        for (uint32_t x = 0; x < rect.size.x; ++x) {
+            const size_t texel = size_t(rect.origin.y + y) * atlas.sizeTexels.x + rect.origin.x + x;
             if (points.valid(texel)) bounds.add(points.position[texel]);
         }
     return bounds;
@@ -88,17 +88,17 @@ Guide buildGuide(const Bounds& bounds, const Frame& frame, std::span<const Photo
     }
     if (sum <= 0.0f) return uniformGuide();
     const float trust = count / (count + kPriorPhotons);
-    return makeGuide(blur3x3(cells), 1.0f - (1.0f - kUniformShare) * trust);
+    return makeGuide(blur3x3(cells), 1.0f - (1.0f - kUniformFraction) * trust);
 }
 
 std::vector<Guide> buildGuides(const BlockGeometry& blocks, const PhotonSet& photons, PhotonFilter keep,
                                Progress& progress) {
-    const std::vector<BlockPlace> places = blockPlaces(blocks.atlas);
+    const std::vector<BlockRect> rects = blockRects(blocks.atlas);
     std::vector<Guide> guides(blocks.atlas.blockCount);
     parallelRanges(blocks.atlas.blockCount, 16, progress, [&](size_t begin, size_t end) {
         std::vector<PhotonIndex::Neighbor> near;
         for (size_t block = begin; block < end; ++block)
-            guides[block] = buildGuide(blockBounds(blocks.atlas, blocks.points, places[block]),
+            guides[block] = buildGuide(blockBounds(blocks.atlas, blocks.points, rects[block]),
                                        blocks.frames[block], std::span(&photons, 1), keep, near);
     });
     return guides;

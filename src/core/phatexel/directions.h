@@ -19,7 +19,7 @@ inline bool choosesPhotons(Directions directions) {
     return directions == Directions::photons || directions == Directions::nearestPhoton;
 }
 
-/// Place in the unit square of the PHATexel at `texelInBlock` (0..31 each): a permutation of the block's
+/// Point of the unit square of the PHATexel at `texelInBlock` (0..31 each): a permutation of the block's
 /// 32x32 cells in which every aligned 2^k x 2^k group of texels has exactly one sample in each of the 2^k x
 /// 2^k coarse cells. `jitter` in [0,1)^2 moves it within its cell; `scramble` chooses among 1024
 /// permutations. source: the bit-reversed Morton order of Ahmed and Wonka 2020, "Screen-Space Blue-Noise
@@ -50,16 +50,16 @@ Guide buildGuide(const Bounds& bounds, const Frame& frame, std::span<const Photo
                  PhotonFilter keep, std::vector<PhotonIndex::Neighbor>& near);
 
 /// Bounds of the block's valid texels.
-Bounds blockBounds(const Atlas& atlas, const TexelPoints& points, const BlockPlace& place);
+Bounds blockBounds(const Atlas& atlas, const TexelPoints& points, const BlockRect& rect);
 
-/// What is known of a PHATexel before its ray is traced.
+/// The direction of a PHATexel and its density, before its ray is traced.
 struct TexelDirection {
     glm::vec3 directionBlock{0};
     float pdf = 0;               // 1/sr; 0: nothing was chosen
     glm::vec3 splatRadiance{0};  // W/(m2 sr), only with DirectionSettings::splatsRadiance
 };
 
-/// A direction for every valid texel, and what the choice already knows about it. Directions are exactly
+/// A direction for every valid texel, with its density. Directions are exactly
 /// those that packPhatexel can hold, so that the ray traced and the direction stored are one.
 struct ChosenDirections {
     std::vector<glm::vec3> directionBlock;  // [y][x]; zero where nothing was chosen

@@ -5,7 +5,7 @@
 
 namespace phat {
 
-Warp warpOf(const Guide& guide) {
+InverseCdf inverseCdfOf(const Guide& guide) {
     const auto code = [](double x) { return uint8_t(std::lround(255.0 * x)); };
     std::array<double, kGuideSize> rows{};
     double total = 0;
@@ -13,19 +13,19 @@ Warp warpOf(const Guide& guide) {
         rows[i / kGuideSize] += guide.weight[i];
         total += guide.weight[i];
     }
-    Warp warp;
+    InverseCdf cells;
     double above = 0;
     for (int y = 0; y < kGuideSize; ++y) {
         double before = 0;
         for (int x = 0; x < kGuideSize; ++x) {
             const double weight = guide.weight[y * kGuideSize + x];
-            warp[y * kGuideSize + x] = {code(before / rows[y]), code((before + weight) / rows[y]),
-                                        code(above / total), code((above + rows[y]) / total)};
+            cells[y * kGuideSize + x] = {code(before / rows[y]), code((before + weight) / rows[y]),
+                                         code(above / total), code((above + rows[y]) / total)};
             before += weight;
         }
         above += rows[y];
     }
-    return warp;
+    return cells;
 }
 
 bool canLookUp(const std::vector<PhatexelLayer>& layers, const std::vector<Guide>& guides) {
@@ -35,11 +35,11 @@ bool canLookUp(const std::vector<PhatexelLayer>& layers, const std::vector<Guide
 }
 
 PackedTile packedTileOf(const Phatexture& phatexture, const Atlas& atlas, const TilePatch& patch,
-                        const Frame& frame, const DistanceProbe& probe, size_t tile) {
-    const glm::uvec2 place(tile % atlas.sizeTiles().x, tile / atlas.sizeTiles().x);
+                        const Frame& frame, const DepthProbe& probe, size_t tile) {
+    const glm::uvec2 tilePosition(tile % atlas.sizeTiles().x, tile / atlas.sizeTiles().x);
     const bool indirect = canLookUp(phatexture.indirect, phatexture.indirectGuides);
     return packTile(patch, frame, atlas.charts[atlas.tileChart[tile]].texelSizeMeters,
-                    indirect ? phatexture.indirect[0].scrambles[atlas.blockAt(place * kTileSize)] : 0,
+                    indirect ? phatexture.indirect[0].scrambles[atlas.blockAt(tilePosition * kTileSize)] : 0,
                     {probe.low, probe.high});
 }
 
@@ -49,15 +49,15 @@ void prepareLookup(Phatexture& phatexture, const Atlas& atlas, const TexelPoints
     if (canLookUp(phatexture.indirect, phatexture.indirectGuides) ||
         canLookUp(phatexture.area, phatexture.areaGuides)) {
         ProgressStage stage(progress, "distances", patches.size());
-        phatexture.probes = traceDistanceProbes(atlas, points, frames, patches, rays, progress);
+        phatexture.probes = traceDepthProbes(atlas, points, frames, patches, rays, progress);
     }
     const glm::uvec2 tiles = atlas.sizeTiles();
-    phatexture.tilePlaces.assign(patches.size(), {glm::uvec4(0), glm::uvec4(0)});
+    phatexture.tilePatches.assign(patches.size(), {glm::uvec4(0), glm::uvec4(0)});
     for (uint32_t i = 0; i < patches.size(); ++i) {
         if (atlas.tileChart[i] == kNoChart) continue;
         const uint32_t block = atlas.blockAt(glm::uvec2(i % tiles.x, i / tiles.x) * kTileSize);
-        const DistanceProbe probe = phatexture.probes.empty() ? DistanceProbe{} : phatexture.probes[i];
-        phatexture.tilePlaces[i] = packedTileOf(phatexture, atlas, patches[i], frames[block], probe, i);
+        const DepthProbe probe = phatexture.probes.empty() ? DepthProbe{} : phatexture.probes[i];
+        phatexture.tilePatches[i] = packedTileOf(phatexture, atlas, patches[i], frames[block], probe, i);
     }
 }
 

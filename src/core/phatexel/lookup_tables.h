@@ -1,5 +1,5 @@
 #pragma once
-// What the run-time lookup reads of a bake beside its PHATexels: which texel holds a direction, where texels
+// The tables that the run-time lookup reads beside the PHATexels: which texel holds a direction, where texels
 // are, and how far away things are.
 //
 // A block of 32x32 texels is a directional picture stored scattered: the invertible layout of directions.h
@@ -16,22 +16,22 @@
 namespace phat {
 
 /// The guide as it is inverted: each cell's part of the unit square, in 255ths.
-/// twin: warpOf in web/src/tables.js.
-struct WarpCell {
+/// twin: inverseCdfOf in web/src/tables.js.
+struct InverseCdfCell {
     uint8_t uLow, uHigh, vLow, vHigh;
 };
-using Warp = std::array<WarpCell, kGuideCells>;  // [y][x]
+using InverseCdf = std::array<InverseCdfCell, kGuideCells>;  // [y][x]
 
-Warp warpOf(const Guide& guide);
+InverseCdf inverseCdfOf(const Guide& guide);
 
-/// Whether the direction that a texel looks in follows from its place, in every layer.
+/// Whether the direction that a texel looks in follows from its position in its block, in every layer.
 bool canLookUp(const std::vector<PhatexelLayer>& layers, const std::vector<Guide>& guides);
 
-/// What `tilePlaces` holds of a tile that has a chart. `probe`: the tile's, or of zeros.
+/// Packs the element of `tilePatches` of a tile that has a chart. `probe`: the tile's, or of zeros.
 PackedTile packedTileOf(const Phatexture& phatexture, const Atlas& atlas, const TilePatch& patch,
-                        const Frame& frame, const DistanceProbe& probe, size_t tile);
+                        const Frame& frame, const DepthProbe& probe, size_t tile);
 
-/// Fills `tilePlaces`, and `probes` where anything can be looked up. `frames`: blockFrames of the atlas;
+/// Fills `tilePatches`, and `probes` where anything can be looked up. `frames`: blockFrames of the atlas;
 /// `rays`: of its scene.
 void prepareLookup(Phatexture& phatexture, const Atlas& atlas, const TexelPoints& points,
                    const std::vector<Frame>& frames, const RayScene& rays, Progress& progress);

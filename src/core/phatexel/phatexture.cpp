@@ -29,7 +29,7 @@ RowWeights sumRows(const Guide& guide) {
     return rows;
 }
 
-// Walks a discrete distribution to `u`; returns the cell and u's place within it, both by reference order.
+// Walks a discrete distribution to `u`; returns the cell and u's position within it, both by reference order.
 template <typename Weight>
 int chooseCell(const Weight* weights, float total, float u, float& within) {
     float left = u * total;
@@ -170,16 +170,17 @@ Phatexel unpackPhatexel16(PackedPhatexel16 packed) {
     return phatexel;
 }
 
-Guide makeGuide(const std::array<float, kGuideCells>& cells, float uniformShare) {
+Guide makeGuide(const std::array<float, kGuideCells>& cells, float uniformFraction) {
     double sum = 0;
     for (float cell : cells) sum += cell;
     Guide guide;
     uint32_t total = 0;
     int heaviest = 0;
     for (int i = 0; i < kGuideCells; ++i) {
-        const double share =
-            sum > 0 ? (1.0 - uniformShare) * cells[i] / sum + uniformShare / kGuideCells : 1.0 / kGuideCells;
-        guide.weight[i] = uint16_t(std::clamp(std::floor(share * kGuideTotal), 1.0, 65535.0));
+        const double probability =
+            sum > 0 ? (1.0 - uniformFraction) * cells[i] / sum + uniformFraction / kGuideCells
+                    : 1.0 / kGuideCells;
+        guide.weight[i] = uint16_t(std::clamp(std::floor(probability * kGuideTotal), 1.0, 65535.0));
         total += guide.weight[i];
         if (guide.weight[i] > guide.weight[heaviest]) heaviest = i;
     }

@@ -13,11 +13,11 @@
 
 namespace phat {
 
-/// A PHATexel as the estimators see it.
+/// A PHATexel, unpacked, as the estimators use it.
 struct Phatexel {
     glm::vec3 radiance{0};        // W/(m2 sr), arriving
     glm::vec3 directionBlock{0};  // unit, toward the light, in the block's frame (see blockFrames)
-    float distance = 0;           // metres to what the light came from; kFarDistance: infinity
+    float distance = 0;           // metres to the hit; kFarDistance: infinity
     float pdf = 0;                // 1/sr, of having chosen this direction
     bool valid = false;
 };
@@ -67,8 +67,8 @@ struct Guide {
 };
 
 /// The guide closest to the given cell weights (any scale, >= 0; all zero: uniform), mixed with
-/// `uniformShare` of the uniform density.
-Guide makeGuide(const std::array<float, kGuideCells>& cells, float uniformShare);
+/// `uniformFraction` of the uniform density.
+Guide makeGuide(const std::array<float, kGuideCells>& cells, float uniformFraction);
 Guide uniformGuide();
 /// Cells weigh their mean cosine.
 Guide cosineGuide();
@@ -83,7 +83,7 @@ glm::vec2 guideToSquare(const Guide& guide, glm::vec3 direction);
 /// One PHATexel per texel of the atlas and layer.
 struct PhatexelLayer {
     std::vector<PackedPhatexel> texels;  // [y][x]
-    std::vector<float> pdf;              // [y][x], only where the guides do not tell it; else empty
+    std::vector<float> pdf;              // [y][x], only where it does not follow from the guides; else empty
     /// [block], below 1024: the permutation of stratifiedSquare. Empty where directions follow no layout (the
     /// photon strategies): such PHATexels cannot be looked up.
     std::vector<uint16_t> scrambles;
@@ -97,8 +97,8 @@ struct Phatexture {
     std::vector<Guide> areaGuides;        // [block]
     std::vector<uint32_t> areaIrradiance;  // RGB9E5 [y][x], W/m2: the diffuse part of the same; may be empty
     std::vector<uint32_t> indirectIrradiance;  // RGB9E5 [y][x], W/m2: of all light that was reflected
-    std::vector<PackedTile> tilePlaces;        // [tileY][tileX]: where the texels are
-    std::vector<DistanceProbe> probes;         // [tileY][tileX]; empty where nothing can be looked up
+    std::vector<PackedTile> tilePatches;       // [tileY][tileX]: where the texels are
+    std::vector<DepthProbe> probes;            // [tileY][tileX]; empty where nothing can be looked up
 };
 
 /// PHATexel `texel` of a layer with its pdf filled in. `guides` as in Phatexture.

@@ -10,7 +10,7 @@ namespace phat {
 namespace {
 
 // Share of the directions of splats that look for cells without light. As of guides; untuned.
-constexpr float kSplatUniformShare = 0.3f;
+constexpr float kSplatUniformFraction = 0.3f;
 constexpr float kUniformPdf = 1.0f / (2.0f * kPi);
 
 /// A photon that a texel may choose.
@@ -42,10 +42,10 @@ struct Candidates {
 struct BlockHistogram {
     std::array<float, kGuideCells> pdf{};           // 1/sr, of choosing a photon
     std::array<glm::vec3, kGuideCells> radiance{};  // W/(m2 sr)
-    float uniformShare = 1;                         // of the texels' directions
+    float uniformFraction = 1;                      // of the texels' directions
 
     float mixedPdf(int cell) const {
-        return (1.0f - kSplatUniformShare) * pdf[size_t(cell)] + uniformShare * kUniformPdf;
+        return (1.0f - kSplatUniformFraction) * pdf[size_t(cell)] + uniformFraction * kUniformPdf;
     }
 };
 
@@ -55,13 +55,13 @@ class PhotonChooser {
                   const DirectionSettings& settings)
         : blocks_(blocks), photons_(photons), keep_(keep), settings_(settings) {}
 
-    void chooseBlock(uint32_t block, const BlockPlace& place, ChosenDirections& chosen) {
+    void chooseBlock(uint32_t block, const BlockRect& rect, ChosenDirections& chosen) {
         const Frame& frame = blocks_.frames[block];
         texels_.clear();
-        for (uint32_t y = 0; y < place.size.y; ++y)
-            for (uint32_t x = 0; x < place.size.x; ++x) {
+        for (uint32_t y = 0; y < rect.size.y; ++y)
+            for (uint32_t x = 0; x < rect.size.x; ++x) {
                 const size_t texel =
-                    size_t(place.origin.y + y) * blocks_.atlas.sizeTexels.x + place.origin.x + x;
+                    size_t(rect.origin.y + y) * blocks_.atlas.sizeTexels.x + rect.origin.x + x;
                 if (blocks_.points.valid(texel)) texels_.push_back(candidatesOf(texel, frame));
             }
         const BlockHistogram histogram = settings_.splatsRadiance ? histogramOf(texels_) : BlockHistogram{};
@@ -124,7 +124,7 @@ class PhotonChooser {
                                             (weight / (candidates.kernelVolume * meanCosine(candidate.cell)));
             }
         }
-        histogram.uniformShare = 1.0f - (1.0f - kSplatUniformShare) * withPhotons;
+        histogram.uniformFraction = 1.0f - (1.0f - kSplatUniformFraction) * withPhotons;
         return histogram;
     }
 
@@ -160,7 +160,7 @@ class PhotonChooser {
     TexelDirection splat(const Candidates& candidates, const BlockHistogram& histogram) const {
         Rng rng(streamOf(candidates.texel));
         const glm::vec2 square = rng.uniform2();
-        if (candidates.empty() || rng.uniform() < kSplatUniformShare) {
+        if (candidates.empty() || rng.uniform() < kSplatUniformFraction) {
             const glm::vec3 direction = storableDirection(squareToHemisphere(square));
             const int cell = cellOfDirection(direction);
             return {direction, histogram.mixedPdf(cell), histogram.radiance[size_t(cell)]};
@@ -190,11 +190,11 @@ ChosenDirections choosePhotonDirections(const BlockGeometry& blocks, const Photo
     chosen.directionBlock.assign(blocks.atlas.texelCount(), glm::vec3(0));
     chosen.pdf.assign(blocks.atlas.texelCount(), 0.0f);
     if (settings.splatsRadiance) chosen.splatRadiance.assign(blocks.atlas.texelCount(), glm::vec3(0));
-    const std::vector<BlockPlace> places = blockPlaces(blocks.atlas);
-    parallelRanges(places.size(), 4, progress, [&](size_t begin, size_t end) {
+    const std::vector<BlockRect> rects = blockRects(blocks.atlas);
+    parallelRanges(rects.size(), 4, progress, [&](size_t begin, size_t end) {
         PhotonChooser chooser(blocks, photons, keep, settings);
         for (size_t block = begin; block < end; ++block)
-            chooser.chooseBlock(uint32_t(block), places[block], chosen);
+            chooser.chooseBlock(uint32_t(block), rects[block], chosen);
     });
     return chosen;
 }

@@ -9,8 +9,8 @@ namespace phat {
 /// `settings.density.maxRadiusMeters` on surfaces that face the same way:
 /// - Directions::photons: one of them by weighted reservoir, the weight a cone that ends at the k-th;
 /// - Directions::nearestPhoton: the nearest, the paper's naive strategy.
-/// The direction is jittered within the photon's histogram cell, which gives it a density: the cell's share
-/// of the weights. nearestPhoton has no density of its own and uses that of the k photons.
+/// The direction is jittered within the photon's histogram cell, which gives it a density: the cell's
+/// fraction of the weights. nearestPhoton has no density of its own and uses that of the k photons.
 ///
 /// With `settings.splatsRadiance` the photon's light is the radiance (`splatRadiance`). The PHATexels of a
 /// block then share one density, the mean of its texels', and 30 % of the directions are uniform, with the

@@ -36,8 +36,8 @@ TileSums sumTile(const Atlas& atlas, const Phatexture& phatexture, glm::uvec2 ti
     return sums;
 }
 
-// See brightestRadiance; the brightest area PHATexel tells as much, and less where lamps are textured.
-// Without it the noise of the brightest indirect PHATexels would be taken for light.
+// See brightestRadiance; the brightest area PHATexel gives the same bound, or a lower one where emission is
+// textured. Without it the noise of the brightest indirect PHATexels would be taken for light.
 glm::vec3 brightestOfScene(const Scene& scene, const std::vector<TileSums>& sums) {
     glm::vec3 brightest(0);
     for (const TileSums& tile : sums) brightest = glm::max(brightest, tile.area);

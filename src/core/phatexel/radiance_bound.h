@@ -1,5 +1,5 @@
 #pragma once
-// What the PHATexels around a tile say about its light, whatever the eye.
+// View-independent statistics of the PHATexels around a tile.
 
 #include <vector>
 
@@ -10,7 +10,7 @@
 namespace phat {
 
 /// Per tile, over its neighbourhood inside the chart: rgb = a radiance that no mean over the light arriving
-/// there exceeds; a = the share of the hemisphere's solid angle in which area lights are seen.
+/// there exceeds; a = the fraction of the hemisphere's solid angle that visible area lights fill.
 std::vector<glm::vec4> tileLight(const Scene& scene, const Atlas& atlas, const Phatexture& phatexture);
 
 }  // namespace phat

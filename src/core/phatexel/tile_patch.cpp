@@ -20,7 +20,7 @@ constexpr float kBendSteps = 127.0f * 16.0f;
 // Texels of error, for each of a group's side, that the lookup does not see: a group of 2^k texels is asked
 // about what is at least .28 4^k texels away, where the angle between two of its samples is 2^-k; this is
 // about a tenth of it.
-constexpr float kMostErrorPerSide = 1.0f / 32.0f;
+constexpr float kMaxErrorPerSide = 1.0f / 32.0f;
 // The prior, an undistorted plane, weighs as much as this many texels. It decides where a tile has too few.
 constexpr double kPriorTexels = 0.01;
 
@@ -113,7 +113,7 @@ uint32_t groupWhereItHolds(const TilePatch& patch, const Region& region, const C
                 if (!region.points.valid(index)) continue;
                 const glm::vec3 error =
                     patch.at(region.fromMiddle({x, y}), normal) - region.points.position[index];
-                holds = glm::length(error) <= kMostErrorPerSide * float(side) * chart.texelSizeMeters;
+                holds = glm::length(error) <= kMaxErrorPerSide * float(side) * chart.texelSizeMeters;
             }
         if (holds) return bits;
     }
@@ -137,7 +137,7 @@ TilePatch fitTile(const Region& region, const Chart& chart, const Frame& frame) 
         return texelMeters *
                (double(p.x) * glm::dvec3(frame.tangent) + double(p.y) * glm::dvec3(frame.bitangent));
     };
-    // What is left after the undistorted plane, in texels of the block's frame, and relative to its mean.
+    // The residual after the undistorted plane, in texels of the block's frame, and relative to its mean.
     eachTexel([&](glm::uvec2 texel, size_t index) {
         mean += glm::dvec3(region.points.position[index]) - plane(region.fromMiddle(texel));
         ++count;
@@ -183,9 +183,9 @@ glm::uvec2 packFrame(const Frame& frame) {
 
 TilePatch fitTilePatch(const Atlas& atlas, const TexelPoints& points, const std::vector<Frame>& frames,
                        size_t tile) {
-    const glm::uvec2 place(tile % atlas.sizeTiles().x, tile / atlas.sizeTiles().x);
-    return fitTile({atlas, points, place}, atlas.charts[atlas.tileChart[tile]],
-                   frames[atlas.blockAt(place * kTileSize)]);
+    const glm::uvec2 tilePosition(tile % atlas.sizeTiles().x, tile / atlas.sizeTiles().x);
+    return fitTile({atlas, points, tilePosition}, atlas.charts[atlas.tileChart[tile]],
+                   frames[atlas.blockAt(tilePosition * kTileSize)]);
 }
 
 std::vector<TilePatch> fitTilePatches(const Atlas& atlas, const TexelPoints& points,

@@ -1,5 +1,5 @@
 #pragma once
-// Where an atlas's texels are, by the tile: a quadric in place of 64 positions. ours, because positions would
+// Where an atlas's texels are, by the tile: a quadric instead of 64 positions. ours, because positions would
 // take more memory than the PHATexels themselves.
 
 #include <array>
@@ -17,7 +17,7 @@ struct TilePatch {
     glm::vec3 bend{0};               // metres a squared texel
     /// The patch holds in the block's aligned group of 2^groupBits texels a side around the tile, 3 to 5.
     uint32_t groupBits = 3;
-    /// The tile's texel that has a surface and is nearest to its middle: y * 8 + x. See DistanceProbe.
+    /// The tile's texel that has a surface and is nearest to its middle: y * 8 + x. See DepthProbe.
     uint32_t probeTexel = 0;
     bool empty = true;  // no texel of the tile has a surface
 
@@ -38,7 +38,7 @@ std::vector<TilePatch> fitTilePatches(const Atlas& atlas, const TexelPoints& poi
                                       const std::vector<Frame>& frames);
 
 /// 32 bytes for the GPU and the file: patch, frame of the block, the scramble of the first layer of indirect
-/// light, low and high of the tile's DistanceProbe. twin: unpackTile in shaders/lib/tile_patch.glsl.
+/// light, low and high of the tile's DepthProbe. twin: unpackTile in shaders/lib/tile_patch.glsl.
 using PackedTile = std::array<glm::uvec4, 2>;
 PackedTile packTile(const TilePatch& patch, const Frame& blockFrame, float texelMeters, uint32_t scramble,
                     glm::uvec2 probeRange);

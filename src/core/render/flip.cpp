@@ -160,7 +160,7 @@ Channels toYcxcz(const Image& image) {
     return out;
 }
 
-// What the eye keeps of a picture's colours at this distance.
+// The colours of an image as filtered by the eye's contrast sensitivity at this distance.
 std::vector<glm::vec3> perceivedColors(const Channels& channels, int width, int height,
                                        float pixelsPerDegree) {
     std::array<Values, 3> seen;

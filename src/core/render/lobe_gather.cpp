@@ -8,16 +8,16 @@
 namespace phat {
 namespace {
 
-// A neighbour that sees so much less far in a direction has something in the way: 1.3 for the parallax of the
+// A neighbour's distance shorter by this factor means an occluder: 1.3 for the parallax of the
 // neighbours that vouch for it, 3 cm for surfaces that touch. From a design study; 1.15 and 2 cm leave
 // tabletop's error as it is and raise cornell-glossy's by 2 %.
-constexpr float kFartherShare = 1.3f;
+constexpr float kFartherFactor = 1.3f;
 constexpr float kFartherMeters = 0.03f;
 
 // Solid angles change with distance squared and with the far surface's tilt, which is not stored. Where the
 // ratio is far from 1 so is the tilt: a clamp. Of the exponents 0, 1 and 2 none
 // is best in every scene, by 1.5 % at most; 3 is up to 2 % worse.
-constexpr float kMostJacobian = 4.0f;
+constexpr float kMaxJacobian = 4.0f;
 
 }  // namespace
 
@@ -31,16 +31,16 @@ float GatherLobe::value(glm::vec3 towardLight) const {
     return ggxD(std::min(glm::dot(normal, h), 1.0f), alpha) * smithV(nDotL, nDotV, alpha) * fresnel * nDotL;
 }
 
-SeenPhatexel reconnect(const WorldPhatexel& phatexel, glm::vec3 to) {
+ReconnectedPhatexel reconnect(const WorldPhatexel& phatexel, glm::vec3 to) {
     if (phatexel.distance >= kFarDistance) return unmoved(phatexel);
     const glm::vec3 way = phatexel.end - to;
     const float distance = glm::length(way);
     if (distance <= 0.0f) return {};
     const float jacobian = square(phatexel.distance / distance);
-    return {way / distance, distance, std::clamp(jacobian, 1.0f / kMostJacobian, kMostJacobian)};
+    return {way / distance, distance, std::clamp(jacobian, 1.0f / kMaxJacobian, kMaxJacobian)};
 }
 
-SeenPhatexel unmoved(const WorldPhatexel& phatexel) {
+ReconnectedPhatexel unmoved(const WorldPhatexel& phatexel) {
     if (phatexel.distance >= kFarDistance) return {phatexel.end, kFarDistance, 1.0f};
     return {(phatexel.end - phatexel.origin) / phatexel.distance, phatexel.distance, 1.0f};
 }
@@ -74,7 +74,7 @@ float LocalDepth::visibility(glm::vec3 direction, float distance) const {
     const auto begin = looks_.begin() + first_[size_t(cell)], end = looks_.begin() + first_[size_t(cell) + 1];
     if (begin == end) return 1.0f;
     const auto blocked = std::partition_point(begin, end, [&](const Look& look) {
-        return distance <= kFartherShare * look.distance + kFartherMeters;
+        return distance <= kFartherFactor * look.distance + kFartherMeters;
     });
     return blocked == begin ? 0.0f : std::prev(blocked)->weight / std::prev(end)->weight;
 }

@@ -9,7 +9,7 @@
 
 namespace phat {
 
-/// A GGX lobe in scalars: numerator and denominator of a ratio share its colour.
+/// A GGX lobe in scalars: the colour cancels in a ratio.
 struct GatherLobe {
     glm::vec3 normal{0, 0, 1};     // world
     glm::vec3 towardEye{0, 0, 1};  // world
@@ -21,19 +21,19 @@ struct GatherLobe {
     float value(glm::vec3 towardLight) const;
 };
 
-/// A PHATexel as seen from another place.
-struct SeenPhatexel {
+/// A PHATexel reconnected to another point.
+struct ReconnectedPhatexel {
     glm::vec3 direction{0};
     float distance = 0;
     float jacobian = 1;  // of solid angles, there over here
 };
 
 /// Reconnection (Ouyang et al. 2021): the sample's end stays where it is.
-SeenPhatexel reconnect(const WorldPhatexel& phatexel, glm::vec3 to);
-/// The sample as it is, as if what it sees were far away.
-SeenPhatexel unmoved(const WorldPhatexel& phatexel);
+ReconnectedPhatexel reconnect(const WorldPhatexel& phatexel, glm::vec3 to);
+/// The sample unchanged, as if its hit were infinitely far away.
+ReconnectedPhatexel unmoved(const WorldPhatexel& phatexel);
 
-/// How far it is to what is around a point, by direction, as the PHATexels near it tell.
+/// Distances around a point, by direction, from the PHATexels near it.
 class LocalDepth {
   public:
     explicit LocalDepth(const Frame& frame) : frame_(frame) {}
@@ -41,8 +41,8 @@ class LocalDepth {
     void add(glm::vec3 direction, float distance, float weight);
     /// Call between the last add() and the first visibility().
     void finish();
-    /// How much of what is in a direction at a distance the point sees, 0 to 1: the share of the samples near
-    /// that direction that see as far. Directions without any are open.
+    /// Visibility of a point in a direction at a distance, 0 to 1: the fraction of the samples near that
+    /// direction that are at least as long. Directions without samples are unoccluded.
     float visibility(glm::vec3 direction, float distance) const;
 
   private:
@@ -74,7 +74,7 @@ struct LobeSums {
     void add(float weight, float value, const WorldPhatexel& phatexel, float distance);
     /// Of how many equal samples it would have the noise (Kish 1965).
     double effectiveSamples() const { return squaredWeights > 0 ? a * a / squaredWeights : 0; }
-    /// Harmonic mean distance of what the lobe sees, metres; 0 if it sees nothing.
+    /// Harmonic mean distance of the hits under the lobe, metres; 0 if there are none.
     float distance() const { return nearness > 0 ? float(a / nearness) : 0.0f; }
     /// Mean of the radiances, weighted by a. pre: a > 0.
     glm::vec3 mean() const {

@@ -23,9 +23,9 @@ glm::vec3 partOf(const ReflectedRadiance& reflected, Component component) {
 
 // A photon takes about as long as a path: learning is a sixteenth of all, up to where more teach little (of
 // tabletop, 100,000 leave a relMSE of .065, 500,000 .055 and 2 million .051).
-constexpr double kPathsPerPhoton = 16, kMostPhotons = 500'000;
+constexpr double kPathsPerPhoton = 16, kMaxPhotons = 500'000;
 // Fewer fill no region.
-constexpr double kLeastPhotons = 10'000;
+constexpr double kMinPhotons = 10'000;
 
 FirstReflection firstReflectionOf(Component component) {
     FirstReflection first;
@@ -42,7 +42,7 @@ Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Componen
 }
 
 Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Component component,
-                      const Scene& seen, const PathGuide* guide) {
+                      const Scene& viewedScene, const PathGuide* guide) {
     splitSumTable();  // integrated now, rather than on the clock of the first sample
     const bool showsLights = component == Component::all || component == Component::direct;
     const int maxBounces = component == Component::direct ? 1 : kMaxPathBounces;
@@ -50,7 +50,7 @@ Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Componen
     return [&, component, showsLights, maxBounces, first, guide](const CameraRay& ray, PixelSample& sample) {
         const Hit hit = visibleHit(rays, ray, sample.rays);
         if (!hit) return showsLights ? lights.environmentRadiance(ray.direction) : glm::vec3(0);
-        const SurfacePoint point = surfaceAt(seen, hit, ray.direction);
+        const SurfacePoint point = surfaceAt(viewedScene, hit, ray.direction);
         const ReflectedRadiance reflected = tracePath({rays, lights}, {point, -ray.direction, first, guide},
                                                       maxBounces, sample.numbers, sample.rays);
         return (showsLights ? point.emission : glm::vec3(0)) + partOf(reflected, component);
@@ -59,8 +59,8 @@ Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Componen
 
 PathGuide learnGuide(const RayScene& rays, const LightSampler& lights, double paths, uint64_t seed,
                      Progress& progress) {
-    const double count = std::min(paths / kPathsPerPhoton, kMostPhotons);
-    if (count < kLeastPhotons || lights.empty()) return {};
+    const double count = std::min(paths / kPathsPerPhoton, kMaxPhotons);
+    if (count < kMinPhotons || lights.empty()) return {};
     const PhotonSettings settings{.count = uint64_t(count), .seed = hashOf(seed, 1)};
     return PathGuide(tracePhotons(rays, lights, settings, progress).photons);
 }

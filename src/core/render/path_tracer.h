@@ -13,14 +13,14 @@ namespace phat {
 /// `rays` and `lights` must outlive it.
 Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Component component);
 
-/// The same with the materials of `seen` where the eye meets a surface, and those of the ray scene wherever
-/// light goes from there: materials that were changed after a bake, in the light of before.
-/// `guide` takes noise out of indirect light and may be null.
-/// pre: `seen` is the ray scene's but for materials; both outlive the integrator.
+/// The same with the materials of `viewedScene` on directly visible surfaces, and those of the ray scene
+/// wherever light goes from there: materials that were changed after a bake, in the light of before. `guide`
+/// takes noise out of indirect light and may be null. pre: `viewedScene` is the ray scene's but for
+/// materials; both outlive the integrator.
 Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Component component,
-                      const Scene& seen, const PathGuide* guide = nullptr);
+                      const Scene& viewedScene, const PathGuide* guide = nullptr);
 
-/// A guide from photons, as many as are worth their time for so many paths; empty where none are.
+/// A guide from photons, whose number is in proportion to that of the paths; empty for few paths.
 PathGuide learnGuide(const RayScene& rays, const LightSampler& lights, double paths, uint64_t seed,
                      Progress& progress);
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "core/atlas/atlas_place.h"
+#include "core/atlas/atlas_position.h"
 #include "core/render/lobe_gather.h"
 #include "core/render/visible_lobe.h"
 #include "core/transport/path_vertex.h"
@@ -11,30 +11,31 @@
 namespace phat {
 namespace {
 
-// Radii in texels. The first look at what is around, and the neighbours that tell the local depth.
+// Radii in texels: of the first search, and of the neighbours that give the local depth.
 constexpr float kFirstRadius = 12.0f;
 constexpr float kDepthRadius = 12.0f;
 // The neighbourhood itself. Smaller ones than the least are noise alone; the largest holds 13,000 texels.
-constexpr float kLeastRadius = 4.0f;
+constexpr float kMinGatherRadius = 4.0f;
 constexpr float kLargestRadius = 64.0f;
-// Of the distance of what the lobe sees. Measured: .25, .5 and 1 give .158, .153 and .149 on tabletop.
+// Times the harmonic mean distance under the lobe. Measured: .25, .5 and 1 give .158, .153 and .149 on
+// tabletop.
 constexpr float kRadiusOverDistance = 1.0f;
 // Samples that a lobe must have, or the radius grows. The PHATexels' own noise is averaged with them: 2, 8
 // and 24 give .160, .152 and .153 on tabletop.
-constexpr double kLeastSamples = 16.0;
+constexpr double kMinGatherSamples = 16.0;
 constexpr float kGrowth = 1.4f;  // at least
 // Samples beyond which a wider radius would cost time and gain nothing.
 constexpr double kPlentyOfSamples = 512.0;
 // Tiles that face elsewhere are of another part of the surface.
-constexpr float kLeastNormalCosine = 0.5f;
+constexpr float kMinGatherNormalCosine = 0.5f;
 // Distances are stored in steps of 5.6 %: a ray to where the light came from must stop short of it.
 constexpr float kShortOfEnd = 0.94f;
 
-/// A visible point with all that its lobes share.
+/// A visible point with what its lobes have in common.
 struct Visible {
     const SurfacePoint& point;
     glm::vec3 towardEye;
-    AtlasPlace place;
+    AtlasPosition atlasPosition;
     uint64_t& rayCount;
     std::vector<uint32_t> tiles;  // the neighbourhood at its largest
 };
@@ -56,7 +57,7 @@ class PhatGather {
     bool showsDirect() const { return phat::showsDirect(settings_.component); }
     bool reconnects() const { return settings_.radiusMeters <= 0.0f; }
     float texelSizeAt(const Visible& visible) const {
-        return scene_.atlas.charts[visible.place.chart].texelSizeMeters;
+        return scene_.atlas.charts[visible.atlasPosition.chart].texelSizeMeters;
     }
 
     glm::vec3 diffuse(const Visible& visible) const;
@@ -90,11 +91,11 @@ class PhatGather {
 void PhatGather::findTiles(Visible& visible) const {
     const float radius = reconnects() ? kLargestRadius * texelSizeAt(visible) : settings_.radiusMeters;
     tiles_.near(visible.point.position, radius, visible.tiles);
-    const Chart& own = scene_.atlas.charts[visible.place.chart];
+    const Chart& own = scene_.atlas.charts[visible.atlasPosition.chart];
     std::erase_if(visible.tiles, [&](uint32_t tile) {
-        if (!reconnects()) return tiles_[tile].chart != visible.place.chart;
+        if (!reconnects()) return tiles_[tile].chart != visible.atlasPosition.chart;
         return scene_.atlas.charts[tiles_[tile].chart].surface != own.surface ||
-               glm::dot(tiles_[tile].normal, visible.point.normalGeometric) < kLeastNormalCosine;
+               glm::dot(tiles_[tile].normal, visible.point.normalGeometric) < kMinGatherNormalCosine;
     });
 }
 
@@ -103,8 +104,8 @@ LocalDepth PhatGather::depthAround(const Visible& visible) const {
     for (const TiledPhatexels* source : {&indirect_, &area_}) {
         forNeighbors(visible, *source, kDepthRadius * texelSizeAt(visible),
                      [&](const WorldPhatexel& phatexel, float cone) {
-                         const SeenPhatexel seen = reconnect(phatexel, visible.point.position);
-                         depth.add(seen.direction, seen.distance, cone);
+                         const ReconnectedPhatexel reconnected = reconnect(phatexel, visible.point.position);
+                         depth.add(reconnected.direction, reconnected.distance, cone);
                      });
     }
     depth.finish();
@@ -116,18 +117,20 @@ LobeSums PhatGather::sumOver(const Visible& visible, const TiledPhatexels& sourc
     LobeSums sums;
     const glm::vec3 origin = offsetOrigin(visible.point.position, visible.point.normalGeometric);
     forNeighbors(visible, source, radius, [&](const WorldPhatexel& phatexel, float cone) {
-        const SeenPhatexel seen =
+        const ReconnectedPhatexel reconnected =
             reconnects() ? reconnect(phatexel, visible.point.position) : unmoved(phatexel);
-        float a = lobe.value(seen.direction) * seen.jacobian * phatexel.inversePdf;
+        float a = lobe.value(reconnected.direction) * reconnected.jacobian * phatexel.inversePdf;
         if (a > 0.0f && reconnects()) {
             if (settings_.traceVisibility) {
                 ++visible.rayCount;
-                a *= scene_.rays.anyHit(origin, seen.direction, kShortOfEnd * seen.distance) ? 0.0f : 1.0f;
+                a *= scene_.rays.anyHit(origin, reconnected.direction, kShortOfEnd * reconnected.distance)
+                         ? 0.0f
+                         : 1.0f;
             } else {
-                a *= depth.visibility(seen.direction, seen.distance);
+                a *= depth.visibility(reconnected.direction, reconnected.distance);
             }
         }
-        sums.add(cone, a, phatexel, seen.distance);
+        sums.add(cone, a, phatexel, reconnected.distance);
     });
     return sums;
 }
@@ -147,11 +150,11 @@ glm::vec3 PhatGather::lobeRadiance(const Visible& visible, const GatherLobe& lob
         // Samples grow with the radius squared.
         const float enough = radius * std::sqrt(float(kPlentyOfSamples / sums.effectiveSamples()));
         const float clear = kRadiusOverDistance * sums.distance();
-        radius = std::clamp(std::min(clear, enough), kLeastRadius * texelSize, most);
+        radius = std::clamp(std::min(clear, enough), kMinGatherRadius * texelSize, most);
         sums = sumOver(visible, source, lobe, radius, depth);
     }
-    while (sums.effectiveSamples() < kLeastSamples && radius < most) {
-        const double missing = kLeastSamples / std::max(sums.effectiveSamples(), 1.0);
+    while (sums.effectiveSamples() < kMinGatherSamples && radius < most) {
+        const double missing = kMinGatherSamples / std::max(sums.effectiveSamples(), 1.0);
         radius = std::min(std::max(float(std::sqrt(missing)), kGrowth) * radius, most);
         sums = sumOver(visible, source, lobe, radius, depth);
     }
@@ -194,8 +197,8 @@ glm::vec3 PhatGather::diffuse(const Visible& visible) const {
     glm::vec3 irradiance(0);
     const auto add = [&](const std::vector<uint32_t>& map) {
         if (map.empty()) return;
-        irradiance +=
-            bilinearAt(scene_.atlas, visible.place, [&](size_t texel) { return unpackRgb9e5(map[texel]); });
+        irradiance += bilinearAt(scene_.atlas, visible.atlasPosition,
+                                 [&](size_t texel) { return unpackRgb9e5(map[texel]); });
     };
     if (showsDiffuseIndirect(settings_.component)) add(scene_.phatexture.indirectIrradiance);
     if (showsDirect()) add(scene_.phatexture.areaIrradiance);
@@ -210,8 +213,8 @@ glm::vec3 PhatGather::radianceAlong(const CameraRay& ray, PixelSample& sample) c
     if (showsDirect())
         radiance += point.emission + punctualLight({scene_.rays, scene_.lights}, point, -ray.direction,
                                                    sample.rng, sample.rays);
-    Visible visible{point, -ray.direction, atlasPlaceOf(scene_.atlas, hit), sample.rays, {}};
-    if (visible.place.chart == kNoChart || !reflects(point.brdf)) return radiance;
+    Visible visible{point, -ray.direction, atlasPositionOf(scene_.atlas, hit), sample.rays, {}};
+    if (visible.atlasPosition.chart == kNoChart || !reflects(point.brdf)) return radiance;
     return radiance + diffuse(visible) + glossy(visible);
 }
 

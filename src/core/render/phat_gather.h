@@ -1,5 +1,5 @@
 #pragma once
-// PHATextures evaluated in full, sample by sample, on the CPU: what the data can give when time does not
+// PHATextures evaluated in full, sample by sample, on the CPU: the best the data allow when time does not
 // matter. source: Hensley et al. 2003, section 4.2; everything beyond its cone filter is ours
 // (docs/reference.md).
 
@@ -9,7 +9,7 @@
 
 namespace phat {
 
-/// What the renderer reads; all of it must outlive it.
+/// Input of the renderer; must outlive it.
 struct PhatGatherScene {
     const RayScene& rays;
     const LightSampler& lights;
@@ -20,9 +20,10 @@ struct PhatGatherScene {
 
 struct PhatGatherSettings {
     /// > 0: the paper's filter, every PHATexel of the chart within this radius, taken as if it were at the
-    /// visible point. 0: samples are reconnected to it, over a radius that follows what is seen.
+    /// visible point. 0: samples are reconnected to it, over a radius that follows the distance of what is
+    /// reflected.
     float radiusMeters = 0;
-    /// Ask the scene, not the neighbouring PHATexels, whether the point sees what a PHATexel saw.
+    /// Test visibility of PHATexels' hits by rays, not by the neighbouring PHATexels.
     bool traceVisibility = false;
     Component component = Component::all;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// PHATexels as samples in world space, found by place instead of by texel: a neighbourhood crosses the
+// PHATexels as samples in world space, found by position instead of by texel: a neighbourhood crosses the
 // borders of charts, where the surface goes on.
 
 #include <memory>

@@ -11,7 +11,7 @@ namespace {
 using IndirectLight = glm::vec3 (*)(const PhotonScene& scene, const PhotonRendererSettings& settings,
                                     const SurfacePoint& point, glm::vec3 towardEye, PixelSample& sample);
 
-// Light that reaches the point straight from lamps, in shadow or not: a path of one reflection.
+// Direct light of the point, with shadow rays: a path of one reflection.
 glm::vec3 directLight(const PhotonScene& scene, const SurfacePoint& point, glm::vec3 towardEye,
                       PixelSample& sample) {
     return traceReflected({scene.rays, scene.lights}, {point, towardEye}, 1, sample.rng, sample.rays);
@@ -22,7 +22,7 @@ glm::vec3 indirectByPhotons(const PhotonScene& scene, const PhotonRendererSettin
     return photonRadiance({scene.photons, scene.index}, point, towardEye, settings.density, isIndirectPhoton);
 }
 
-// What a gather ray brings back. Emission is left out: it is direct light of the visible point.
+// Incident radiance along a gather ray. Emission is left out: it is direct light of the visible point.
 glm::vec3 gatheredLight(const PhotonScene& scene, const PhotonRendererSettings& settings,
                         const SurfacePoint& from, glm::vec3 direction, PixelSample& sample) {
     const glm::vec3 origin = offsetOrigin(from.position, from.normalGeometric);
@@ -63,8 +63,8 @@ Integrator photonRenderer(const PhotonScene& scene, const PhotonRendererSettings
         const bool direct = showsDirect(settings.component);
         const Hit hit = visibleHit(scene.rays, ray, sample.rays);
         if (!hit) return direct ? scene.lights.environmentRadiance(ray.direction) : glm::vec3(0);
-        const Scene& seen = scene.seen ? *scene.seen : scene.rays.scene();
-        SurfacePoint point = surfaceAt(seen, hit, ray.direction);
+        const Scene& viewedScene = scene.viewedScene ? *scene.viewedScene : scene.rays.scene();
+        SurfacePoint point = surfaceAt(viewedScene, hit, ray.direction);
         glm::vec3 radiance(0);
         if (direct) radiance += point.emission + directLight(scene, point, -ray.direction, sample);
         point.brdf = indirectLobes(point.brdf, point.shading.toLocal(-ray.direction), settings.component);

@@ -1,5 +1,5 @@
 #pragma once
-// Pictures straight from a photon map: the paper's two solutions, what PHATextures make interactive.
+// Images from a photon map: the paper's two reference solutions.
 // source: Hensley et al. 2003, section 5 and figure 6; Jensen 2001.
 
 #include "core/render/picture.h"
@@ -7,13 +7,13 @@
 
 namespace phat {
 
-/// What the photon renderers read; all of it must outlive them.
+/// Input of the photon renderers; must outlive them.
 struct PhotonScene {
     const RayScene& rays;
     const LightSampler& lights;
     const PhotonMap& photons;
     const PhotonIndex& index;
-    const Scene* seen =
+    const Scene* viewedScene =
         nullptr;  // materials where the eye meets a surface, as in pathTracer; null: the rays'
 };
 

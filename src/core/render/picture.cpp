@@ -8,7 +8,7 @@
 namespace phat {
 namespace {
 
-// Sums of double: thousands of samples of a lamp must not drown the dark ones.
+// Sums in double: thousands of bright samples must not absorb the dark ones.
 struct PixelSums {
     glm::dvec3 value{0};
     glm::dvec3 square{0};  // of the batches' sums, over their sizes
@@ -23,9 +23,9 @@ struct PixelSums {
 
 constexpr size_t kRangePixels = 64;
 
-constexpr float kLeastNearMeters = 1e-5f;  // the rasteriser's too
+constexpr float kMinNearMeters = 1e-5f;  // the rasteriser's too
 
-// Under a time limit, what is done is milliseconds, not samples.
+// Under a time limit, progress is in milliseconds, not samples.
 class ClockProgress : public Progress {
   public:
     ClockProgress(Progress& progress, uint64_t totalMs) : progress_(progress), totalMs_(totalMs) {}
@@ -82,12 +82,12 @@ glm::dvec3 varianceOfMean(const PixelSums& sums, int samples, int batches) {
 
 }  // namespace
 
-CameraRay cameraRay(const Camera& camera, int width, int height, glm::vec2 place) {
+CameraRay cameraRay(const Camera& camera, int width, int height, glm::vec2 position) {
     const float aspect = float(width) / float(height);
-    const glm::vec2 ndc(2 * place.x / float(width) - 1, 1 - 2 * place.y / float(height));
+    const glm::vec2 ndc(2 * position.x / float(width) - 1, 1 - 2 * position.y / float(height));
     const glm::mat3 rotation(camera.worldFromCamera);
     const glm::vec3 eye(camera.worldFromCamera[3]);
-    const float nearMeters = std::max(camera.znear, kLeastNearMeters);
+    const float nearMeters = std::max(camera.znear, kMinNearMeters);
     if (camera.perspective) {
         const float half = std::tan(0.5f * camera.yfovRadians);
         const glm::vec3 toPlane = rotation * glm::vec3(ndc.x * half * aspect, ndc.y * half, -1);
@@ -150,10 +150,10 @@ TracedPicture tracePicture(const PictureSettings& settings, const Integrator& in
                         Rng(hashOf(settings.seed, pixel, uint64_t(index))),
                         PathNumbers(hashOf(~settings.seed, pixel, uint64_t(batch)), uint32_t(index - begin))};
                     const glm::vec2 inPixel(sample.numbers.next4());
-                    const glm::vec2 place =
+                    const glm::vec2 position =
                         corner + (settings.filter == PixelFilter::box ? inPixel : glm::vec2(0.5f));
                     sums[i].batch += glm::dvec3(integrator(
-                        cameraRay(settings.camera, settings.width, settings.height, place), sample));
+                        cameraRay(settings.camera, settings.width, settings.height, position), sample));
                     if (batches.of(index + 1) != batch) sums[i].endBatch(index + 1 - begin);
                     rangeRays += sample.rays;
                 }

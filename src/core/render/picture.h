@@ -13,7 +13,7 @@
 namespace phat {
 
 /// Parts of a picture. `direct` is light that was never reflected before it met the visible surface, with
-/// what is seen shining; the others are the rest, by the lobe of the visible surface that reflects it.
+/// directly visible emission; the others are the rest, by the lobe of the visible surface that reflects it.
 enum class Component : uint8_t { all, direct, indirect, glossyIndirect, diffuseIndirect };
 
 struct CameraRay {
@@ -21,11 +21,11 @@ struct CameraRay {
     glm::vec3 direction{0, 0, -1};  // unit
 };
 
-/// The ray through `place` in pixels, (0, 0) the picture's upper left corner; it begins on the near plane.
+/// The ray through `position` in pixels, (0, 0) the picture's upper left corner; it begins on the near plane.
 /// twin: matricesOf in src/gl/display_pass.cpp, the rasteriser's camera.
-CameraRay cameraRay(const Camera& camera, int width, int height, glm::vec2 place);
+CameraRay cameraRay(const Camera& camera, int width, int height, glm::vec2 position);
 
-/// What the eye sees first along `ray`: backs of single-sided materials are not there, as the rasteriser
+/// The first visible hit along `ray`: backs of single-sided materials are skipped, as the rasteriser
 /// culls them. (To all other rays they are black.) The hit's distance is from the ray's origin.
 Hit visibleHit(const RayScene& rays, const CameraRay& ray, uint64_t& rayCount);
 
@@ -49,7 +49,7 @@ struct PictureSettings {
     int samplesPerPixel = 64;  // at most 65536
     double seconds = 0;        // > 0: stop after the pass that ends past this time, however many samples
     uint64_t seed = 1;
-    /// What a pixel is the mean of: its square, or its middle, which is what a drawn frame without
+    /// The support of a pixel's filter: its square, or its centre, as in a rasterised frame without
     /// anti-aliasing shows.
     PixelFilter filter = PixelFilter::box;
     std::vector<uint32_t> pixels;  // y * width + x of those to trace; the others stay black. Empty: all
@@ -65,7 +65,7 @@ struct TracedPicture {
 /// Averages `integrator` over each pixel, in passes over the whole picture. A
 /// pixel's samples come in batches: those of one are stratified together, batches are independent. The same
 /// bytes for any number of threads, unless a time limit decides the number of samples. Throws Interrupted
-/// when `progress` asks.
+/// when `progress` requests it.
 TracedPicture tracePicture(const PictureSettings& settings, const Integrator& integrator, Progress& progress);
 
 }  // namespace phat

@@ -5,16 +5,16 @@
 namespace phat {
 namespace {
 
-// A neighbour whose lobe is so many of one's own widths away sees other things, and so does one whose lobe is
-// so much wider or narrower.
+// Width of the Gaussian by which a neighbour is weighted, in units of alpha, and the greatest ratio of the
+// two lobes' alphas: beyond, the neighbour reflects other things.
 constexpr float kPoolWidthPerAlpha = 0.8f;
-constexpr float kMostTimesAlpha = 1.5f;
+constexpr float kMaxAlphaRatio = 1.5f;
 // A mirror is sharper than a pixel; it needs no other's rays.
-constexpr float kLeastAlpha = 0.005f;
-// A line, one pixel wide, is four times as bright as the mean around.
-constexpr float kMostTimesNear = 4.0f;
-// What is given away may add so much of the mean around in the middle.
-constexpr float kMostGiven = 1.0f;
+constexpr float kMinPooledAlpha = 0.005f;
+// A bright line of one pixel's width is four times as bright as the mean around it.
+constexpr float kMaxOverNeighbors = 4.0f;
+// The redistributed light adds at most this fraction of the neighbours' mean at the centre: a clamp.
+constexpr float kMaxRedistributed = 1.0f;
 
 }  // namespace
 
@@ -29,10 +29,10 @@ ReflectionPool::ReflectionPool(std::vector<PooledLobe> lobes, int width, int hei
 
 float ReflectionPool::likeness(const PooledLobe& mine, const PooledLobe& other) {
     if (&mine == &other) return 1;
-    if (mine.alpha < kLeastAlpha) return 0;
-    if (std::max(mine.alpha, other.alpha) > kMostTimesAlpha * std::min(mine.alpha, other.alpha)) return 0;
-    // What one sees in its mirror direction, the other sees turned by its own turn and by the step between
-    // them.
+    if (mine.alpha < kMinPooledAlpha) return 0;
+    if (std::max(mine.alpha, other.alpha) > kMaxAlphaRatio * std::min(mine.alpha, other.alpha)) return 0;
+    // Parallax: a point in one lobe's mirror direction appears to the other rotated by the difference of
+    // their mirror directions and by the step between their positions.
     glm::vec3 step = (other.position - mine.position) / mine.distance;
     step -= glm::dot(step, mine.mirror) * mine.mirror;
     const glm::vec3 apart = (other.mirror - mine.mirror + step) / (kPoolWidthPerAlpha * mine.alpha);
@@ -46,23 +46,24 @@ float ReflectionPool::raysForOne(size_t i) const {
 }
 
 PooledLight ReflectionPool::pooled(size_t i, const std::vector<PooledLight>& lights,
-                                   const std::vector<Share>& shares) const {
+                                   const std::vector<Redistribution>& redistributions) const {
     PooledLight sum;
     visit(i, [&](size_t j, float likeness) {
         const PooledLight& light = lights[j];
         const float weight = likeness * light.weight;
         sum.weight += weight;
-        sum.indirect += weight * shares[j].kept * light.indirect;
+        sum.indirect += weight * redistributions[j].retained * light.indirect;
         sum.area += weight * light.area;
     });
     if (sum.weight <= 0.0f) return {};
     sum.indirect /= sum.weight;
     sum.area /= sum.weight;
-    visitNear(i, [&](size_t j, float tent) { sum.indirect += tent * shares[j].given; });
+    visitNear(i, [&](size_t j, float tent) { sum.indirect += tent * redistributions[j].spread; });
     return sum;
 }
 
-ReflectionPool::Share ReflectionPool::shareOut(size_t i, const std::vector<PooledLight>& lights) const {
+ReflectionPool::Redistribution ReflectionPool::redistribute(size_t i,
+                                                            const std::vector<PooledLight>& lights) const {
     float light = 0, weights = 0;  // of those around
     visitNear(i, [&](size_t j, float tent) {
         if (j == i) return;
@@ -72,12 +73,12 @@ ReflectionPool::Share ReflectionPool::shareOut(size_t i, const std::vector<Poole
     if (weights <= 0.0f) return {};
     const PooledLight& mine = lights[i];
     const float mean = light / weights, own = luminance(mine.indirect);
-    if (own <= kMostTimesNear * mean) return {};
-    const float kept = kMostTimesNear * mean / own;
+    if (own <= kMaxOverNeighbors * mean) return {};
+    const float retained = kMaxOverNeighbors * mean / own;
     const float part = mine.weight / (weights + kOwnTent * mine.weight);
-    const float shown = kOwnTent * (1.0f - kept) * part * own;
-    const float scale = std::min(1.0f, kMostGiven * mean / shown);
-    return {kept, scale * (1.0f - kept) * part * mine.indirect};
+    const float added = kOwnTent * (1.0f - retained) * part * own;
+    const float scale = std::min(1.0f, kMaxRedistributed * mean / added);
+    return {retained, scale * (1.0f - retained) * part * mine.indirect};
 }
 
 }  // namespace phat

@@ -1,7 +1,7 @@
 #pragma once
-// Rays of neighbouring pixels, put together. As shaders/pool.frag does with draws, but by where the rays
-// lead: what is close stands elsewhere for each pixel. ours, because a picture of a few rays a pixel is
-// noise.
+// Reuse of neighbouring pixels' reflection rays. As shaders/pool.frag does with samples, but weighted by
+// where the rays lead, because near surfaces have parallax between pixels. ours, because an image of a few
+// rays a pixel is noise.
 
 #include <algorithm>
 #include <cstdint>
@@ -14,14 +14,14 @@ namespace phat {
 /// A lobe that a pixel shows.
 struct PooledLobe {
     uint32_t pixel = 0;     // y * width + x
-    uint32_t side = 0;      // of which surface: two of one number share what they see
+    uint32_t side = 0;      // of which surface: lobes of one side may be pooled
     glm::vec3 position{0};  // world
     glm::vec3 mirror{0};    // world, unit: the eye's, reflected
     float alpha = 0;        // 0: no lobe
-    float distance = 0;     // metres to what is seen around `mirror`
+    float distance = 0;     // metres to the nearest surface around `mirror`
 };
 
-/// What the rays of a lobe brought.
+/// Incident radiance by the rays of a lobe.
 struct PooledLight {
     glm::vec3 indirect{0}, area{0};  // means
     float weight = 0;                // sum of the rays'
@@ -36,21 +36,22 @@ class ReflectionPool {
     /// How many rays count for each that lobe `i` traces itself if all trace as many, 1 to 16.
     float raysForOne(size_t i) const;
 
-    /// Walks that find a lamp by way of two sharp lobes are rare and bright. What of a lobe's indirect light
-    /// is more than kMostTimesNear as bright as what those around see goes to them all, as far as that does
-    /// not show. A bias: the rest is lost. `lights`: of all lobes.
-    struct Share {
-        float kept = 1;      // of its own
-        glm::vec3 given{0};  // to each nearby, times its tent
+    /// Firefly redistribution. Walks that reach an emitter by way of two sharp lobes are rare and bright. The
+    /// part of a lobe's indirect light that exceeds kMaxOverNeighbors times the mean of its neighbours is
+    /// spread over them, up to kMaxRedistributed. A bias: the rest is lost. `lights`: of all lobes.
+    struct Redistribution {
+        float retained = 1;   // fraction of the lobe's own light
+        glm::vec3 spread{0};  // added to each neighbour, times its tent weight
     };
-    Share shareOut(size_t i, const std::vector<PooledLight>& lights) const;
+    Redistribution redistribute(size_t i, const std::vector<PooledLight>& lights) const;
 
-    /// What lobe `i` sees by its own rays and those that count for it. `shares`: shareOut of all.
+    /// Incident light of lobe `i` by its own rays and its neighbours'. `redistributions`: of all lobes.
     PooledLight pooled(size_t i, const std::vector<PooledLight>& lights,
-                       const std::vector<Share>& shares) const;
+                       const std::vector<Redistribution>& redistributions) const;
 
   private:
-    // Calls visit(j, tent) for all lobes of the same side nearby, `i` among them, whatever they see.
+    // Calls visit(j, tent) for all lobes of the same side nearby, `i` among them, without regard to their
+    // directions.
     template <typename Visit>
     void visitNear(size_t i, const Visit& visit) const {
         const PooledLobe& mine = lobes_[i];
@@ -63,7 +64,7 @@ class ReflectionPool {
             }
     }
 
-    // Calls visit(j, weight) for those that count, `i` with the most: 16.
+    // Calls visit(j, weight) for the lobes of positive weight; `i` itself has the greatest: 16.
     template <typename Visit>
     void visit(size_t i, const Visit& visit) const {
         visitNear(i, [&](size_t j, float tent) {

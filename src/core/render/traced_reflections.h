@@ -1,5 +1,6 @@
 #pragma once
-// What lobes see by rays that end in what is baked, where PHATexels lie too far apart to show it as sharp.
+// Incident light of lobes by reflection rays whose hits are shaded from the bake, where the PHATexels'
+// spacing cannot resolve the lobe.
 // source: Hensley et al. 2003, section 8, names rays for smooth surfaces; which lobes, and how, is ours
 // (docs/lookup.md).
 
@@ -12,9 +13,9 @@
 
 namespace phat {
 
-/// Which lobes rays answer.
+/// Which lobes are traced.
 enum class Reflections : uint8_t {
-    automatic,  // those too sharp for the PHATexels around, in part those that nearly are
+    automatic,  // those too sharp for the local PHATexels, blended where they nearly are
     rays,       // all
     lookup,     // none
 };
@@ -25,31 +26,30 @@ struct TracedLobe {
     float alpha = 0;            // 0: no lobe
     float f0 = 1;
     float f90 = 1;
-    float share = 0;     // how far rays take the place of the lookup, 0 to 1
-    float distance = 1;  // metres to the nearest that it sees, roughly
+    float weight = 0;    // of rays against the lookup, 0 to 1
+    float distance = 1;  // metres, approximate, to the nearest surface under the lobe
 };
 
 /// The opaque surface that a pixel shows.
 struct TracedSurface {
-    uint32_t pixel = 0;  // its number, row by row: seeds the random numbers
-    glm::vec2 place{0};  // in the picture, as cameraRay takes it
+    uint32_t pixel = 0;     // its number, row by row: seeds the random numbers
+    glm::vec2 position{0};  // in the image, pixels: see cameraRay
     uint32_t triangle = kNoTriangle;
     bool back = false;
     TracedLobe base, coat;
 };
 
-/// The mean radiance that a lobe sees, weighted by the lobe: times its directional albedo it is what it
-/// reflects.
-struct SeenByLobe {
+/// Mean incident radiance weighted by a lobe; times the lobe's directional albedo it is reflected radiance.
+struct LobeIncident {
     glm::vec3 indirect{0};  // light that was reflected before
     glm::vec3 area{0};      // straight from emissive surfaces and the environment
-    float share = 0;        // TracedLobe's; 0 also where no ray left the surface
+    float weight = 0;       // TracedLobe's; 0 also where no ray left the surface
 };
-struct SeenBySurface {
-    SeenByLobe base, coat;
+struct SurfaceIncident {
+    LobeIncident base, coat;
 };
 
-/// What the rays read; all of it must outlive it. The materials may change, the bake does not follow.
+/// What the rays read; all of it must outlive this object. A change of materials does not change the bake.
 struct ReflectionScene {
     ReflectionScene(const RayScene& rayScene, const LightSampler& lightSampler, const Atlas& bakedAtlas,
                     const TexelPoints& points, const Phatexture& baked)
@@ -72,15 +72,15 @@ struct ReflectionView {
     Camera camera;
     int width = 0, height = 0;  // pixels
     uint32_t frame = 0;         // of several pictures whose mean is shown: each continues the sequence
-    int pictures = 1;           // how many they will be: rays are shared out
-    bool indirect = true;       // which parts are wanted
+    int pictures = 1;           // how many there will be: the ray budget is divided among them
+    bool indirect = true;       // which parts are computed
     bool area = true;
 };
 
-/// [surface]. Lobes whose share is 0 are left out. The same values for any number of threads. Adds the rays
-/// it traced to `rayCount`. Throws Interrupted when `progress` asks.
-std::vector<SeenBySurface> traceReflections(const ReflectionScene& scene, const ReflectionView& view,
-                                            std::span<const TracedSurface> surfaces, Progress& progress,
-                                            uint64_t& rayCount);
+/// [surface]. Lobes of weight 0 are left out. The same values for any number of threads. Adds the rays
+/// it traced to `rayCount`. Throws Interrupted when `progress` requests it.
+std::vector<SurfaceIncident> traceReflections(const ReflectionScene& scene, const ReflectionView& view,
+                                              std::span<const TracedSurface> surfaces, Progress& progress,
+                                              uint64_t& rayCount);
 
 }  // namespace phat

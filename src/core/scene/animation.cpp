@@ -10,7 +10,7 @@ glm::dquat quatOf(glm::dvec4 v) {
 }
 
 glm::dvec4 slerp(glm::dvec4 a, glm::dvec4 b, double t) {
-    // glm goes the shorter way, as the specification asks.
+    // glm interpolates along the shorter arc, as the specification demands.
     const glm::dquat q = glm::slerp(glm::normalize(quatOf(a)), glm::normalize(quatOf(b)), t);
     return {q.x, q.y, q.z, q.w};
 }

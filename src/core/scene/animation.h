@@ -44,7 +44,7 @@ struct Animation {
 std::vector<glm::dmat4> worldFromNodes(const std::vector<SceneNode>& nodes, const Animation* animation,
                                        double seconds);
 
-/// What moves the nodes from where they are at rest: SceneState::worldFromRest.
+/// Transforms of the nodes relative to their rest pose: SceneState::worldFromRest.
 std::vector<glm::mat4> worldFromRest(const std::vector<SceneNode>& nodes, const Animation& animation,
                                      double seconds);
 

@@ -25,14 +25,14 @@ glm::vec2 integrateSplitSum(float nDotV, float alpha) {
 }
 
 std::vector<glm::vec2> integrateSplitSumTable() {
-    constexpr float kLeastCosine = 1e-3f;  // at 0 the visible normals are undefined
+    constexpr float kMinCosine = 1e-3f;  // at 0 the visible normals are undefined
     std::vector<glm::vec2> table(kSplitSumSize * kSplitSumSize);
     for (int y = 0; y < kSplitSumSize; ++y) {
         for (int x = 0; x < kSplitSumSize; ++x) {
             const float nDotV = float(x) / (kSplitSumSize - 1);
             const float roughness = float(y) / (kSplitSumSize - 1);
             table[size_t(y) * kSplitSumSize + x] =
-                integrateSplitSum(std::max(nDotV, kLeastCosine), std::max(roughness * roughness, kMinAlpha));
+                integrateSplitSum(std::max(nDotV, kMinCosine), std::max(roughness * roughness, kMinAlpha));
         }
     }
     return table;
@@ -141,52 +141,53 @@ float clearcoatTransmission(const Brdf& brdf, glm::vec3 towardEye) {
     return 1.0f - brdf.clearcoat * (kClearcoatF0 * ab.x + ab.y);
 }
 
-SeenBrdf seeBrdf(const Brdf& brdf, glm::vec3 towardEye) {
-    SeenBrdf seen;
-    seen.brdf = brdf;
-    seen.towardEye = towardEye;
-    if (towardEye.z <= 0.0f) return seen;
+ViewedBrdf viewedBrdf(const Brdf& brdf, glm::vec3 towardEye) {
+    ViewedBrdf viewed;
+    viewed.brdf = brdf;
+    viewed.towardEye = towardEye;
+    if (towardEye.z <= 0.0f) return viewed;
     const LobeAlbedos albedos = lobeAlbedos(brdf, towardEye);
-    seen.transmission = 1.0f - albedos.coat;
-    seen.diffuse = albedos.diffuse / kPi;
-    seen.chances = lobeChances(albedos);
+    viewed.transmission = 1.0f - albedos.coat;
+    viewed.diffuse = albedos.diffuse / kPi;
+    viewed.chances = lobeChances(albedos);
     if (brdf.clearcoat > 0.0f) {
-        seen.coatFrame = coatFrame(brdf);
-        seen.towardEyeCoat = seen.coatFrame.toLocal(towardEye);
+        viewed.coatFrame = coatFrame(brdf);
+        viewed.towardEyeCoat = viewed.coatFrame.toLocal(towardEye);
     }
-    return seen;
+    return viewed;
 }
 
-SeenBrdf only(Lobes lobes, const SeenBrdf& seen) {
-    SeenBrdf part = seen;
+ViewedBrdf only(Lobes lobes, const ViewedBrdf& viewed) {
+    ViewedBrdf part = viewed;
     if (lobes == Lobes::diffuse) {
         part.brdf.f0 = glm::vec3(0);
         part.brdf.f90 = part.brdf.clearcoat = 0;
-        part.chances = glm::vec3(seen.chances.x > 0.0f ? 1.0f : 0.0f, 0, 0);
+        part.chances = glm::vec3(viewed.chances.x > 0.0f ? 1.0f : 0.0f, 0, 0);
     } else if (lobes == Lobes::glossy) {
         part.diffuse = glm::vec3(0);
-        const float glossy = seen.chances.y + seen.chances.z;
-        part.chances = glossy > 0.0f ? glm::vec3(0, seen.chances.y, seen.chances.z) / glossy : glm::vec3(0);
+        const float glossy = viewed.chances.y + viewed.chances.z;
+        part.chances =
+            glossy > 0.0f ? glm::vec3(0, viewed.chances.y, viewed.chances.z) / glossy : glm::vec3(0);
     }
     return part;
 }
 
-LobeValues evaluateLobes(const SeenBrdf& seen, glm::vec3 towardLight) {
+LobeValues evaluateLobes(const ViewedBrdf& viewed, glm::vec3 towardLight) {
     LobeValues value;
-    const Brdf& brdf = seen.brdf;
-    const glm::vec3 towardEye = seen.towardEye;
+    const Brdf& brdf = viewed.brdf;
+    const glm::vec3 towardEye = viewed.towardEye;
     if (towardEye.z <= 0.0f || towardLight.z <= 0.0f) return value;
 
-    value.diffuse = seen.diffuse * towardLight.z;
-    if (seen.chances.y <= 0.0f && brdf.clearcoat <= 0.0f) return value;
+    value.diffuse = viewed.diffuse * towardLight.z;
+    if (viewed.chances.y <= 0.0f && brdf.clearcoat <= 0.0f) return value;
     const glm::vec3 h = glm::normalize(towardEye + towardLight);
     const float vDotH = glm::dot(towardEye, h);
-    value.specular = seen.transmission * ggxD(h.z, brdf.alpha) *
+    value.specular = viewed.transmission * ggxD(h.z, brdf.alpha) *
                      smithV(towardLight.z, towardEye.z, brdf.alpha) * towardLight.z *
                      schlick(brdf.f0, brdf.f90, vDotH);
 
     if (brdf.clearcoat > 0.0f) {
-        const float nDotV = seen.towardEyeCoat.z;
+        const float nDotV = viewed.towardEyeCoat.z;
         const float nDotL = glm::dot(towardLight, brdf.clearcoatNormal);
         if (nDotV > 0.0f && nDotL > 0.0f) {
             const float nDotH = glm::dot(h, brdf.clearcoatNormal);
@@ -199,7 +200,7 @@ LobeValues evaluateLobes(const SeenBrdf& seen, glm::vec3 towardLight) {
 }
 
 LobeValues evaluateLobes(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight) {
-    return evaluateLobes(seeBrdf(brdf, towardEye), towardLight);
+    return evaluateLobes(viewedBrdf(brdf, towardEye), towardLight);
 }
 
 glm::vec3 evaluateBrdf(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight) {
@@ -212,46 +213,46 @@ glm::vec3 reflectance(const Brdf& brdf, glm::vec3 towardEye) {
     return glm::min(albedos.diffuse + albedos.specular + albedos.coat, glm::vec3(1));
 }
 
-BrdfSample sampleBrdf(const SeenBrdf& seen, float lobe, glm::vec2 square) {
+BrdfSample sampleBrdf(const ViewedBrdf& viewed, float lobe, glm::vec2 square) {
     BrdfSample sample;
-    const glm::vec3 chances = seen.chances;
-    if (!reflects(seen)) return sample;
+    const glm::vec3 chances = viewed.chances;
+    if (!reflects(viewed)) return sample;
 
     if (lobe < chances.x) {
         sample.direction = squareToCosineHemisphere(square);
     } else if (lobe < chances.x + chances.y) {
-        sample.direction =
-            reflectAbout(seen.towardEye, squareToVisibleNormal(square, seen.towardEye, seen.brdf.alpha));
+        sample.direction = reflectAbout(viewed.towardEye,
+                                        squareToVisibleNormal(square, viewed.towardEye, viewed.brdf.alpha));
     } else if (chances.z > 0.0f) {
-        const glm::vec3 v = seen.towardEyeCoat;
+        const glm::vec3 v = viewed.towardEyeCoat;
         if (v.z <= 0.0f) return sample;
-        sample.direction = seen.coatFrame.toWorld(
-            reflectAbout(v, squareToVisibleNormal(square, v, seen.brdf.clearcoatAlpha)));
+        sample.direction = viewed.coatFrame.toWorld(
+            reflectAbout(v, squareToVisibleNormal(square, v, viewed.brdf.clearcoatAlpha)));
     }
     if (sample.direction.z <= 0.0f) return sample;
 
-    sample.pdf = sampleBrdfPdf(seen, sample.direction);
-    if (sample.pdf > 0.0f) sample.weight = evaluateBrdf(seen, sample.direction) / sample.pdf;
+    sample.pdf = sampleBrdfPdf(viewed, sample.direction);
+    if (sample.pdf > 0.0f) sample.weight = evaluateBrdf(viewed, sample.direction) / sample.pdf;
     return sample;
 }
 
 BrdfSample sampleBrdf(const Brdf& brdf, glm::vec3 towardEye, float lobe, glm::vec2 square) {
-    return sampleBrdf(seeBrdf(brdf, towardEye), lobe, square);
+    return sampleBrdf(viewedBrdf(brdf, towardEye), lobe, square);
 }
 
-float sampleBrdfPdf(const SeenBrdf& seen, glm::vec3 towardLight) {
-    if (!reflects(seen) || towardLight.z <= 0.0f) return 0.0f;
-    const glm::vec3 chances = seen.chances;
+float sampleBrdfPdf(const ViewedBrdf& viewed, glm::vec3 towardLight) {
+    if (!reflects(viewed) || towardLight.z <= 0.0f) return 0.0f;
+    const glm::vec3 chances = viewed.chances;
     float pdf = chances.x * squareToCosineHemispherePdf(towardLight);
-    if (chances.y > 0.0f) pdf += chances.y * reflectedPdf(seen.towardEye, towardLight, seen.brdf.alpha);
-    if (chances.z > 0.0f && seen.towardEyeCoat.z > 0.0f)
-        pdf += chances.z * reflectedPdf(seen.towardEyeCoat, seen.coatFrame.toLocal(towardLight),
-                                        seen.brdf.clearcoatAlpha);
+    if (chances.y > 0.0f) pdf += chances.y * reflectedPdf(viewed.towardEye, towardLight, viewed.brdf.alpha);
+    if (chances.z > 0.0f && viewed.towardEyeCoat.z > 0.0f)
+        pdf += chances.z * reflectedPdf(viewed.towardEyeCoat, viewed.coatFrame.toLocal(towardLight),
+                                        viewed.brdf.clearcoatAlpha);
     return pdf;
 }
 
 float sampleBrdfPdf(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight) {
-    return sampleBrdfPdf(seeBrdf(brdf, towardEye), towardLight);
+    return sampleBrdfPdf(viewedBrdf(brdf, towardEye), towardLight);
 }
 
 glm::vec3 squareToCosineHemisphere(glm::vec2 s) {

@@ -13,10 +13,10 @@
 
 namespace phat {
 
-/// Roughness 0 is a legal mirror; its GGX alpha is held at this value so that densities stay finite.
+/// Roughness 0 is a legal mirror; its GGX alpha is clamped to this value so that densities stay finite.
 inline constexpr float kMinAlpha = 1e-3f;
 
-/// What a material is at one point, textures applied.
+/// A material evaluated at one point, textures applied.
 struct Brdf {
     glm::vec3 diffuseColor{0};  // base colour * (1 - metallic) * (1 - meanFresnel of the dielectric part)
     glm::vec3 f0{0.04f};        // specular reflectance at normal incidence
@@ -59,7 +59,7 @@ const std::vector<glm::vec2>& splitSumTable();
 /// appendix B would exceed it, min(1, (1 - max E_specular) / max diffuseColor).
 /// ours, because appendix B reflects up to 1.9 times the light at grazing angles (docs/reference.md).
 float diffuseWeight(const Brdf& brdf, float nDotV);
-/// What the clear coat lets through to the layers below: 1 - clearcoat * E_coat(towardEye . clearcoatNormal).
+/// Transmission of the clear coat to the layers below: 1 - clearcoat * E_coat(towardEye . clearcoatNormal).
 float clearcoatTransmission(const Brdf& brdf, glm::vec3 towardEye);
 
 /// BRDF * cos(towardLight), 1/sr; zero when either direction is below the horizon.
@@ -71,8 +71,9 @@ struct LobeValues {
 };
 LobeValues evaluateLobes(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight);
 
-/// A BRDF with all that depends on the eye's direction alone, for several calls of the functions below.
-struct SeenBrdf {
+/// A BRDF for one direction toward the eye, with all terms that depend on that direction alone, for several
+/// calls of the functions below.
+struct ViewedBrdf {
     Brdf brdf;
     glm::vec3 towardEye{0};
     float transmission = 1;      // of the coat
@@ -81,16 +82,16 @@ struct SeenBrdf {
     Frame coatFrame;             // local, of the coat's own normal
     glm::vec3 towardEyeCoat{0};  // in that frame
 };
-SeenBrdf seeBrdf(const Brdf& brdf, glm::vec3 towardEye);
-inline bool reflects(const SeenBrdf& seen) {
-    return seen.chances.x + seen.chances.y + seen.chances.z > 0.0f;
+ViewedBrdf viewedBrdf(const Brdf& brdf, glm::vec3 towardEye);
+inline bool reflects(const ViewedBrdf& viewed) {
+    return viewed.chances.x + viewed.chances.y + viewed.chances.z > 0.0f;
 }
 /// One of its parts alone, to evaluate and to sample: Lambert; or GGX with the coat.
 enum class Lobes : uint8_t { all, diffuse, glossy };
-SeenBrdf only(Lobes lobes, const SeenBrdf& seen);
-LobeValues evaluateLobes(const SeenBrdf& seen, glm::vec3 towardLight);
-inline glm::vec3 evaluateBrdf(const SeenBrdf& seen, glm::vec3 towardLight) {
-    const LobeValues value = evaluateLobes(seen, towardLight);
+ViewedBrdf only(Lobes lobes, const ViewedBrdf& viewed);
+LobeValues evaluateLobes(const ViewedBrdf& viewed, glm::vec3 towardLight);
+inline glm::vec3 evaluateBrdf(const ViewedBrdf& viewed, glm::vec3 towardLight) {
+    const LobeValues value = evaluateLobes(viewed, towardLight);
     return value.diffuse + value.specular;
 }
 
@@ -102,12 +103,12 @@ struct BrdfSample {
     glm::vec3 weight{0};  // BRDF * cos / pdf; zero when nothing was found
     float pdf = 0;        // 1/sr, of all lobes together
 };
-/// Draws towardLight for a given towardEye: chooses a lobe by albedo; Lambert by cosine, GGX by visible
+/// Samples towardLight for a given towardEye: chooses a lobe by albedo; Lambert by cosine, GGX by visible
 /// normals (Heitz 2018). `lobe` in [0,1).
-BrdfSample sampleBrdf(const SeenBrdf& seen, float lobe, glm::vec2 square);
+BrdfSample sampleBrdf(const ViewedBrdf& viewed, float lobe, glm::vec2 square);
 BrdfSample sampleBrdf(const Brdf& brdf, glm::vec3 towardEye, float lobe, glm::vec2 square);
 /// Density of sampleBrdf, 1/sr.
-float sampleBrdfPdf(const SeenBrdf& seen, glm::vec3 towardLight);
+float sampleBrdfPdf(const ViewedBrdf& viewed, glm::vec3 towardLight);
 float sampleBrdfPdf(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight);
 
 /// Cosine-weighted hemisphere; pdf = z / pi.

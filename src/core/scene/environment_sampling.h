@@ -16,7 +16,7 @@ namespace phat {
 /// Bilinear lookup, azimuth repeated, poles clamped. pre: |direction| = 1, the picture is not empty.
 glm::vec3 environmentRadiance(const Environment& environment, glm::vec3 direction);
 
-/// The same sky about the vertical: what is in column x comes to column x + `columns`, round about.
+/// The environment rotated about the vertical: column x becomes column x + `columns`, cyclically.
 Environment turned(const Environment& environment, int columns);
 
 struct EnvironmentSample {
@@ -29,7 +29,7 @@ class EnvironmentDistribution {
     /// pre: the picture is not empty.
     explicit EnvironmentDistribution(const Environment& environment);
 
-    /// Integral of radiance over the sphere, W/m2: what a unit of cross-section receives from all around.
+    /// Integral of radiance over the sphere, W/m2: the power on a unit of cross-section.
     glm::vec3 integratedRadiance() const { return integratedRadiance_; }
     /// Whether there is any light to sample.
     bool black() const { return !(rows_.total() > 0); }

@@ -10,7 +10,7 @@ namespace phat {
 namespace {
 
 // Streams of hashOf.
-constexpr uint64_t kSharingStream = 0x5a01, kSequenceStream = 0x5a02;
+constexpr uint64_t kAllotmentStream = 0x5a01, kSequenceStream = 0x5a02;
 
 // Positive root of x^(d+1) = x + 1, by Newton's method.
 constexpr double generalizedGolden(int dimensions) {
@@ -58,12 +58,12 @@ glm::vec3 originBeforeScene(glm::vec3 center, float radius, glm::vec3 direction,
 
 }  // namespace
 
-// Photon `within` of its source's own; each carries the source's power times `share`.
+// Photon `within` of its source's own; each carries the source's power times `powerFraction`.
 struct LightSampler::PhotonTurn {
     size_t source = 0;
     uint64_t within = 0;
     uint64_t total = 1;  // photons of the source
-    double share = 0;
+    double powerFraction = 0;
     uint64_t stream = 0;
 };
 
@@ -90,7 +90,7 @@ void LightSampler::addPhotonSources() {
 // Systematic sampling: source s owns the integers in [boundary(s), boundary(s + 1)), one more or one less
 // than its due by a common random shift. Dividing by the number that it got makes its sum exact.
 LightSampler::PhotonTurn LightSampler::turnOf(uint64_t index, uint64_t count, uint64_t seed) const {
-    const double shift = double(hashOf(seed, kSharingStream) >> 11) * 0x1p-53;
+    const double shift = double(hashOf(seed, kAllotmentStream) >> 11) * 0x1p-53;
     const double perWatt = double(count) / sourceChoice_.total();
     const auto boundary = [&](size_t source) {
         if (source == sources_.size()) return count;
@@ -108,7 +108,7 @@ LightSampler::PhotonTurn LightSampler::turnOf(uint64_t index, uint64_t count, ui
     turn.total = boundary(low + 1) - boundary(low);
     const double due = sourceChoice_.weight(low) * perWatt;
     // A source that is due less than one photon gets one now and then, which carries more than its power.
-    turn.share = 1.0 / (due < 1.0 ? due : double(turn.total));
+    turn.powerFraction = 1.0 / (due < 1.0 ? due : double(turn.total));
     turn.stream = hashOf(seed, kSequenceStream, low);
     return turn;
 }
@@ -136,7 +136,7 @@ EmittedPhoton LightSampler::fromPunctual(const PhotonSource& source, const Photo
     photon.punctual = true;
     photon.rangeMeters = light.rangeMeters;
     photon.origin = light.position;
-    photon.fluxWatts = punctualPower(light, sceneRadius_) * float(turn.share);
+    photon.fluxWatts = punctualPower(light, sceneRadius_) * float(turn.powerFraction);
     switch (light.type) {
         case PunctualLight::Type::point:
             photon.direction = directionAt(1 - 2 * u, 2 * kPi * v);
@@ -173,8 +173,8 @@ EmittedPhoton LightSampler::fromTriangles(const PhotonSource& source, const Phot
     EmittedPhoton photon;
     photon.direction = frameFromNormal(normal).toWorld(squareToCosineHemisphere({dx, dy}));
     photon.origin = offsetOrigin(pointOnTriangle(*scene_, emitter.triangle, barycentric), normal);
-    photon.fluxWatts =
-        radiance * float(double(kPi) * emitter.areaSquareMeters * emitter.sides() * turn.share / chance);
+    photon.fluxWatts = radiance * float(double(kPi) * emitter.areaSquareMeters * emitter.sides() *
+                                        turn.powerFraction / chance);
     return photon;
 }
 
@@ -185,8 +185,8 @@ EmittedPhoton LightSampler::fromEnvironment(const PhotonTurn& turn) const {
     EmittedPhoton photon;
     photon.direction = -found.direction;
     photon.origin = originBeforeScene(sceneCenter_, sceneRadius_, photon.direction, {dx, dy});
-    photon.fluxWatts =
-        environmentRadiance(found.direction) * (kPi * square(sceneRadius_) * float(turn.share) / found.pdf);
+    photon.fluxWatts = environmentRadiance(found.direction) *
+                       (kPi * square(sceneRadius_) * float(turn.powerFraction) / found.pdf);
     return photon;
 }
 

@@ -6,17 +6,17 @@ namespace phat {
 namespace {
 
 // Texture samples a triangle: two a texel that it covers, within these bounds. The mean only steers the
-// choice of emitters and the reported power; photons and samples carry the radiance of their own place.
+// choice of emitters and the reported power; photons and samples carry the radiance of their own position.
 constexpr uint32_t kMinSamples = 16, kMaxSamples = 1024;
 // Triangles that look black are scanned texel by texel up to this many, and taken to emit beyond.
 constexpr float kMaxScannedTexels = 4096;
-// Estimate, as a share of untextured emission, for those that are not scanned. ours: small enough not to draw
-// samples from visible emitters.
+// Estimate, as a fraction of untextured emission, for those that are not scanned. ours: small enough not to
+// draw samples from visible emitters.
 constexpr float kUnknownEmission = 1e-3f;
 
 struct UvBox {
     glm::vec2 low, high;  // in texels of the emission texture
-    float covered;        // texels under the triangle, by area
+    float areaTexels;     // texels under the triangle, by area
 };
 
 UvBox emissionTexels(const Scene& scene, const Material& material, uint32_t triangle) {
@@ -36,7 +36,7 @@ UvBox emissionTexels(const Scene& scene, const Material& material, uint32_t tria
 
 // Whether any texel that a lookup on the triangle may read is brighter than black.
 bool anyTexelShines(const Scene& scene, const Material& material, const UvBox& box) {
-    // Half a texel more on either side is what bilinear lookups reach.
+    // Half a texel more on either side: the support of bilinear interpolation.
     const glm::vec2 low = glm::floor(box.low - 0.5f), high = glm::floor(box.high + 0.5f);
     const glm::vec2 count = high - low + 1.0f;
     if (!(count.x * count.y <= kMaxScannedTexels)) return true;
@@ -72,7 +72,7 @@ glm::vec3 meanRadiance(const Scene& scene, const Material& material, const Emiss
     uint32_t count = kMinSamples;
     if (textured) {
         box = emissionTexels(scene, material, emitter.triangle);
-        count = uint32_t(std::clamp(2.0f * box.covered, float(kMinSamples), float(kMaxSamples)));
+        count = uint32_t(std::clamp(2.0f * box.areaTexels, float(kMinSamples), float(kMaxSamples)));
     }
     glm::dvec3 sum(0);
     for (uint32_t i = 0; i < count; ++i) {

@@ -23,7 +23,7 @@ struct EmissiveTriangle {
 /// All triangles that emit anywhere, in triangle order. Those of zero area are left out: no ray finds them.
 std::vector<EmissiveTriangle> findEmissiveTriangles(const Scene& scene);
 
-/// Radiance that leaves the emitter at a place, opacity applied: rays pass what is transparent.
+/// Radiance that leaves the emitter at a point, opacity applied: rays pass what is transparent.
 glm::vec3 emittedRadiance(const Scene& scene, const EmissiveTriangle& emitter, glm::vec2 barycentric);
 
 /// Area-preserving. source: Heitz 2019, "A Low-Distortion Map Between Triangle and Square".

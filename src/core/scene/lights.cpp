@@ -10,14 +10,14 @@ namespace {
 constexpr float kInfinityMeters = 1e30f;
 
 // Share of sampleArea that the environment and the triangles each keep where both shine: power says little
-// about who reaches a point, a lamp in a room must not starve beside the sky outside. ours, untuned.
-constexpr float kLeastShare = 0.1f;
+// about who reaches a point, a small emitter indoors must be sampled beside a bright sky. ours, untuned.
+constexpr float kMinSourceProbability = 0.1f;
 
 // Cosines below this are edge-on: nothing is sampled and nothing counts as sampled.
-constexpr float kLeastCosine = 1e-6f;
+constexpr float kMinCosine = 1e-6f;
 
 // Nearer than a micrometre a point light has no direction to speak of, and its irradiance would overflow.
-constexpr float kLeastDistanceSquared = 1e-12f;
+constexpr float kMinDistanceSquared = 1e-12f;
 
 float emittingCosine(const EmissiveTriangle& emitter, glm::vec3 towardPoint) {
     const float cosine = glm::dot(emitter.normal, towardPoint);
@@ -52,8 +52,10 @@ LightSampler::LightSampler(const Scene& scene, SharedValue<Environment> environm
     }
     powerArea_ = glm::vec3(emittersWatts) + environmentWatts;
     if (environment_ && !environment_->black()) {
-        const float share = luminance(environmentWatts) / luminance(powerArea_);
-        environmentChance_ = emitters_.empty() ? 1.0f : std::clamp(share, kLeastShare, 1.0f - kLeastShare);
+        const float probability = luminance(environmentWatts) / luminance(powerArea_);
+        environmentChance_ =
+            emitters_.empty() ? 1.0f
+                              : std::clamp(probability, kMinSourceProbability, 1.0f - kMinSourceProbability);
     }
     addPhotonSources();
 }
@@ -107,7 +109,7 @@ LightSample LightSampler::sampleArea(glm::vec3 point, float choice, glm::vec2 sq
     sample.towardLight = toward / sample.distance;
     sample.triangle = emitter.triangle;
     const float cosine = emittingCosine(emitter, -sample.towardLight);
-    if (!(cosine > kLeastCosine)) return {};
+    if (!(cosine > kMinCosine)) return {};
     sample.radiance = emitter.uniform ? emitter.radiance : emittedRadiance(*scene_, emitter, barycentric);
     sample.pdf = float(chance * emitterChoice_.probability(index)) * distanceSquared /
                  (cosine * emitter.areaSquareMeters);
@@ -119,7 +121,7 @@ float LightSampler::sampleAreaPdf(glm::vec3 point, const Hit& hit, glm::vec3 dir
     const size_t index = emitterOfTriangle_[hit.triangle];
     const EmissiveTriangle& emitter = emitters_[index];
     const float cosine = emittingCosine(emitter, -direction);
-    if (!(cosine > kLeastCosine)) return 0.0f;
+    if (!(cosine > kMinCosine)) return 0.0f;
     const glm::vec3 toward = pointOnTriangle(*scene_, hit.triangle, hit.barycentric) - point;
     return (1.0f - environmentChance_) * float(emitterChoice_.probability(index)) * glm::dot(toward, toward) /
            (cosine * emitter.areaSquareMeters);
@@ -147,15 +149,15 @@ LightSample LightSampler::samplePunctual(size_t index, glm::vec3 point) const {
     }
     const glm::vec3 toward = light.position - point;
     const float distanceSquared = glm::dot(toward, toward);
-    if (!(distanceSquared > kLeastDistanceSquared)) return sample;
+    if (!(distanceSquared > kMinDistanceSquared)) return sample;
     sample.distance = std::sqrt(distanceSquared);
     sample.towardLight = toward / sample.distance;
-    float share = rangeAttenuation(sample.distance, light.rangeMeters);
+    float attenuation = rangeAttenuation(sample.distance, light.rangeMeters);
     if (light.type == PunctualLight::Type::spot) {
-        share *= spotFalloff(spotCone(light), glm::dot(light.direction, -sample.towardLight));
+        attenuation *= spotFalloff(spotCone(light), glm::dot(light.direction, -sample.towardLight));
     }
-    if (!(share > 0)) return sample;
-    sample.radiance = light.intensity * (share / distanceSquared);
+    if (!(attenuation > 0)) return sample;
+    sample.radiance = light.intensity * (attenuation / distanceSquared);
     sample.pdf = 1.0f;
     return sample;
 }

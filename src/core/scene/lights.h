@@ -14,7 +14,7 @@
 
 namespace phat {
 
-/// Light from one sampled place toward a receiving point.
+/// Light from one sampled point toward a receiver.
 struct LightSample {
     glm::vec3 towardLight{0};  // unit
     float distance = 0;        // metres; 1e30 for directional lights and the environment
@@ -27,7 +27,7 @@ struct LightSample {
 /// A photon as it leaves a light.
 struct EmittedPhoton {
     glm::vec3 origin{0};
-    glm::vec3 direction{0};  // the way it travels; unit
+    glm::vec3 direction{0};  // of propagation; unit
     glm::vec3 fluxWatts{0};  // already divided by the number of photons and the sampling density
     float rangeMeters = 0;   // 0: unlimited; else its first hit receives rangeAttenuation of the flux
     bool punctual = false;   // from a punctual light: its first hit is direct light of the run-time shader
@@ -51,9 +51,10 @@ class LightSampler {
     glm::vec3 powerPunctual() const;
     glm::vec3 powerArea() const;
 
-    /// A place on an area light or of the environment, seen from `point`. Visibility is the caller's.
+    /// Samples a point of an area light or a direction of the environment, as visible from `point`.
+    /// Visibility is the caller's.
     LightSample sampleArea(glm::vec3 point, float choice, glm::vec2 square) const;
-    /// Density of sampleArea for having found, from `point`, the given hit on an emissive triangle.
+    /// Density with which sampleArea from `point` samples the given hit on an emissive triangle.
     float sampleAreaPdf(glm::vec3 point, const Hit& hit, glm::vec3 direction) const;
     /// Density of sampleArea for the environment in `direction`.
     float sampleEnvironmentPdf(glm::vec3 direction) const;
@@ -70,7 +71,8 @@ class LightSampler {
     EmittedPhoton emitPhoton(uint64_t index, uint64_t count, uint64_t seed) const;
 
   private:
-    /// What photons are shared out to: a punctual light, a surface's emissive triangles, the environment.
+    /// A source that photons are allotted to: a punctual light, a surface's emissive triangles, the
+    /// environment.
     struct PhotonSource {
         enum class Kind : uint8_t { punctual, triangles, environment };
         Kind kind;

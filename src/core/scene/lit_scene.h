@@ -1,5 +1,5 @@
 #pragma once
-// What light transport reads.
+// Input of light transport.
 
 #include "core/scene/lights.h"
 #include "core/scene/rays.h"

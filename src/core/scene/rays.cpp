@@ -14,7 +14,7 @@ namespace phat {
 namespace {
 
 // Whether the ray goes on through a partly transparent triangle. Blended surfaces decide by a hash of the
-// ray's own bits: the same ray always gets the same answer, whatever thread or order asks.
+// ray's own bits: the same ray always gets the same answer, on any thread and in any order.
 bool passesThrough(const Scene& scene, uint32_t triangle, const RTCRay& ray, glm::vec2 barycentric) {
     const float opacity = opacityAt(scene, triangle, barycentric);
     if (opacity >= 1.0f) return false;

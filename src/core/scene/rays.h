@@ -25,7 +25,7 @@ struct Ray {
 };
 
 /// Embree scene over all triangles, robust mode. Alpha-masked texels are passed through; blended ones are
-/// passed with probability 1 - alpha, decided by a hash of the ray, so a ray always gets the same answer.
+/// passed with probability 1 - alpha, decided by a hash of the ray, so that equal rays have equal hits.
 /// Safe to share between threads; copies share the acceleration structure. `scene` must outlive them.
 class RayScene {
   public:
@@ -34,7 +34,7 @@ class RayScene {
     static std::shared_ptr<const Bvh> buildBvh(const Scene& scene);
 
     explicit RayScene(const Scene& scene) : RayScene(scene, buildBvh(scene)) {}
-    /// pre: `bvh` was built of a scene with the same triangles in the same places, and hasTransparency() was
+    /// pre: `bvh` was built of a scene with the same triangles at the same positions, and hasTransparency() was
     /// the same.
     RayScene(const Scene& scene, std::shared_ptr<const Bvh> bvh) : scene_(&scene), bvh_(std::move(bvh)) {}
 

@@ -1,5 +1,5 @@
 #pragma once
-// A glTF scene flattened to world space: what every stage reads and none changes.
+// A glTF scene flattened to world space; no stage changes it.
 //
 // Units are glTF's: metres, candela, lux, nit, used as W/sr, W/m2 and W/(m2 sr) without a factor of 683.
 // Colours are linear Rec. 709. World space is right-handed, +Y up.
@@ -88,7 +88,7 @@ struct PunctualLight {
     Type type = Type::point;
     glm::vec3 intensity{0};  // colour * intensity: W/sr, or W/m2 for directional
     glm::vec3 position{0};
-    glm::vec3 direction{0, 0, -1};  // the way that light travels; unit
+    glm::vec3 direction{0, 0, -1};  // of propagation; unit
     float cosInnerCone = 1;
     float cosOuterCone = 0.70710678f;
     float rangeMeters = 0;  // 0: unlimited

@@ -1,5 +1,5 @@
 #pragma once
-// What may change after a bake.
+// Edits of a scene after its bake.
 
 #include <vector>
 
@@ -11,7 +11,8 @@ namespace phat {
 struct SceneEdits {
     std::vector<Material> materials;
     std::vector<PunctualLight> lights;
-    int environmentColumns = 0;       // by which the sky is turned, see turned() in environment_sampling.h
+    int environmentColumns =
+        0;  // by which the environment is rotated, see turned() in environment_sampling.h
     std::vector<NodeMotion> motions;  // one a node at most
 };
 

@@ -11,7 +11,7 @@ namespace phat {
 /// A motion of a node and all below it, by hand. In world space: it comes after the file's own animation.
 struct NodeMotion {
     uint32_t node = 0;     // glTF index
-    glm::vec3 pivot{0};    // what it turns around, world, before the motion
+    glm::vec3 pivot{0};    // centre of rotation, world, before the motion
     glm::vec3 meters{0};   // by which the pivot moves
     glm::vec3 degrees{0};  // about x, then y, then z
 

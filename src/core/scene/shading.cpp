@@ -35,7 +35,7 @@ float wrapCoordinate(float u, Wrap wrap) {
     return wrap == Wrap::clampToEdge ? std::clamp(u, -1.0f, 2.0f) : u - 2.0f * std::floor(0.5f * u);
 }
 
-/// Attributes of a triangle interpolated at a place on it.
+/// Attributes of a triangle interpolated at a point of it.
 struct Interpolated {
     glm::vec3 position, normalGeometric, normal;
     glm::vec4 tangent, color;
@@ -187,10 +187,10 @@ glm::vec4 sampleTexture(const Scene& scene, const TextureSlot& slot, glm::vec2 u
 SurfacePoint surfaceAt(const Scene& scene, const Hit& hit, glm::vec3 direction) {
     SurfacePoint point = shade(scene, hit.triangle, hit.barycentric, hit.backFace);
     // Interpolated normals may face away from the viewer at silhouettes; bend them back just over the edge.
-    constexpr float kLeastCosine = 1e-3f;
+    constexpr float kMinCosine = 1e-3f;
     const float cosine = -glm::dot(point.shading.normal, direction);
-    if (cosine < kLeastCosine) {
-        const glm::vec3 bent = glm::normalize(point.shading.normal - (kLeastCosine - cosine) * direction);
+    if (cosine < kMinCosine) {
+        const glm::vec3 bent = glm::normalize(point.shading.normal - (kMinCosine - cosine) * direction);
         point.shading = frameFromNormalAndTangent(bent, point.shading.tangent);
     }
     return point;

@@ -1,5 +1,5 @@
 #pragma once
-// From a triangle and a place on it to everything that light transport asks of a surface point.
+// From a triangle and barycentric coordinates to everything that light transport needs of a surface point.
 
 #include "core/scene/brdf.h"
 #include "core/scene/rays.h"
@@ -20,7 +20,7 @@ struct SurfacePoint {
     bool backFace = false;
 };
 
-/// The surface at a hit, seen by a ray that travelled along `direction`.
+/// The surface at a hit of a ray along `direction`, on the side that was hit.
 /// The back of a single-sided material is black: no emission, no reflection.
 SurfacePoint surfaceAt(const Scene& scene, const Hit& hit, glm::vec3 direction);
 

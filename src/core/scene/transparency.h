@@ -7,7 +7,7 @@
 
 namespace phat {
 
-/// Whether any material lets rays pass: then RayScene asks the materials at every hit, else it never does.
+/// Whether any material is transparent; only then does RayScene evaluate opacity at hits.
 inline bool hasTransparency(const Scene& scene) {
     return std::any_of(scene.materials.begin(), scene.materials.end(),
                        [](const Material& m) { return m.alphaMode != AlphaMode::opaque; });

@@ -8,7 +8,7 @@
 namespace phat {
 namespace {
 
-// Paths are kept whole for two bounces; roulette on the first ones only adds noise.
+// No roulette for the first two bounces, where it only adds noise.
 constexpr int kFirstRouletteBounce = 2;
 // Survival is this times the root of the throughput. Of 1, 2, 3 and 5, 2 took the fewest rays to a relMSE of
 // .01 on the Cornell box and the tabletop: 0.84 and 0.69 times those of 1, whose survivors are fireflies
@@ -17,10 +17,10 @@ constexpr float kRouletteScale = 2.0f;
 
 // Of the Lambert lobe's samples.
 // Of .3, .5, .7 and .85, the last had the least relMSE on tabletop.
-constexpr float kGuidedShare = 0.85f;
+constexpr float kGuidedFraction = 0.85f;
 
-// Up to so many punctual lights, each gets a shadow ray at every bounce; of more, one. ours, untuned: the
-// rays of a bounce then cost a few times the path's own.
+// Up to this number of punctual lights, each has a shadow ray at every bounce; of more, one is sampled. ours,
+// untuned: the rays of a bounce then cost a few times the path's own.
 constexpr size_t kMaxLightsEach = 4;
 
 glm::vec3 emissionToward(const LitScene& scene, const Hit& hit, glm::vec3 direction) {
@@ -40,7 +40,7 @@ bool seesLight(const RayScene& rays, glm::vec3 position, glm::vec3 origin, const
     constexpr float kShortOfLight = 1.0f - 1e-4f;
     if (light.triangle == kNoTriangle)
         return !rays.anyHit(origin, light.towardLight, light.distance * kShortOfLight);
-    // Toward the very place: a parallel ray from the origin off the surface would pass a rim by that offset.
+    // Toward the very point: a parallel ray from the origin off the surface would pass a rim by that offset.
     const glm::vec3 toward = position + light.distance * light.towardLight - origin;
     const float distance = glm::length(toward);
     // Another triangle in the emitter's plane is met as early as the emitter, but for rounding.
@@ -79,8 +79,8 @@ glm::vec3 shadowed(const RayScene& rays, const SurfacePoint& point, const Unshad
                : glm::vec3(0);
 }
 
-// One of the lights in proportion to what it would bring without shadows, by a weighted reservoir. One number
-// decides for all lights: what is left of it after a decision is uniform again.
+// One of the lights in proportion to its unshadowed contribution, by a weighted reservoir. One number
+// decides for all lights: rescaled after each decision, it is uniform again.
 glm::vec3 oneOfManyLights(const LitScene& scene, const PathVertex& vertex, float choice, uint64_t& rayCount) {
     UnshadowedLight chosen;
     double sum = 0, chosenWeight = 0, left = double(choice);
@@ -130,7 +130,7 @@ glm::vec3 areaLight(const LitScene& scene, const PathVertex& vertex, glm::vec3 n
 BrdfSample sampleDirection(const PathVertex& vertex, float lobe, glm::vec2 square) {
     if (!vertex.guide) return sampleBrdf(vertex.brdf, lobe, square);
     BrdfSample sample;
-    if (lobe < kGuidedShare * vertex.brdf.chances.x)
+    if (lobe < kGuidedFraction * vertex.brdf.chances.x)
         sample.direction = vertex.point.shading.toLocal(sampleGuide(*vertex.guide, square));
     else
         sample = sampleBrdf(vertex.brdf, lobe, square);
@@ -144,7 +144,7 @@ BrdfSample sampleDirection(const PathVertex& vertex, float lobe, glm::vec2 squar
 float sampleDirectionPdf(const PathVertex& vertex, glm::vec3 local) {
     const float pdf = sampleBrdfPdf(vertex.brdf, local);
     if (!vertex.guide || local.z <= 0.0f) return pdf;
-    return pdf + kGuidedShare * vertex.brdf.chances.x *
+    return pdf + kGuidedFraction * vertex.brdf.chances.x *
                      (sampleGuidePdf(*vertex.guide, vertex.point.shading.toWorld(local)) -
                       squareToCosineHemispherePdf(local));
 }
@@ -161,15 +161,15 @@ float survivalChance(int bounce, glm::vec3 throughput) {
 
 namespace {
 
-glm::vec3 shareOfDiffuse(const LobeValues& lobes) {
+glm::vec3 diffuseFractionOf(const LobeValues& lobes) {
     return lobes.diffuse / glm::max(lobes.diffuse + lobes.specular, glm::vec3(1e-30f));
 }
 
 /// One estimator round.
 struct IrradianceRound {
-    glm::vec3 light{0};  // W/m2
-    int seen = 0;        // light samples that would have counted
-    int visible = 0;     // and were not in shadow
+    glm::vec3 light{0};    // W/m2
+    int contributing = 0;  // light samples that contribute unless they are occluded
+    int visible = 0;       // and are not occluded
 };
 
 IrradianceRound irradianceRound(const LitScene& scene, glm::vec3 position, const Frame& frame,
@@ -191,7 +191,7 @@ IrradianceRound irradianceRound(const LitScene& scene, glm::vec3 position, const
         // Both strategies' samples share one sum: value / (n_1 p_1 + n_2 p_2).
         const float weight = cosine / (float(lightSamples) * light.pdf + float(cosineSamples) * cosine / kPi);
         if (maxComponent(light.radiance) <= 0.0f) continue;
-        ++round.seen;
+        ++round.contributing;
         ++rayCount;
         if (!seesLight(scene.rays, position, origin, light)) continue;
         ++round.visible;
@@ -219,7 +219,7 @@ ReflectedRadiance tracePath(const LitScene& scene, const PathStart& start, int m
     SurfacePoint point = start.point;
     glm::vec3 towardEye = start.towardEye;
     ReflectedRadiance reflected;
-    glm::vec3 indirect(0), throughput(1), diffuseShare(0);
+    glm::vec3 indirect(0), throughput(1), diffuseFraction(0);
     for (int bounce = 0; bounce < maxBounces; ++bounce) {
         const glm::vec4 lightNumbers = numbers.next4(), brdfNumbers = numbers.next4();
         PathVertex vertex(point, towardEye);
@@ -239,7 +239,7 @@ ReflectedRadiance tracePath(const LitScene& scene, const PathStart& start, int m
         if (sample.pdf <= 0.0f) break;
         const glm::vec3 direction = glm::normalize(point.shading.toWorld(sample.direction));
         if (!leavesSurface(point, direction)) break;
-        if (bounce == 0) diffuseShare = shareOfDiffuse(evaluateLobes(vertex.brdf, sample.direction));
+        if (bounce == 0) diffuseFraction = diffuseFractionOf(evaluateLobes(vertex.brdf, sample.direction));
         throughput *= sample.weight;
         const float survival = survivalChance(bounce, throughput);
         if (brdfNumbers.w >= survival) break;
@@ -257,7 +257,7 @@ ReflectedRadiance tracePath(const LitScene& scene, const PathStart& start, int m
         radiance += throughput * weight * point.emission;
         towardEye = -direction;
     }
-    reflected.indirectDiffuse = diffuseShare * indirect;
+    reflected.indirectDiffuse = diffuseFraction * indirect;
     reflected.indirectGlossy = indirect - reflected.indirectDiffuse;
     return reflected;
 }
@@ -283,7 +283,7 @@ IncidentRadiance traceIncident(const LitScene& scene, const Ray& ray, const Path
         return incident;
     const uint64_t seed = rng.bits64();
     for (int i = 0; i < settings.pathsPerHit; ++i) {
-        PathNumbers numbers(seed, uint32_t(i) % kMostShuffled);
+        PathNumbers numbers(seed, uint32_t(i) % kMaxShuffled);
         incident.reflected +=
             tracePath(scene, {point, -ray.direction}, settings.maxBounces, numbers, incident.rays).sum();
     }
@@ -298,7 +298,7 @@ IrradianceEstimate areaIrradiance(const LitScene& scene, glm::vec3 position, glm
     const Frame frame = frameFromNormal(normal);
     glm::vec3 sum(0);
     double luminances = 0, squares = 0;
-    int seen = 0, visible = 0;
+    int contributing = 0, visible = 0;
     for (int i = 0; i < rounds; ++i) {
         const IrradianceRound round =
             irradianceRound(scene, position, frame, sampling.lightSamplesPerRound, rng, rayCount);
@@ -306,12 +306,12 @@ IrradianceEstimate areaIrradiance(const LitScene& scene, glm::vec3 position, glm
         sum += round.light;
         luminances += value;
         squares += value * value;
-        seen += round.seen;
+        contributing += round.contributing;
         visible += round.visible;
     }
     const double spread = std::max(squares - luminances * luminances / rounds, 0.0);
     return {sum / float(rounds), float(spread / (double(rounds) * (rounds - 1))),
-            visible > 0 && visible < seen};
+            visible > 0 && visible < contributing};
 }
 
 }  // namespace phat

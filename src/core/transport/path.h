@@ -8,7 +8,7 @@
 
 namespace phat {
 
-/// What arrives along one direction.
+/// Incident radiance along one direction.
 struct IncidentRadiance {
     glm::vec3 emitted{0};    // straight from an emissive surface or the environment
     glm::vec3 reflected{0};  // everything that was reflected at least once
@@ -36,7 +36,7 @@ struct ReflectedRadiance {
     glm::vec3 sum() const { return direct + indirectDiffuse + indirectGlossy; }
 };
 
-/// What is asked for of a path's first reflection; the rest costs neither rays nor noise.
+/// The components of a path's first reflection that are computed; the others cost no rays and add no noise.
 struct FirstReflection {
     bool direct = true;  // false: ReflectedRadiance::direct is not complete
     Lobes lobes = Lobes::all;

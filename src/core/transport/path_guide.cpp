@@ -7,11 +7,11 @@ namespace {
 
 constexpr int kSize = PathGuide::kSize, kCells = kSize * kSize;
 // Photons in a region. Of 512, 1024, 2048 and 4096, 1024 had the least relMSE on tabletop.
-constexpr size_t kMostPhotons = 1024;
+constexpr size_t kMaxPhotons = 1024;
 // A region with fewer says nothing.
-constexpr size_t kLeastPhotons = 64;
+constexpr size_t kMinPhotons = 64;
 // Of a density: no direction is left out. Between .03 and .2 relMSE changes by 5 %.
-constexpr float kUniformShare = 0.1f;
+constexpr float kUniformFraction = 0.1f;
 constexpr float kCellSolidAngle = 2 * kPi / kCells;
 
 // Which of +x, -x, +y, -y, +z, -z a normal is nearest to.
@@ -52,7 +52,7 @@ PathGuide::Density densityOf(std::span<const Photon> photons, std::span<const ui
                                                      float((2 - std::abs(dx)) * (2 - std::abs(dy))) / 16.0f;
     double sum = 0;
     for (float& cell : smooth) {
-        cell = (1 - kUniformShare) * cell + kUniformShare * std::max(total, 1e-30f) / kCells;
+        cell = (1 - kUniformFraction) * cell + kUniformFraction * std::max(total, 1e-30f) / kCells;
         sum += double(cell);
     }
     PathGuide::Density density;
@@ -78,7 +78,7 @@ struct Step {
     float within = 0;
 };
 
-// Inverse of cumulated shares.
+// Inverse of the cumulative distribution.
 Step invert(const float* ends, float unit) {
     int index = 0;
     for (int half = kSize / 2; half > 0; half /= 2) index += unit >= ends[index + half - 1] ? half : 0;
@@ -103,9 +103,9 @@ void PathGuide::build(std::span<const Photon> photons, std::span<uint32_t> membe
     for (const uint32_t i : members) bounds.add(photons[i].position);
     const glm::vec3 size = bounds.high - bounds.low;
     const float longest = members.empty() ? 0.0f : maxComponent(size);
-    if (members.size() <= kMostPhotons || !(longest > 0.0f)) {
+    if (members.size() <= kMaxPhotons || !(longest > 0.0f)) {
         nodes_[node] = {3, 0, -1};
-        if (members.size() >= kLeastPhotons) {
+        if (members.size() >= kMinPhotons) {
             nodes_[node].below = int32_t(densities_.size());
             densities_.push_back(densityOf(photons, members, frame));
         }
@@ -136,8 +136,8 @@ const PathGuide::Density* PathGuide::at(glm::vec3 position, glm::vec3 normal) co
 glm::vec3 sampleGuide(const PathGuide::Density& density, glm::vec2 square) {
     const Step row = invert(density.rowEnds.data(), square.y);
     const Step column = invert(density.columnEnds.data() + row.index * kSize, square.x);
-    const glm::vec2 place(float(column.index) + column.within, float(row.index) + row.within);
-    return density.frame.toWorld(squareToHemisphere(place / float(kSize)));
+    const glm::vec2 cellPosition(float(column.index) + column.within, float(row.index) + row.within);
+    return density.frame.toWorld(squareToHemisphere(cellPosition / float(kSize)));
 }
 
 float sampleGuidePdf(const PathGuide::Density& density, glm::vec3 direction) {

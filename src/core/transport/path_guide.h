@@ -9,7 +9,7 @@
 
 namespace phat {
 
-/// Densities of directions, one for each region of space and way that surfaces face. A path tracer that mixes
+/// Densities of directions, one for each region of space and axis of the normals. A path tracer that mixes
 /// them with densities of its own stays unbiased, whatever the photons were.
 class PathGuide {
   public:
@@ -27,7 +27,7 @@ class PathGuide {
         std::array<float, kSize * kSize> columnEnds{};  // within a row, cumulated, the last is 1
         std::array<float, kSize * kSize> pdf{};         // 1/sr
     };
-    /// For a place on a surface with this geometric normal; null where photons say too little.
+    /// For a point of a surface with this geometric normal; null where there are too few photons.
     const Density* at(glm::vec3 position, glm::vec3 normal) const;
 
   private:

@@ -12,12 +12,12 @@ namespace phat {
 /// they are a run 0, 1, ... n - 1 of indices. The n-th set of each path must serve the same purpose.
 class PathNumbers {
   public:
-    /// Numbers that have nothing to do with those of other paths.
+    /// Numbers independent of those of other paths.
     explicit PathNumbers(Rng rng) : rng_(rng) {}
-    /// pre: index < kMostShuffled.
+    /// pre: index < kMaxShuffled.
     PathNumbers(uint64_t seed, uint32_t index)
         : rng_(hashOf(seed, index)), seed_(seed), index_(index), stratifiedSets_(kStratifiedSets) {
-        assert(index < kMostShuffled);
+        assert(index < kMaxShuffled);
     }
 
     /// The next set, in [0, 1).

@@ -1,5 +1,5 @@
 #pragma once
-// One vertex of a path: what all that trace paths share.
+// One vertex of a path: common to all that trace paths.
 
 #include "core/base/random.h"
 #include "core/scene/lit_scene.h"
@@ -13,30 +13,30 @@ glm::vec3 originOn(const SurfacePoint& point, glm::vec3 direction);
 
 /// Whether light that was sampled for `position` arrives at `origin`, which is `position` moved off its
 /// surface. Geometry that touches the emitter occludes it only where it is strictly in front of the sampled
-/// point: the case of a lamp occludes the light of the rim from what is behind.
+/// point: a lamp's housing occludes its rim from behind.
 bool seesLight(const RayScene& rays, glm::vec3 position, glm::vec3 origin, const LightSample& light);
 
 /// A direction that the shading normal allows may still point into the flat triangle: light does not pass.
 bool leavesSurface(const SurfacePoint& point, glm::vec3 direction);
 
-/// A surface point as it is seen from one side.
+/// A surface point on one side of the surface.
 struct PathVertex {
     const SurfacePoint& point;
-    SeenBrdf brdf;  // in the point's shading frame
+    ViewedBrdf brdf;  // in the point's shading frame
 
-    const PathGuide::Density* guide = nullptr;  // for a share of what Lambert reflects
+    const PathGuide::Density* guide = nullptr;  // for a fraction of the Lambert samples
 
     PathVertex(const SurfacePoint& of, glm::vec3 towardEye)
-        : point(of), brdf(seeBrdf(of.brdf, of.shading.toLocal(towardEye))) {}
+        : point(of), brdf(viewedBrdf(of.brdf, of.shading.toLocal(towardEye))) {}
 };
 
-/// sampleBrdf, but for a share of the Lambert lobe's samples that follows the guide.
+/// sampleBrdf, but a fraction of the Lambert lobe's samples is drawn from the guide.
 BrdfSample sampleDirection(const PathVertex& vertex, float lobe, glm::vec2 square);
 /// Its density, 1/sr.
 float sampleDirectionPdf(const PathVertex& vertex, glm::vec3 local);
 
 /// Radiance that the vertex reflects of the punctual lights, by shadow rays: to each of a few, or to one of
-/// many that is chosen by what it would bring. `choice` in [0, 1).
+/// many that is sampled by its unoccluded contribution. `choice` in [0, 1).
 glm::vec3 punctualLight(const LitScene& scene, const PathVertex& vertex, float choice, uint64_t& rayCount);
 inline glm::vec3 punctualLight(const LitScene& scene, const SurfacePoint& point, glm::vec3 towardEye,
                                Rng& rng, uint64_t& rayCount) {
@@ -53,7 +53,7 @@ inline glm::vec3 areaLight(const LitScene& scene, const SurfacePoint& point, glm
     return areaLight(scene, PathVertex(point, towardEye), {choice, square}, rayCount);
 }
 
-/// Density with which areaLight finds what a ray hit, 1/sr.
+/// Density with which areaLight samples a ray's hit, 1/sr.
 float areaPdf(const LightSampler& lights, glm::vec3 from, const Hit& hit, glm::vec3 direction);
 
 /// Russian roulette: the chance of going on after reflection number `bounce`, counted from 0.

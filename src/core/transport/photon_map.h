@@ -16,7 +16,7 @@ namespace phat {
 struct Photon {
     glm::vec3 position{0};
     glm::vec3 fluxWatts{0};
-    glm::vec3 towardOrigin{0};  // unit, back along its way: the direction that it is light from
+    glm::vec3 towardOrigin{0};  // unit, opposite to its propagation
     glm::vec3 normal{0};        // geometric, on the side that it arrived at
     uint32_t triangle = kNoTriangle;
     bool firstHit = false;  // has not been reflected yet
@@ -31,7 +31,7 @@ struct PhotonSettings {
 };
 
 /// Every emitted watt is accounted for: emitted = absorbed + escaped (within rounding), where "absorbed"
-/// counts what Russian roulette, maxBounces and a light's range end.
+/// counts the photons that Russian roulette, maxBounces and a light's range end.
 struct PhotonStats {
     uint64_t emitted = 0;
     uint64_t stored = 0;
@@ -47,7 +47,8 @@ struct PhotonMap {
 };
 
 /// Photons are stored wherever they arrive on a side that reflects or shines, before the roulette.
-/// Throws Interrupted when `progress` asks, std::length_error when more than 2^32 photons would be stored.
+/// Throws Interrupted when `progress` requests it, std::length_error when more than 2^32 photons would be
+/// stored.
 PhotonMap tracePhotons(const RayScene& rays, const LightSampler& lights, const PhotonSettings& settings,
                        Progress& progress);
 

@@ -16,7 +16,8 @@ void replaceFile(const std::string& path, const std::function<void(const std::st
 /// The same for bytes that are already in memory.
 void replaceFile(const std::string& path, std::span<const uint8_t> bytes);
 
-/// Throws as replaceFile would before it writes: for work that should not begin when its result has no place.
+/// Throws as replaceFile would before it writes: for work that should not begin when its result cannot be
+/// written.
 void checkReplaceable(const std::string& path);
 
 }  // namespace phat

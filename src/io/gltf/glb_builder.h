@@ -14,14 +14,14 @@ struct GlbBuilder {
     std::vector<uint8_t> bin;  // bufferViews start at multiples of 4
 };
 
-/// What a bufferView is for (glTF 2.0, section 5.11.5). Payloads and pictures have none.
+/// The target of a bufferView (glTF 2.0, section 5.11.5). Payloads and pictures have none.
 enum class ViewTarget : uint32_t { none = 0, vertices = 34962, indices = 34963 };
 
 /// Appends the bytes and their bufferView; returns its index. `byteStride` 0: tightly packed.
 size_t appendBufferView(GlbBuilder& glb, std::span<const uint8_t> bytes, ViewTarget target = ViewTarget::none,
                         uint32_t byteStride = 0);
 
-/// Puts other bytes in the place of a bufferView's. Those of the old ones that nothing else uses are gone.
+/// Replaces the bytes of a bufferView. Those of the old ones that nothing else uses are gone.
 void replaceBufferView(GlbBuilder& glb, size_t view, std::span<const uint8_t> bytes);
 
 /// Appends an accessor over a bufferView of its own. `accessor` says componentType, type, count and what else

@@ -12,7 +12,7 @@
 
 namespace phat {
 
-/// The new numbers of what was carried over, by the old ones.
+/// New indices of the elements that were carried over, by the old ones.
 struct Kept {
     std::map<uint64_t, size_t> views;
     std::map<uint64_t, size_t> accessors;

@@ -1,5 +1,5 @@
 #pragma once
-// What hangs on nodes besides meshes.
+// Lights and cameras of the nodes.
 
 #include "core/scene/scene.h"
 #include "io/gltf/gltf_nodes.h"

@@ -11,7 +11,7 @@ namespace phat::gltf {
 /// Throws Problem.
 std::vector<Material> readMaterials(const Document& document, Notes& notes);
 
-/// What a primitive without a material looks like (specification, section 3.9.6).
+/// The material of primitives that have none (specification, section 3.9.6).
 Material defaultMaterial();
 
 /// Every slot of a material.

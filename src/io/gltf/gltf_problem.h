@@ -1,5 +1,5 @@
 #pragma once
-// What the parts of the glTF loader share: how they fail, how much memory they may use, what they report.
+// Common to the parts of the glTF loader: how they fail, how much memory they may use, what they report.
 
 #include <cstdint>
 #include <stdexcept>

@@ -61,7 +61,7 @@ uint32_t freeTexCoord(const json& gltf, const Scene& scene) {
     return index;
 }
 
-// World-space texels belong to one place: a mesh that several nodes show is copied for each of them.
+// World-space texels belong to one position: a mesh that several nodes show is copied for each of them.
 // Returns the new mesh of each surface.
 std::vector<size_t> giveNodesTheirOwnMeshes(json& gltf, const Scene& scene) {
     std::map<uint64_t, size_t> users;
@@ -82,7 +82,7 @@ std::vector<size_t> giveNodesTheirOwnMeshes(json& gltf, const Scene& scene) {
     return meshOfSurface;
 }
 
-// The surface's vertices, split so that each has one place in the atlas.
+// The surface's vertices, split so that each has one position in the atlas.
 struct SplitVertices {
     std::vector<uint32_t> sourceVertex;  // per new vertex
     std::vector<glm::vec2> uv;           // of the atlas
@@ -95,8 +95,8 @@ SplitVertices splitVertices(const Surface& surface, const SurfaceCorners& corner
     std::vector<uint32_t> first(corners.vertexCount, kNone);  // copies of a vertex form a list
     std::vector<uint32_t> next;
     for (uint32_t t = 0; t < surface.triangleCount; ++t) {
-        for (int place = 0; place < 3; ++place) {
-            const int corner = swappedPlace(place, corners.swapped);
+        for (int slot = 0; slot < 3; ++slot) {
+            const int corner = swappedCorner(slot, corners.swapped);
             const uint32_t vertex = corners.vertices[t][corner];
             const glm::vec2 uv =
                 uvFromTexel(atlas.triangleTexels[surface.firstTriangle + t][corner] + 0.0f, atlas.sizeTexels);
@@ -177,7 +177,7 @@ size_t appendIndices(GlbBuilder& glb, const SplitVertices& split) {
     return appendArray<uint16_t>(glb, kUnsignedShort, "SCALAR", narrow, ViewTarget::indices);
 }
 
-/// What the rewritten primitives of a file share.
+/// Common to the rewritten primitives of a file.
 struct PrimitiveRewriter {
     const GltfSource& source;
     GlbBuilder& glb;

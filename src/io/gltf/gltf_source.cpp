@@ -312,16 +312,15 @@ SurfaceCorners surfaceCorners(const GltfSource& source, const Scene& scene, cons
     for (uint32_t t = 0; t < surface.triangleCount; ++t) {
         const glm::uvec3 triangle = scene.triangles[surface.firstTriangle + t] - surface.firstVertex;
         const auto matches = [&](const Corners& candidate) {
-            for (int place = 0; place < 3; ++place)
-                if (!isSame(triangle[swappedPlace(place, corners.swapped)], candidate, next, place))
+            for (int slot = 0; slot < 3; ++slot)
+                if (!isSame(triangle[swappedCorner(slot, corners.swapped)], candidate, next, slot))
                     return false;
             return true;
         };
         while (next < listed.size() && !matches(listed[next])) ++next;
         if (next == listed.size()) fail(fmt::format("\"{}\" has changed since it was loaded", surface.name));
         Corners& found = corners.vertices.emplace_back();
-        for (int place = 0; place < 3; ++place)
-            found[swappedPlace(place, corners.swapped)] = listed[next][place];
+        for (int slot = 0; slot < 3; ++slot) found[swappedCorner(slot, corners.swapped)] = listed[next][slot];
         ++next;
     }
     return corners;

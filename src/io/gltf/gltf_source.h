@@ -1,5 +1,5 @@
 #pragma once
-// A glTF file as it stands on disk: JSON and buffers, uninterpreted. The loader turns it into a Scene, the
+// A glTF file as stored on disk: JSON and buffers, uninterpreted. The loader turns it into a Scene, the
 // journal takes its fingerprint and the baked file is rewritten from it, so a command reads and parses its
 // input once. All but openGltf throw std::runtime_error with the reason; the callers know the path.
 
@@ -33,7 +33,7 @@ void readGltfBuffers(GltfSource& source);
 /// The folder that URIs are relative to.
 std::filesystem::path gltfFolder(const GltfSource& source);
 
-/// What a `uri` of the file stands for: a data URI, or a file in the scene's folder.
+/// The target of a `uri` of the file: a data URI, or a file in the scene's folder.
 std::vector<uint8_t> readGltfUri(const GltfSource& source, const std::string& uri);
 
 /// object[key] as a whole number, `fallback` where it is absent.
@@ -63,9 +63,9 @@ struct SurfaceCorners {
     uint32_t vertexCount = 0;  // of the primitive
     bool swapped = false;      // mirrored node: the loader swaps the last two corners of the file's triangles
 };
-/// Which corner of a triangle the file's `place`-th is, and the other way round.
-inline int swappedPlace(int place, bool swapped) {
-    return swapped && place > 0 ? 3 - place : place;
+/// The scene's corner of a triangle for corner `slot` of the file, and the inverse.
+inline int swappedCorner(int slot, bool swapped) {
+    return swapped && slot > 0 ? 3 - slot : slot;
 }
 SurfaceCorners surfaceCorners(const GltfSource& source, const Scene& scene, const Surface& surface);
 

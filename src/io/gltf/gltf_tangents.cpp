@@ -23,7 +23,7 @@ struct CornerHash {
 };
 
 uint32_t bitsOf(float value) {
-    return std::bit_cast<uint32_t>(value + 0.0f);  // -0 and 0 are one place
+    return std::bit_cast<uint32_t>(value + 0.0f);  // -0 and 0 are one value
 }
 
 // For each vertex the first one that equals it.

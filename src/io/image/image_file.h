@@ -30,7 +30,7 @@ void writeExrChannels(const std::string& path, int width, int height, const std:
 Image readHdr(const std::string& path);
 /// 8-bit sRGB picture of values in [0,1]; `image` is display-linear after tone mapping. Clamps; NaN is black.
 void writePng(const std::string& path, const Image& image);
-/// The same as JPEG, which forgets what the eye hardly sees: for pictures that are sent.
+/// The same as JPEG, lossy: for images that are transferred.
 void writeJpeg(const std::string& path, const Image& image);
 /// Decodes PNG (8 or 16 bit) or JPEG to linear; alpha is dropped. Throws FileError.
 Image readPng(const std::string& path);

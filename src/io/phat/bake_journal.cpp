@@ -110,14 +110,14 @@ void addFile(Fingerprint& fingerprint, const std::string& path) {
 }
 
 struct FileJournal::State {
-    struct Place {
+    struct Extent {
         uint64_t offset;
         uint32_t length;
     };
     std::string path;
     int file = -1;
     uint64_t end = 0;
-    std::unordered_map<uint64_t, Place> records;
+    std::unordered_map<uint64_t, Extent> records;
     size_t resumed = 0;
     std::mutex mutex;
 
@@ -173,15 +173,15 @@ FileJournal::FileJournal(const std::string& path, uint64_t fingerprint, bool res
 FileJournal::~FileJournal() = default;
 
 std::vector<uint8_t> FileJournal::load(uint64_t key) {
-    State::Place place;
+    State::Extent extent;
     {
         const std::lock_guard lock(state_->mutex);
         const auto found = state_->records.find(key);
         if (found == state_->records.end()) return {};
-        place = found->second;
+        extent = found->second;
     }
-    std::vector<uint8_t> bytes(place.length);
-    if (!readFully(state_->file, bytes.data(), bytes.size(), place.offset)) return {};
+    std::vector<uint8_t> bytes(extent.length);
+    if (!readFully(state_->file, bytes.data(), bytes.size(), extent.offset)) return {};
     return bytes;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The journal of a bake: what is finished, on disk, until the baked file is.
+// The journal of a bake: finished parts on disk until the baked file is complete.
 //
 // Header: "PHATJRNL", format version (u32), 0 (u32), fingerprint (u64). Then records, only ever appended:
 // key (u64), length (u32), CRC-32 of key, length and bytes (u32), bytes. All little endian. A record that is
@@ -15,7 +15,7 @@ namespace phat {
 
 struct GltfSource;  // io/gltf/gltf_source.h
 
-/// 64 bits that tell inputs apart (not against a forger): order and lengths of the pieces count.
+/// A fingerprint of 64 bits (not cryptographic): order and lengths of the pieces count.
 class Fingerprint {
   public:
     void add(std::span<const uint8_t> bytes);

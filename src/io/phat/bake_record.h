@@ -1,5 +1,5 @@
 #pragma once
-// What a baked file says of its making.
+// The record of how a file was baked.
 
 #include <algorithm>
 #include <map>
@@ -26,7 +26,7 @@ std::string nameOf(const std::map<std::string, T>& names, T value) {
 BakeRecord recordOf(const BakeSettings& settings, const std::string& source, const std::string& environment,
                     PhatexelStorage storage = PhatexelStorage::packed);
 
-/// The settings that a record tells of; what it does not tell, or tells wrongly, is as by default.
+/// The settings in a record; missing or invalid ones have their defaults.
 BakeSettings settingsOf(const BakeRecord& record);
 
 }  // namespace phat

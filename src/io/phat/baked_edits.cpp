@@ -75,16 +75,16 @@ void writeLight(json& gltf, const PunctualLight& light) {
 void dropUnusedLights(json& gltf) {
     json kept = json::array();
     json& definitions = gltf["extensions"][kLights]["lights"];
-    std::vector<int64_t> place(definitions.size(), -1);
+    std::vector<int64_t> newIndex(definitions.size(), -1);
     for (json& node : gltf["nodes"]) {
         if (!node.contains("extensions") || !node["extensions"].contains(kLights)) continue;
         json& index = node["extensions"][kLights]["light"];
         const size_t old = index.get<size_t>();
-        if (place.at(old) < 0) {
-            place[old] = int64_t(kept.size());
+        if (newIndex.at(old) < 0) {
+            newIndex[old] = int64_t(kept.size());
             kept.push_back(definitions[old]);
         }
-        index = place[old];
+        index = newIndex[old];
     }
     definitions = std::move(kept);
 }
@@ -95,9 +95,9 @@ void turnEnvironment(GlbBuilder& glb, int columns) {
     const size_t width = sky.at("size").at(0).get<size_t>(), height = sky.at("size").at(1).get<size_t>();
     const json& payload = sky.at("radiance");
     const size_t view = payload.at("bufferView").get<size_t>();
-    const json& place = glb.json.at("bufferViews").at(view);
-    const std::span<const uint8_t> stream = std::span(glb.bin).subspan(place.value("byteOffset", size_t(0)),
-                                                                       place.at("byteLength").get<size_t>());
+    const json& bufferView = glb.json.at("bufferViews").at(view);
+    const std::span<const uint8_t> stream = std::span(glb.bin).subspan(
+        bufferView.value("byteOffset", size_t(0)), bufferView.at("byteLength").get<size_t>());
     std::vector<uint8_t> bytes = decodePayload(stream, payload.at("byteLength").get<size_t>());
     const size_t row = width * sizeof(uint32_t);
     const size_t shift = size_t(((columns % int(width)) + int(width)) % int(width)) * sizeof(uint32_t);
@@ -120,7 +120,7 @@ void writeEdits(const std::string& path, const std::string& outPath, const Scene
         GlbBuilder glb{std::move(source.json), std::move(source.buffers[0])};
         glb.json.erase("buffers");
         for (size_t i = 0; i < to.materials.size(); ++i)
-            // The loader's own material for primitives without one has no place in the file.
+            // The loader's own material for primitives without one is not in the file.
             if (glb.json.contains("materials") && i < glb.json["materials"].size())
                 writeMaterial(glb.json, glb.json["materials"][i], from.materials.at(i), to.materials[i]);
         bool anyLight = false;

@@ -1,5 +1,5 @@
 #pragma once
-// What was changed after the bake, back into its file.
+// Writes edits made after the bake back into its file.
 
 #include <string>
 

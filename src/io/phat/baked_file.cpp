@@ -47,10 +47,10 @@ void addAtlas(Payloads& payloads, const Atlas& atlas, const TexelPoints& points,
     add(payloads, "/atlas/tiles", atlas.tileChart);
     add(payloads, "/atlas/triangles", atlas.triangleChart);
 
-    std::vector<uint8_t> covered((points.state.size() + 7) / 8);
+    std::vector<uint8_t> occluded((points.state.size() + 7) / 8);
     for (size_t i = 0; i < points.state.size(); ++i)
-        if (points.state[i] == TexelState::covered) covered[i / 8] |= uint8_t(1 << i % 8);
-    add(payloads, "/atlas/covered", covered);
+        if (points.state[i] == TexelState::occluded) occluded[i / 8] |= uint8_t(1 << i % 8);
+    add(payloads, "/atlas/covered", occluded);
 }
 
 // How far the coordinates that a reader computes from the UV set are from those that were baked.
@@ -102,9 +102,9 @@ void addLayers(Payloads& payloads, const std::string& where, const std::vector<P
 
 // What a renderer reads by the tile. tileLight follows from the rest; the browser is spared the way there.
 void addTiles(Payloads& payloads, const Scene& scene, const Bake& bake) {
-    add(payloads, "/tiles/places", bake.phatexture.tilePlaces);
+    add(payloads, "/tiles/places", bake.phatexture.tilePatches);
     std::vector<LevelsRecord> levels;
-    for (const DistanceProbe& probe : bake.phatexture.probes) levels.push_back(packLevels(probe));
+    for (const DepthProbe& probe : bake.phatexture.probes) levels.push_back(packLevels(probe));
     if (!levels.empty()) add(payloads, "/tiles/distances", levels);
     std::vector<glm::vec3> brightest;
     for (const glm::vec4& light : tileLight(scene, bake.atlas, bake.phatexture)) brightest.push_back(light);

@@ -28,7 +28,7 @@ struct BakeRecord {
 struct BakedScene {
     LoadedScene loaded;
     Atlas atlas;
-    TexelPoints points;  // rebuilt from the atlas, with the stored covered states
+    TexelPoints points;  // rebuilt from the atlas, with the stored occluded states
     Phatexture phatexture;
     BakeRecord record;
 };

@@ -155,15 +155,15 @@ Atlas readAtlas(PayloadReader& reader, const json& extension, const Scene& scene
 
 TexelPoints readTexelPoints(PayloadReader& reader, const json& object, const Scene& scene,
                             const Atlas& atlas) {
-    const auto covered = readPayload<uint8_t>(reader, object, "covered", (atlas.texelCount() + 7) / 8);
+    const auto occluded = readPayload<uint8_t>(reader, object, "covered", (atlas.texelCount() + 7) / 8);
     TexelPoints points = buildTexelPoints(scene, atlas);
     for (size_t i = 0; i < atlas.texelCount(); ++i) {
         const glm::uvec2 texel(i % atlas.sizeTexels.x, i / atlas.sizeTexels.x);
         if (points.state[i] != TexelState::unused && atlas.chartAt(texel) == kNoChart)
             fail("a surface lies on a tile that has no chart");
-        if (!(covered[i / 8] >> i % 8 & 1)) continue;
-        if (points.state[i] == TexelState::unused) fail("a texel without a surface is marked as covered");
-        points.state[i] = TexelState::covered;
+        if (!(occluded[i / 8] >> i % 8 & 1)) continue;
+        if (points.state[i] == TexelState::unused) fail("a texel without a surface is marked as occluded");
+        points.state[i] = TexelState::occluded;
     }
     return points;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What the writer and the reader of baked files agree on. docs/format.md says what each of these means.
+// Constants common to the writer and the reader of baked files, as specified in docs/format.md.
 
 #include <bit>
 #include <cassert>
@@ -29,14 +29,14 @@ struct ChartRecord {
 /// the levels is in the tile's PackedTile.
 using LevelsRecord = std::array<uint8_t, kProbeSize * kProbeSize / 2>;
 
-inline LevelsRecord packLevels(const DistanceProbe& probe) {
+inline LevelsRecord packLevels(const DepthProbe& probe) {
     LevelsRecord record;
     for (size_t i = 0; i < record.size(); ++i)
         record[i] = uint8_t(probe.level[2 * i] | probe.level[2 * i + 1] << 4);
     return record;
 }
-inline DistanceProbe unpackProbe(const LevelsRecord& record, const PackedTile& tile) {
-    DistanceProbe probe{tile[0].w >> 19 & 63u, tile[0].w >> 25 & 63u, {}};
+inline DepthProbe unpackProbe(const LevelsRecord& record, const PackedTile& tile) {
+    DepthProbe probe{tile[0].w >> 19 & 63u, tile[0].w >> 25 & 63u, {}};
     for (size_t i = 0; i < record.size(); ++i) {
         probe.level[2 * i] = record[i] & 15;
         probe.level[2 * i + 1] = record[i] >> 4;

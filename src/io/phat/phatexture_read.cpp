@@ -52,11 +52,11 @@ void readLayers(PayloadReader& reader, const json& object, PhatexelStorage stora
 
 void readTiles(PayloadReader& reader, const json& object, const Atlas& atlas, Phatexture& phatexture) {
     const uint64_t tiles = atlas.tileChart.size();
-    phatexture.tilePlaces = readPayload<PackedTile>(reader, object, "places", tiles);
+    phatexture.tilePatches = readPayload<PackedTile>(reader, object, "places", tiles);
     if (object.contains("distances")) {
         const auto levels = readPayload<LevelsRecord>(reader, object, "distances", tiles);
         for (size_t i = 0; i < tiles; ++i)
-            phatexture.probes.push_back(unpackProbe(levels[i], phatexture.tilePlaces[i]));
+            phatexture.probes.push_back(unpackProbe(levels[i], phatexture.tilePatches[i]));
     } else if (canLookUp(phatexture.indirect, phatexture.indirectGuides)) {
         refuse("the distances around the tiles are missing");
     }

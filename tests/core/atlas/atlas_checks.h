@@ -106,8 +106,8 @@ inline void expectSoundAtlas(const Scene& scene, const Atlas& atlas, const Atlas
     EXPECT_EQ(doubles, 0u) << "texels inside two triangles";
 }
 
-/// Share of the area whose stretch is at most `limit`.
-inline double shareWithinStretch(const Scene& scene, const Atlas& atlas, double limit) {
+/// Fraction of the area whose stretch is at most `limit`.
+inline double fractionWithinStretch(const Scene& scene, const Atlas& atlas, double limit) {
     double good = 0, total = 0;
     for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
         if (atlas.triangleChart[t] == kNoChart) continue;

@@ -32,7 +32,7 @@ TEST(AtlasScenes, AreSoundDenseAndNearIsometric) {
         AtlasStats stats;
         const Atlas atlas = buildAtlas(scene, {}, settings, progress, &stats);
         expectSoundAtlas(scene, atlas, settings);
-        EXPECT_GE(shareWithinStretch(scene, atlas, 1.5), 0.95);
+        EXPECT_GE(fractionWithinStretch(scene, atlas, 1.5), 0.95);
         EXPECT_GT(double(atlas.texelCount()), 0.9 * double(settings.texelBudget));
         EXPECT_LT(double(atlas.texelCount()), 1.1 * double(settings.texelBudget));
         EXPECT_GE(stats.coverage, 0.70f);

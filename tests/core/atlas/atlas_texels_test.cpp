@@ -37,14 +37,14 @@ TEST(AtlasTexels, SurfaceTexelsAddUpToTheArea) {
          {shapes::cube(1), shapes::sphere(1), shapes::torus(1, 0.35f), shapes::moebius(1, 0.5f)}) {
         const double area = surfaceArea(scene);
         const Built built = build(std::move(scene));
-        double covered = 0;
+        double total = 0;
         for (size_t i = 0; i < built.points.state.size(); ++i) {
             if (built.points.state[i] != TexelState::surface) continue;
             const uint32_t width = built.atlas.sizeTexels.x;
             const uint32_t chart = built.atlas.chartAt({uint32_t(i) % width, uint32_t(i) / width});
-            covered += square(double(built.atlas.charts[chart].texelSizeMeters));
+            total += square(double(built.atlas.charts[chart].texelSizeMeters));
         }
-        EXPECT_NEAR(covered, area, 0.02 * area);
+        EXPECT_NEAR(total, area, 0.02 * area);
     }
 }
 
@@ -195,14 +195,14 @@ TEST(AtlasTexels, BlockFramesAreMeanFrames) {
 void mark(Built& built) {
     const RayScene rays(built.scene);
     SilentProgress progress;
-    markCoveredTexels(built.points, built.atlas, rays, progress);
+    markOccludedTexels(built.points, built.atlas, rays, progress);
 }
 
 TEST(AtlasTexels, NothingCoversAnOpenPlaneOrTheOutsideOfABall) {
     for (Scene scene : {shapes::plane(3, 2, 4), shapes::sphere(1)}) {
         Built built = build(std::move(scene));
         mark(built);
-        EXPECT_EQ(std::count(built.points.state.begin(), built.points.state.end(), TexelState::covered), 0);
+        EXPECT_EQ(std::count(built.points.state.begin(), built.points.state.end(), TexelState::occluded), 0);
     }
 }
 
@@ -222,19 +222,19 @@ void expectBoxPrint(float gapMeters) {
         // Distance to the box's outline, negative inside.
         const glm::vec2 d = glm::abs(glm::vec2(p) - glm::vec2(1.5f, 1.0f)) - 0.5f;
         const float outside = std::max(d.x, d.y);
-        const bool covered = built.points.state[i] == TexelState::covered;
+        const bool occluded = built.points.state[i] == TexelState::occluded;
         if (outside < -size) {
-            ASSERT_TRUE(covered) << p.x << ' ' << p.y;
+            ASSERT_TRUE(occluded) << p.x << ' ' << p.y;
             ++under;
         }
         if (outside > size) {
-            ASSERT_FALSE(covered) << p.x << ' ' << p.y;
+            ASSERT_FALSE(occluded) << p.x << ' ' << p.y;
         }
     }
     EXPECT_GT(double(under) * size * size, 0.9);
 }
 
-TEST(AtlasTexels, FloorUnderABoxIsCovered) {
+TEST(AtlasTexels, FloorUnderABoxIsOccluded) {
     expectBoxPrint(0);
     // Texels are about 14 mm: a millimetre of air is still pressed against the floor.
     expectBoxPrint(0.001f);
@@ -263,14 +263,14 @@ TEST(AtlasTexels, LitBackSidesDoNotCover) {
         shapes::add(scene, {{0.3f, 0.3f, 0.5f}, {0.7f, 0.3f, 0.5f}, {0.3f, 0.7f, 0.5f}}, {{0, 1, 2}});
         Built built = build(std::move(scene), {sides, Sides::front});
         mark(built);
-        size_t covered = 0, valid = 0;
+        size_t occluded = 0, valid = 0;
         for (size_t i = 0; i < built.texelCount(); ++i) {
             if (built.points.triangle[i] != 12) continue;
-            covered += built.points.state[i] == TexelState::covered;
+            occluded += built.points.state[i] == TexelState::occluded;
             valid += built.points.valid(i);
         }
-        EXPECT_EQ(sides == Sides::front ? valid : covered, 0u);
-        EXPECT_GT(sides == Sides::front ? covered : valid, 100u);
+        EXPECT_EQ(sides == Sides::front ? valid : occluded, 0u);
+        EXPECT_GT(sides == Sides::front ? occluded : valid, 100u);
     }
 }
 

@@ -43,7 +43,7 @@ TEST(AtlasUnwrap, EveryShapeHasASoundNearIsometricAtlas) {
         AtlasStats stats;
         const Atlas atlas = buildAtlas(shape.scene, {}, smallAtlas(), progress, &stats);
         expectSoundAtlas(shape.scene, atlas, smallAtlas());
-        const double share = shareWithinStretch(shape.scene, atlas, 1.5);
+        const double share = fractionWithinStretch(shape.scene, atlas, 1.5);
         EXPECT_GE(share, 0.95);
         // Not exactly: the statistic is taken in double precision before the corners are rounded to floats.
         EXPECT_NEAR(stats.areaWithinStretch15, share, 0.01);
@@ -93,7 +93,7 @@ TEST(AtlasUnwrap, CylinderUnrollsIntoRectangles) {
     AtlasSettings settings;
     const Atlas atlas = buildAtlas(scene, {}, settings, progress, &stats);
     EXPECT_LE(atlas.charts.size(), 6u);
-    EXPECT_GT(shareWithinStretch(scene, atlas, 1.02), 0.99);
+    EXPECT_GT(fractionWithinStretch(scene, atlas, 1.02), 0.99);
     EXPECT_GT(stats.coverage, 0.9f);
 }
 
@@ -104,7 +104,7 @@ TEST(AtlasUnwrap, SphereNeedsFewCharts) {
     const Atlas atlas = buildAtlas(scene, {}, AtlasSettings{}, progress);
     EXPECT_GE(atlas.charts.size(), 9u);
     EXPECT_LE(atlas.charts.size(), 24u);
-    EXPECT_GT(shareWithinStretch(scene, atlas, 1.15), 0.95);
+    EXPECT_GT(fractionWithinStretch(scene, atlas, 1.15), 0.95);
 }
 
 // A ring as one piece fills (pi (1 - .8^2)) / 4 of its square; quarters fill more even with their gutters.

@@ -171,13 +171,13 @@ TEST(Bake, IndirectIrradianceIsThatOfPaths) {
         if (result.points.state[i] == TexelState::surface) texels.push_back(i);
     ASSERT_GT(texels.size(), 10'000u);
     double error = 0, bias = 0, truth = 0;
-    constexpr int kPlaces = 200;
-    for (int place = 0; place < kPlaces; ++place) {
-        const size_t i = texels[texels.size() * size_t(place) / kPlaces];
+    constexpr int kPoints = 200;
+    for (int point = 0; point < kPoints; ++point) {
+        const size_t i = texels[texels.size() * size_t(point) / kPoints];
         const auto [mean, deviation] =
             tracedIrradiance(rays, lights, result.points.position[i], result.points.normal[i], 4000);
         const double found = luminance(unpackRgb9e5(result.phatexture.indirectIrradiance[i]));
-        EXPECT_NEAR(found, mean, 0.05 * mean + 4 * deviation) << place;
+        EXPECT_NEAR(found, mean, 0.05 * mean + 4 * deviation) << point;
         error += std::abs(found - mean);
         bias += found - mean;
         truth += mean;
@@ -290,7 +290,7 @@ TEST(Bake, MethodsAgreeOnDiffuseLight) {
 }
 
 // The mean over blocks and lobes of what a lobe sees by the ratio of sums, as the renderers form it.
-double seenByLobes(const Bake& baked, float alpha) {
+double incidentUnderLobes(const Bake& baked, float alpha) {
     const Phatexture& p = baked.phatexture;
     const uint32_t width = baked.atlas.sizeTexels.x;
     constexpr int kEyes = 12;
@@ -332,8 +332,8 @@ TEST(Bake, SplatsHoldTheLightOfPhotonRadiance) {
         settings.directions = directions;
         const Bake splats = bakeQuietly(scene, settings);
         for (const float alpha : {1.0f, 0.4f, 0.2f}) {
-            const double expected = seenByLobes(truth, alpha);
-            EXPECT_NEAR(seenByLobes(splats, alpha), expected, 0.06 * expected)
+            const double expected = incidentUnderLobes(truth, alpha);
+            EXPECT_NEAR(incidentUnderLobes(splats, alpha), expected, 0.06 * expected)
                 << int(directions) << ' ' << alpha;
         }
     }

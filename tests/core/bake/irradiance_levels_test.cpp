@@ -63,7 +63,7 @@ TEST(IrradianceLevels, RareBrightRaysMakeNoSpots) {
 }
 
 // What several nodes see is there.
-TEST(IrradianceLevels, BrightPlacesStay) {
+TEST(IrradianceLevels, BrightRegionsStay) {
     Floor floor;
     const glm::uvec2 middle = floor.level.size / 2u;
     for (uint32_t y = 0; y < 8; ++y)

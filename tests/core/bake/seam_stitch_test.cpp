@@ -12,7 +12,7 @@ struct Sheet {
     Scene scene;
     Atlas atlas;
     TexelPoints points;
-    std::vector<uint8_t> wanted;
+    std::vector<uint8_t> receives;
     std::vector<SeamPoint> seams;
 };
 
@@ -48,16 +48,16 @@ Sheet bentSheet(float bendDegrees, bool islands, bool smoothNormals, Sides sides
     SilentProgress progress;
     sheet.atlas = buildAtlas(sheet.scene, {sides}, settings, progress);
     sheet.points = buildTexelPoints(sheet.scene, sheet.atlas);
-    sheet.wanted = irradianceTexels(sheet.atlas, sheet.points);
+    sheet.receives = irradianceTexels(sheet.atlas, sheet.points);
     sheet.seams = findSeams(sheet.scene, sheet.atlas);
     return sheet;
 }
 
-/// `value` of the place at the texels on the surface, the gutters filled from them.
+/// `value` of the position at the texels on the surface, the gutters filled from them.
 template <typename ValueAt>
 IrradianceMap mapOf(const Sheet& sheet, const ValueAt& value) {
     IrradianceMap map(sheet.atlas.texelCount(), glm::vec3(0));
-    std::vector<uint8_t> known = sheet.wanted;
+    std::vector<uint8_t> known = sheet.receives;
     for (size_t i = 0; i < map.size(); ++i)
         if (known[i]) map[i] = value(sheet.points.position[i]);
     fillWithinCharts(map, known, sheet.atlas);
@@ -66,14 +66,14 @@ IrradianceMap mapOf(const Sheet& sheet, const ValueAt& value) {
 
 void stitch(IrradianceMap& map, const Sheet& sheet, float spreadTexels = 0) {
     SilentProgress progress;
-    stitchSeams(map, sheet.seams, {sheet.atlas, sheet.points, sheet.wanted}, spreadTexels, progress);
+    stitchSeams(map, sheet.seams, {sheet.atlas, sheet.points, sheet.receives}, spreadTexels, progress);
 }
 
 float largestJump(const IrradianceMap& map, const Sheet& sheet) {
     float largest = 0;
     for (const SeamPoint& seam : sheet.seams) {
-        const glm::vec3 a = irradianceAt(map, sheet.atlas, seam.chart[0], seam.place[0]);
-        const glm::vec3 b = irradianceAt(map, sheet.atlas, seam.chart[1], seam.place[1]);
+        const glm::vec3 a = irradianceAt(map, sheet.atlas, seam.chart[0], seam.position[0]);
+        const glm::vec3 b = irradianceAt(map, sheet.atlas, seam.chart[1], seam.position[1]);
         largest = std::max(largest, maxComponent(glm::abs(a - b)));
     }
     return largest;
@@ -98,13 +98,13 @@ TEST(SeamStitch, FindsTheCutOnce) {
     EXPECT_NEAR(length, texels, 0.01f * texels);
 }
 
-// Gutters lie in the surface's plane here: both charts must read one place from their positions.
-TEST(SeamStitch, BothSidesAreOnePlace) {
+// Gutters lie in the surface's plane here: both charts must read one position from their positions.
+TEST(SeamStitch, BothSidesAreOnePoint) {
     const Sheet sheet = bentSheet(0, true, false);
     ASSERT_FALSE(sheet.seams.empty());
     for (const SeamPoint& seam : sheet.seams) {
-        const glm::vec3 a = irradianceAt(sheet.points.position, sheet.atlas, seam.chart[0], seam.place[0]);
-        const glm::vec3 b = irradianceAt(sheet.points.position, sheet.atlas, seam.chart[1], seam.place[1]);
+        const glm::vec3 a = irradianceAt(sheet.points.position, sheet.atlas, seam.chart[0], seam.position[0]);
+        const glm::vec3 b = irradianceAt(sheet.points.position, sheet.atlas, seam.chart[1], seam.position[1]);
         EXPECT_NEAR(a.x, 0.5f, 0.01f * sheet.atlas.texelSizeMeters);
         EXPECT_LT(glm::distance(a, b), 0.01f * sheet.atlas.texelSizeMeters);
     }
@@ -120,7 +120,7 @@ TEST(SeamStitch, JumpsGoAndTheMeanStays) {
         EXPECT_LT(largestJump(after, sheet), 0.1f * largestJump(before, sheet)) << spread;
         glm::dvec3 sumBefore(0), sumAfter(0);
         for (size_t i = 0; i < before.size(); ++i) {
-            if (!sheet.wanted[i]) continue;
+            if (!sheet.receives[i]) continue;
             sumBefore += before[i];
             sumAfter += after[i];
             const float away = std::abs(sheet.points.position[i].x - 0.5f) / sheet.atlas.texelSizeMeters;
@@ -140,7 +140,7 @@ TEST(SeamStitch, SlopesGoOn) {
     stitch(map, sheet);
     for (const SeamPoint& seam : sheet.seams)
         for (const int side : {0, 1})
-            EXPECT_NEAR(irradianceAt(map, sheet.atlas, seam.chart[side], seam.place[side]).x, 1.5f,
+            EXPECT_NEAR(irradianceAt(map, sheet.atlas, seam.chart[side], seam.position[side]).x, 1.5f,
                         0.25f * slope);
 }
 
@@ -174,18 +174,18 @@ TEST(SeamStitch, SidesAreNotMixed) {
 }
 
 // Half of the sheet is under something: what its texels were given there must not reach the other half.
-TEST(SeamStitch, CoveredTexelsHaveNoSay) {
+TEST(SeamStitch, OccludedTexelsHaveNoSay) {
     Sheet sheet = bentSheet(0, true, false);
     for (size_t i = 0; i < sheet.points.state.size(); ++i)
         if (sheet.points.valid(i) && sheet.points.position[i].x > 0.5f && sheet.points.position[i].y > 0.5f)
-            sheet.points.state[i] = TexelState::covered;
-    sheet.wanted = irradianceTexels(sheet.atlas, sheet.points);
+            sheet.points.state[i] = TexelState::occluded;
+    sheet.receives = irradianceTexels(sheet.atlas, sheet.points);
     const IrradianceMap before = mapOf(sheet, rampWithStep);
     IrradianceMap after = before;
     stitch(after, sheet);
     bool changed = false;
     for (size_t i = 0; i < before.size(); ++i) {
-        if (!sheet.wanted[i]) continue;
+        if (!sheet.receives[i]) continue;
         if (sheet.points.position[i].y > 0.5f + 3 * sheet.atlas.texelSizeMeters) {
             EXPECT_EQ(before[i], after[i]);
         } else {

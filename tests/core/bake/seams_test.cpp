@@ -52,8 +52,8 @@ double jumpOfRank(const Bake& bake, const std::vector<SeamPoint>& seams, const s
     }
     std::vector<double> jumps;
     for (const SeamPoint& seam : seams) {
-        const double a = luminance(irradianceAt(map, bake.atlas, seam.chart[0], seam.place[0]));
-        const double b = luminance(irradianceAt(map, bake.atlas, seam.chart[1], seam.place[1]));
+        const double a = luminance(irradianceAt(map, bake.atlas, seam.chart[0], seam.position[0]));
+        const double b = luminance(irradianceAt(map, bake.atlas, seam.chart[1], seam.position[1]));
         jumps.push_back(std::abs(a - b) / std::max(0.5 * (a + b), 0.2 * mean));
     }
     std::sort(jumps.begin(), jumps.end());

@@ -66,8 +66,8 @@ TEST(BakerThread, AfterAnyChangesAndBackItIsTheUntouchedBake) {
     EXPECT_GE(taker.portions, size_t(moves) / 20);
     EXPECT_GT(woken, 0);
     expectEqual(taker.phatexture, baked.phatexture);
-    expectEqualBytes(taker.states, baked.points.state, "covered texels");
-    expectEqualBytes(taker.phatexture.tilePlaces, baked.phatexture.tilePlaces, "places");
+    expectEqualBytes(taker.states, baked.points.state, "occluded texels");
+    expectEqualBytes(taker.phatexture.tilePatches, baked.phatexture.tilePatches, "places");
 }
 
 // As while the light is switched off.
@@ -80,8 +80,8 @@ TEST(BakerThread, WhereLightWaitsTilesFollow) {
     light.follow(posedAs(posed, boxMoved(scene, {0.3f, 0, 0.2f}, 20)), defaultCamera(scene), false);
     taker.converge(light, baked.atlas);
     size_t moved = 0;
-    for (size_t t = 0; t < baked.phatexture.tilePlaces.size(); ++t)
-        moved += taker.phatexture.tilePlaces[t] != baked.phatexture.tilePlaces[t];
+    for (size_t t = 0; t < baked.phatexture.tilePatches.size(); ++t)
+        moved += taker.phatexture.tilePatches[t] != baked.phatexture.tilePatches[t];
     EXPECT_GT(moved, 0u);
     EXPECT_EQ(light.report().phatexels, 0u);
     expectEqualBytes(taker.phatexture.indirectIrradiance, baked.phatexture.indirectIrradiance, "irradiance");

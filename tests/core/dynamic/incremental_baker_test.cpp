@@ -36,8 +36,8 @@ Phatexture bakeOf(const DynamicScene& live) {
     const PhotonMap photons = tracePhotons(rays, lights, settings.photons, progress);
     const PhotonIndex index(photons.photons);
     TexelPoints points = live.points();
-    points.state = buildTexelPoints(live.scene(), live.atlas()).state;  // as if nothing were covered
-    markCoveredTexels(points, live.atlas(), rays, progress);
+    points.state = buildTexelPoints(live.scene(), live.atlas()).state;  // as if nothing were occluded
+    markOccludedTexels(points, live.atlas(), rays, progress);
     const std::vector<uint8_t> wanted = irradianceTexels(live.atlas(), points);
     std::atomic<uint64_t> rayCount = 0;
     return gatherLight({{rays, lights, live.atlas(), points, live.frames(), photons, index, wanted},
@@ -204,8 +204,8 @@ TEST(IncrementalBaker, UpdatesAreComplete) {
         drawn.indirectIrradiance = engine.phatexture().indirectIrradiance;
         drawn.areaIrradiance = engine.phatexture().areaIrradiance;
         expectEqual(drawn, engine.phatexture());
-        expectEqualBytes(drawn.tilePlaces, engine.phatexture().tilePlaces, "places");
-        expectEqualBytes(states, engine.scene().points().state, "covered texels");
+        expectEqualBytes(drawn.tilePatches, engine.phatexture().tilePatches, "places");
+        expectEqualBytes(states, engine.scene().points().state, "occluded texels");
     }
     EXPECT_TRUE(engine.drainUpdate().empty());
 }

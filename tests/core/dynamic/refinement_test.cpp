@@ -72,7 +72,7 @@ TEST(Refinement, EveryPassHasOtherDirectionsInALayoutOfTheirOwn) {
     EXPECT_TRUE(update.refined);
     applyUpdate(update, baked.atlas, drawn, states);
     expectEqual(drawn, engine.phatexture());
-    expectEqualBytes(drawn.tilePlaces, engine.phatexture().tilePlaces, "places");
+    expectEqualBytes(drawn.tilePatches, engine.phatexture().tilePatches, "places");
     const auto &was = baked.phatexture.indirect[0], &now = engine.phatexture().indirect[0];
     expectEqualBytes(drawn.indirect[0].scrambles, now.scrambles, "scrambles");
     expectEqualBytes(drawn.area[0].scrambles, engine.phatexture().area[0].scrambles, "area scrambles");

@@ -40,9 +40,9 @@ double irradianceOfField() {
     return sum * 2 * double(kPi) / (double(kSteps) * kSteps);
 }
 
-Photon photonOnFloor(glm::vec2 place, glm::vec3 toward, float flux) {
+Photon photonOnFloor(glm::vec2 position, glm::vec3 toward, float flux) {
     Photon photon;
-    photon.position = {place.x - 0.5f, 0, place.y - 0.5f};
+    photon.position = {position.x - 0.5f, 0, position.y - 0.5f};
     photon.fluxWatts = glm::vec3(flux);
     photon.towardOrigin = toward;
     photon.normal = {0, 1, 0};
@@ -90,9 +90,11 @@ struct World {
                                             settings, progress)
                    : chooseGuidedDirections({atlas, points, frames}, with, settings, progress);
     }
-    glm::uvec2 place(size_t texel) const { return {texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x}; }
+    glm::uvec2 texelAt(size_t texel) const {
+        return {texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x};
+    }
     glm::vec3 toWorld(size_t texel, glm::vec3 direction) const {
-        return frames[atlas.blockAt(place(texel))].toWorld(direction);
+        return frames[atlas.blockAt(texelAt(texel))].toWorld(direction);
     }
     /// Leaves nothing but texels whose neighbourhood lies on the floor: at its rim a density estimate is too
     /// dark.
@@ -150,13 +152,13 @@ TEST(ChosenDirections, FollowTheirGuides) {
             for (const size_t texel : texels) {
                 const glm::vec3 direction = chosen.directionBlock[texel];
                 const Guide& guide =
-                    s.guides[s.guides.size() == 1 ? 0 : world.atlas.blockAt(world.place(texel))];
+                    s.guides[s.guides.size() == 1 ? 0 : world.atlas.blockAt(world.texelAt(texel))];
                 ASSERT_FLOAT_EQ(chosen.pdf[texel], squareToGuidePdf(guide, direction));
                 counts[binOf(direction)] += 1;
                 for (int cell = 0; cell < kGuideCells; ++cell) {
                     const int x = 2 * (cell % kGuideSize), y = 2 * (cell / kGuideSize);
-                    const double share = double(guide.weight[cell]) / kGuideTotal / 4;
-                    for (int i = 0; i < 4; ++i) expected[(y + i / 2) * kBins + x + i % 2] += share;
+                    const double probability = double(guide.weight[cell]) / kGuideTotal / 4;
+                    for (int i = 0; i < 4; ++i) expected[(y + i / 2) * kBins + x + i % 2] += probability;
                 }
             }
         }
@@ -204,9 +206,9 @@ TEST(ChosenDirections, PhotonsFollowTheirDensity) {
         counts[cell] += 1;
         expected[cell] = kSeeds * double(chosen.pdf[texel]) * 2 * double(kPi) / kGuideCells;
     }
-    double covered = 0;
-    for (const double e : expected) covered += e / kSeeds;
-    EXPECT_NEAR(covered, 1, 0.02) << "cells that were never drawn hold next to nothing";
+    double total = 0;
+    for (const double e : expected) total += e / kSeeds;
+    EXPECT_NEAR(total, 1, 0.02) << "cells that were never drawn hold next to nothing";
     const ChiSquared result = chiSquared(counts, expected);
     EXPECT_GT(result.degreesOfFreedom, 20);
     EXPECT_LT(result.value, result.limit);
@@ -219,7 +221,7 @@ TEST(ChosenDirections, NearestPhotonTakesTheNearest) {
         std::vector<PhotonIndex::Neighbor> neighbors;
         world.index.nearest(world.points.position[texel], 100, 0.25f, neighbors);
         neighbors.pop_back();  // the 100th marks the rim
-        const Frame& frame = world.frames[world.atlas.blockAt(world.place(texel))];
+        const Frame& frame = world.frames[world.atlas.blockAt(world.texelAt(texel))];
         const auto cellOf = [&](uint32_t photon) {
             const glm::vec3 local = frame.toLocal(world.photons.photons[photon].towardOrigin);
             return glm::min(glm::ivec2(hemisphereToSquare(local) * float(kGuideSize)), kGuideSize - 1);
@@ -229,8 +231,8 @@ TEST(ChosenDirections, NearestPhotonTakesTheNearest) {
         ASSERT_EQ(chosenCell, cell);
         int same = 0;
         for (const PhotonIndex::Neighbor& n : neighbors) same += cellOf(n.photon) == cell;
-        const float share = float(same) / float(neighbors.size());
-        ASSERT_NEAR(chosen.pdf[texel], share * kGuideCells / (2 * kPi), 1e-4f * chosen.pdf[texel]);
+        const float probability = float(same) / float(neighbors.size());
+        ASSERT_NEAR(chosen.pdf[texel], probability * kGuideCells / (2 * kPi), 1e-4f * chosen.pdf[texel]);
     }
 }
 
@@ -263,7 +265,8 @@ TEST(ChosenDirections, SplatsHoldTheRadianceUnderLobes) {
     World world(photonsOfField(50'000));
     world.keepInner();
     std::map<uint32_t, std::vector<size_t>> blocks;
-    for (const size_t texel : world.inner()) blocks[world.atlas.blockAt(world.place(texel))].push_back(texel);
+    for (const size_t texel : world.inner())
+        blocks[world.atlas.blockAt(world.texelAt(texel))].push_back(texel);
     for (const Directions strategy : {Directions::photons, Directions::nearestPhoton}) {
         const ChosenDirections chosen = world.choose(strategy, {}, 1, 0, true);
         for (const float alpha : {1.0f, 0.4f, 0.2f}) {
@@ -302,7 +305,7 @@ TEST(Guides, PointWhereTheLightIs) {
     const World world(map);
     const std::vector<Guide> guides = world.guides();
     for (const size_t texel : world.inner()) {
-        const uint32_t block = world.atlas.blockAt(world.place(texel));
+        const uint32_t block = world.atlas.blockAt(world.texelAt(texel));
         const glm::vec3 lamp = world.frames[block].toLocal(kLamp);
         const float uniform = 1 / (2 * kPi);
         // .7 of the density in 3x3 of 256 cells.
@@ -324,7 +327,7 @@ TEST(Guides, AreProportionalToRadiance) {
     }
     const World world(map);
     const std::vector<Guide> guides = world.guides();
-    const uint32_t block = world.atlas.blockAt(world.place(world.inner()[500]));
+    const uint32_t block = world.atlas.blockAt(world.texelAt(world.inner()[500]));
     const Frame& frame = world.frames[block];
     EXPECT_NEAR(squareToGuidePdf(guides[block], frame.toLocal(grazing)) /
                     squareToGuidePdf(guides[block], frame.toLocal(steep)),
@@ -346,7 +349,7 @@ TEST(Guides, KeepToTheirKindOfLight) {
         map.photons.push_back(photon);
     }
     const World world(map);
-    const uint32_t block = world.atlas.blockAt(world.place(world.inner()[500]));
+    const uint32_t block = world.atlas.blockAt(world.texelAt(world.inner()[500]));
     for (const bool indirect : {true, false}) {
         const std::vector<Guide> guides = world.guides(indirect ? isIndirectPhoton : isAreaPhoton);
         for (int way = 0; way < 4; ++way) {

@@ -77,15 +77,15 @@ TEST(LookupTables, WarpsAgreeWithTheGuides) {
     Rng rng(5);
     const std::vector<Guide>& guides = world.baked.phatexture.indirectGuides;
     for (const Guide& guide : guides) {
-        const Warp warps = warpOf(guide);
+        const InverseCdf inverseCdfs = inverseCdfOf(guide);
         for (int i = 0; i < 20; ++i) {
             const glm::vec3 direction = squareToHemisphere(rng.uniform2());
             const glm::vec2 scaled = hemisphereToSquare(direction) * float(kGuideSize);
             const glm::ivec2 cell = glm::clamp(glm::ivec2(scaled), 0, kGuideSize - 1);
-            const WarpCell warp = warps[size_t(cell.y * kGuideSize + cell.x)];
+            const InverseCdfCell cellCdf = inverseCdfs[size_t(cell.y * kGuideSize + cell.x)];
             const glm::vec2 within = scaled - glm::vec2(cell);
-            const glm::vec2 square(glm::mix(float(warp.uLow), float(warp.uHigh), within.x) / 255,
-                                   glm::mix(float(warp.vLow), float(warp.vHigh), within.y) / 255);
+            const glm::vec2 square(glm::mix(float(cellCdf.uLow), float(cellCdf.uHigh), within.x) / 255,
+                                   glm::mix(float(cellCdf.vLow), float(cellCdf.vHigh), within.y) / 255);
             const glm::vec2 exact = guideToSquare(guide, direction);
             // Either end of a cell is rounded to half a 255th.
             EXPECT_NEAR(square.x, exact.x, 0.5f / 255 + 1e-4f);
@@ -109,7 +109,7 @@ TEST(LookupTables, ProbesTellTheDistance) {
             glm::uvec2(patch.probeTexel % kTileSize, patch.probeTexel / kTileSize);
         const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
         ASSERT_TRUE(world.baked.points.valid(index));
-        const DistanceProbe& probe = world.baked.phatexture.probes[tile];
+        const DepthProbe& probe = world.baked.phatexture.probes[tile];
         const float octaves = std::log2(unpackDistance(std::min(4 * probe.high, 254u)) /
                                         unpackDistance(std::max(4 * probe.low, 1u)));
         for (uint32_t cell = 0; cell < probe.level.size(); cell += 5) {
@@ -139,9 +139,9 @@ TEST(TilePatches, AreExactOnPlanes) {
             const glm::uvec2 tile = glm::uvec2(x, y) / kTileSize;
             const TilePatch& patch = world.patches[size_t(tile.y) * atlas.sizeTiles().x + tile.x];
             const glm::vec2 fromMiddle = glm::vec2(x % kTileSize, y % kTileSize) - 3.5f;
-            const glm::vec3 place = patch.at(fromMiddle, world.frames[atlas.blockAt({x, y})].normal);
+            const glm::vec3 position = patch.at(fromMiddle, world.frames[atlas.blockAt({x, y})].normal);
             const float texelMeters = atlas.charts[atlas.chartAt({x, y})].texelSizeMeters;
-            ASSERT_LT(glm::distance(place, world.baked.points.position[texel]), 0.02f * texelMeters);
+            ASSERT_LT(glm::distance(position, world.baked.points.position[texel]), 0.02f * texelMeters);
             EXPECT_EQ(patch.groupBits, 5u);
             ++compared;
         }

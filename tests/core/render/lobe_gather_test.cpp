@@ -30,12 +30,12 @@ TEST(LobeGather, LobeIsTheBrdfsSpecularPart) {
 
 TEST(LobeGather, ReconnectionKeepsTheEnd) {
     const WorldPhatexel phatexel = phatexelAt({0, 0, 0}, {0, 2, 0});
-    const SeenPhatexel seen = reconnect(phatexel, {1.5f, 0, 0});
-    EXPECT_NEAR(seen.distance, 2.5f, 1e-6f);
-    EXPECT_LT(glm::distance(seen.direction, glm::vec3(-0.6f, 0.8f, 0)), 1e-6f);
-    EXPECT_NEAR(seen.jacobian, (2.0f * 2.0f) / (2.5f * 2.5f), 1e-6f);
+    const ReconnectedPhatexel moved = reconnect(phatexel, {1.5f, 0, 0});
+    EXPECT_NEAR(moved.distance, 2.5f, 1e-6f);
+    EXPECT_LT(glm::distance(moved.direction, glm::vec3(-0.6f, 0.8f, 0)), 1e-6f);
+    EXPECT_NEAR(moved.jacobian, (2.0f * 2.0f) / (2.5f * 2.5f), 1e-6f);
 
-    const SeenPhatexel same = reconnect(phatexel, {0, 0, 0});
+    const ReconnectedPhatexel same = reconnect(phatexel, {0, 0, 0});
     EXPECT_EQ(same.direction, kUp);
     EXPECT_EQ(same.jacobian, 1);
     EXPECT_EQ(unmoved(phatexel).direction, kUp);
@@ -47,10 +47,10 @@ TEST(LobeGather, ReconnectionKeepsTheEnd) {
 
 TEST(LobeGather, LightFromInfinityStays) {
     const WorldPhatexel sky{{0, 0, 0}, 1, {0.6f, 0.8f, 0}, kFarDistance, glm::vec3(1)};
-    const SeenPhatexel seen = reconnect(sky, {5, 0, 7});
-    EXPECT_EQ(seen.direction, sky.end);
-    EXPECT_EQ(seen.distance, kFarDistance);
-    EXPECT_EQ(seen.jacobian, 1);
+    const ReconnectedPhatexel moved = reconnect(sky, {5, 0, 7});
+    EXPECT_EQ(moved.direction, sky.end);
+    EXPECT_EQ(moved.distance, kFarDistance);
+    EXPECT_EQ(moved.jacobian, 1);
 }
 
 TEST(LobeGather, DepthIsAVoteOfTheNeighbors) {

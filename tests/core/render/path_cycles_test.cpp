@@ -29,7 +29,7 @@ double varianceAround(const Image& variance, int x, int y, int reach) {
     return sum / count;
 }
 
-double shareInside(const TracedPicture& traced, const Image& reference, double sigmas, float scale) {
+double fractionInside(const TracedPicture& traced, const Image& reference, double sigmas, float scale) {
     double inside = 0;
     for (int y = 0; y < reference.height; ++y)
         for (int x = 0; x < reference.width; ++x) {
@@ -55,10 +55,10 @@ TEST(PathCycles, CornellIsInsideFourSigmas) {
     SilentProgress silent;
     const TracedPicture traced = tracePicture(settings, pathTracer(rays, lights, Component::all), silent);
 
-    EXPECT_GE(shareInside(traced, reference, 4, 1), 0.99);
+    EXPECT_GE(fractionInside(traced, reference, 4, 1), 0.99);
     // The test of the test: the band is no wider than the noise, and a dimmer picture leaves it.
-    EXPECT_LT(shareInside(traced, reference, 1, 1), 0.9);
-    EXPECT_LT(shareInside(traced, reference, 4, 0.7f), 0.99);
+    EXPECT_LT(fractionInside(traced, reference, 1, 1), 0.9);
+    EXPECT_LT(fractionInside(traced, reference, 4, 0.7f), 0.99);
     double sum = 0, expected = 0, variance = 0;
     for (size_t i = 0; i < reference.pixels.size(); ++i) {
         sum += grey(traced.mean.pixels[i]);

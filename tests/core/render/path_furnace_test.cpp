@@ -56,13 +56,13 @@ TEST(PathFurnace, IsTwoButForDirectionsUnderFlatTriangles) {
 }
 
 // What a pixel shows if all light that arrives is 1 nit: its albedo, or the wall.
-double albedoSeen(const RayScene& rays, const Scene& scene, int x, int y, int width, int height) {
+double visibleAlbedo(const RayScene& rays, const Scene& scene, int x, int y, int width, int height) {
     constexpr int kSide = 4;
     double sum = 0;
     for (int i = 0; i < kSide * kSide; ++i) {
-        const glm::vec2 place = glm::vec2(x, y) + (glm::vec2(i % kSide, i / kSide) + 0.5f) / float(kSide);
+        const glm::vec2 position = glm::vec2(x, y) + (glm::vec2(i % kSide, i / kSide) + 0.5f) / float(kSide);
         uint64_t count = 0;
-        const CameraRay ray = cameraRay(scene.cameras.at(0), width, height, place);
+        const CameraRay ray = cameraRay(scene.cameras.at(0), width, height, position);
         const Hit hit = visibleHit(rays, ray, count);
         if (!hit) continue;
         const SurfacePoint point = surfaceAt(scene, hit, ray.direction);
@@ -85,7 +85,7 @@ TEST(PathFurnace, GlossySpheresShowTheirAlbedo) {
             double albedo = 0;
             for (int y = top; y < top + kBlock; ++y)
                 for (int x = left; x < left + kBlock; ++x)
-                    albedo += albedoSeen(rays, scene, x, y, kWidth, kHeight) / (kBlock * kBlock);
+                    albedo += visibleAlbedo(rays, scene, x, y, kWidth, kHeight) / (kBlock * kBlock);
             EXPECT_LE(mean.value, 1.005 + 4 * mean.standardError);
             // The table of albedos is good to 2e-3; silhouettes are seen by 16 rays a pixel.
             // of that.

@@ -78,11 +78,11 @@ Image varianceAround(const Image& variance) {
 
 /// Tests of the pixels of one channel.
 struct PixelVerdict {
-    double acceptedShare = 1;  // of pixels that reach the level
-    double meanP = 1;          // t-test of the mean of their z
+    double acceptedFraction = 1;  // of pixels that reach the level
+    double meanP = 1;             // t-test of the mean of their z
 
     // Mitsuba's share; the mean is one test in each of three channels.
-    bool passes() const { return acceptedShare >= 0.9975 && meanP >= sidakLevel(3); }
+    bool passes() const { return acceptedFraction >= 0.9975 && meanP >= sidakLevel(3); }
 };
 
 PixelVerdict judgePixels(const Image& test, const Image& stored, const Image& storedVariance, int channel) {
@@ -140,7 +140,7 @@ TEST_P(PathReference, IsMatchedAndSmallChangesAreNoticed) {
     }
     for (int channel = 0; channel < 3; ++channel) {
         const PixelVerdict same = judgePixels(got, of.stored, of.around, channel);
-        EXPECT_TRUE(same.passes()) << channel << ": " << same.acceptedShare << ", " << same.meanP;
+        EXPECT_TRUE(same.passes()) << channel << ": " << same.acceptedFraction << ", " << same.meanP;
     }
 
     // Tests of the tests. Two percent more or less light, in one channel: light transport is linear.
@@ -154,10 +154,10 @@ TEST_P(PathReference, IsMatchedAndSmallChangesAreNoticed) {
     // One pixel in a hundred shows something else.
     Image spotted = got;
     for (size_t i = 0; i < spotted.pixels.size(); i += 100) spotted.pixels[i] *= 3;
-    EXPECT_LT(judgePixels(spotted, of.stored, of.around, 1).acceptedShare, 0.9975);
+    EXPECT_LT(judgePixels(spotted, of.stored, of.around, 1).acceptedFraction, 0.9975);
     std::rotate(got.pixels.begin(), got.pixels.begin() + 1, got.pixels.end());
     EXPECT_FALSE(judge(got, of.stored, of.variance, kBlockSide).passes()) << "a picture moved by one pixel";
-    EXPECT_LT(judgePixels(got, of.stored, of.around, 1).acceptedShare, 0.9975);
+    EXPECT_LT(judgePixels(got, of.stored, of.around, 1).acceptedFraction, 0.9975);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, PathReference, testing::Values("cornell-glossy", "tabletop"));

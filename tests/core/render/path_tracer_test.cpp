@@ -141,8 +141,8 @@ TEST(PathTracer, LobesShareTheIndirectLight) {
 TEST(PathTracer, WhatTheEyeSeesMayDifferFromWhatLightMeets) {
     Scene scene;
     addRoom(scene, emitter({1, 1, 1}, 0.5f), {2, 1.5f, 1});
-    Scene seen = scene;
-    for (Material& material : seen.materials) material.baseColor = glm::vec4(0.25f, 0.25f, 0.25f, 1);
+    Scene viewedScene = scene;
+    for (Material& material : viewedScene.materials) material.baseColor = glm::vec4(0.25f, 0.25f, 0.25f, 1);
     const RayScene rays(scene);
     const LightSampler lights(scene);
     PictureSettings settings;
@@ -150,9 +150,10 @@ TEST(PathTracer, WhatTheEyeSeesMayDifferFromWhatLightMeets) {
     settings.camera = lookingFrom({1, 0.75f, 0.5f}, {0, 0.1f, 0.2f}, 80);
     settings.samplesPerPixel = 64;
     SilentProgress silent;
-    expectMean(tracePicture(settings, pathTracer(rays, lights, Component::all, seen), silent), 1.5, 0.005);
-    expectMean(tracePicture(settings, pathTracer(rays, lights, Component::indirect, seen), silent), 0.25,
-               0.01);
+    expectMean(tracePicture(settings, pathTracer(rays, lights, Component::all, viewedScene), silent), 1.5,
+               0.005);
+    expectMean(tracePicture(settings, pathTracer(rays, lights, Component::indirect, viewedScene), silent),
+               0.25, 0.01);
 }
 
 // Some pixels alone are what they are in the whole picture.

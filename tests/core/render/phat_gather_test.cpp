@@ -62,10 +62,10 @@ CameraRay rayToward(glm::vec3 target) {
     return {eye, glm::normalize(target - eye)};
 }
 
-constexpr int kPlaces = 8;  // a side, on the floor from .2 to 1.6 m
+constexpr int kPoints = 8;  // a side, on the floor from .2 to 1.6 m
 
 CameraRay rayToFloor(int i) {
-    return rayToward({0.2f + 0.2f * float(i % kPlaces), 0, 0.2f + 0.2f * float(i / kPlaces)});
+    return rayToward({0.2f + 0.2f * float(i % kPoints), 0, 0.2f + 0.2f * float(i / kPoints)});
 }
 
 /// Mean of the luminances over the places, and of the absolute differences to the expected ones.
@@ -77,7 +77,7 @@ Comparison compare(const World& world, const PhatGatherSettings& settings, int p
     const Integrator gather = world.gather(settings);
     const Integrator path = pathTracer(world.rays, world.lights, settings.component);
     Comparison result;
-    for (int i = 0; i < kPlaces * kPlaces; ++i) {
+    for (int i = 0; i < kPoints * kPoints; ++i) {
         PixelSample sample{Rng(hashOf(2, uint64_t(i)))};
         const double value = double(luminance(gather(rayToFloor(i), sample)));
         double expected = 0;
@@ -105,7 +105,7 @@ TEST(PhatGather, FurnaceIsExact) {
             for (const bool trace : {false, true}) {
                 for (const Component component : {Component::glossyIndirect, Component::direct}) {
                     const Integrator gather = world.gather({radius, trace, component});
-                    for (int i = 0; i < kPlaces * kPlaces; i += 5) {
+                    for (int i = 0; i < kPoints * kPoints; i += 5) {
                         const CameraRay ray = rayToFloor(i);
                         const Hit hit = world.rays.closestHit(ray.origin, ray.direction);
                         const SurfacePoint point = surfaceAt(world.scene, hit, ray.direction);

@@ -132,11 +132,11 @@ TEST(PhotonRenderer, LocalDensityIsRightOnAverage) {
     const World world(room(), 300'000);
     const Integrator local = photonsDirect(world.photons(), settingsFor(Component::indirect));
     double mean = 0, expected = 0;
-    constexpr int kPlaces = 64;
-    for (int i = 0; i < kPlaces; ++i) {
+    constexpr int kPoints = 64;
+    for (int i = 0; i < kPoints; ++i) {
         const CameraRay ray = rayToward({0.8f + 0.1f * float(i % 8), 0.6f + 0.1f * float(i / 8), 2});
-        mean += world.meanOf(local, ray, 1).value / kPlaces;
-        expected += world.meanOf(world.pathIndirect(), ray, 2'000).value / kPlaces;
+        mean += world.meanOf(local, ray, 1).value / kPoints;
+        expected += world.meanOf(world.pathIndirect(), ray, 2'000).value / kPoints;
     }
     // 64 estimates of 49 photons each: 1.8 %.
     EXPECT_NEAR(mean, expected, 4 * 0.018 * expected);

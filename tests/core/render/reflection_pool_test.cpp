@@ -75,11 +75,11 @@ std::vector<glm::vec3> pooledAround(float middle, float distance) {
     const ReflectionPool pool(flatFloor(0.1f, distance), kSide, kSide);
     std::vector<PooledLight> lights(kSide * kSide, {glm::vec3(1), glm::vec3(2), 4});
     lights[kMiddle].indirect = glm::vec3(middle);
-    std::vector<ReflectionPool::Share> shares;
-    for (size_t i = 0; i < lights.size(); ++i) shares.push_back(pool.shareOut(i, lights));
+    std::vector<ReflectionPool::Redistribution> redistributions;
+    for (size_t i = 0; i < lights.size(); ++i) redistributions.push_back(pool.redistribute(i, lights));
     std::vector<glm::vec3> pooled;
     for (size_t i = 0; i < lights.size(); ++i) {
-        const PooledLight light = pool.pooled(i, lights, shares);
+        const PooledLight light = pool.pooled(i, lights, redistributions);
         pooled.push_back(light.indirect);
         EXPECT_NEAR(light.area.x, 2, 1e-4f);
     }

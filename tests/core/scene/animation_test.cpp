@@ -15,7 +15,7 @@ Animation oneChannel(Path path, Interpolation interpolation, std::vector<float> 
     return {"a", {{0, path, interpolation, std::move(times), std::move(values)}}};
 }
 
-glm::vec3 placeAt(const Animation& animation, double seconds) {
+glm::vec3 translationAt(const Animation& animation, double seconds) {
     return glm::vec3(worldFromNodes({SceneNode{}}, &animation, seconds)[0][3]);
 }
 
@@ -25,13 +25,13 @@ TEST(Animation, LinearAndStepBetweenKeysAndBeyond) {
     const Animation linear = oneChannel(Path::translation, Interpolation::linear, times, values);
     const Animation step = oneChannel(Path::translation, Interpolation::step, times, values);
     EXPECT_EQ(linear.seconds(), 4);
-    EXPECT_EQ(placeAt(linear, 0), glm::vec3(0));
-    EXPECT_EQ(placeAt(linear, 1.5), glm::vec3(0.5f, 1, 1.5f));
-    EXPECT_EQ(placeAt(linear, 3.5), glm::vec3(4, 2, 3));
-    EXPECT_EQ(placeAt(linear, 9), glm::vec3(5, 2, 3));
-    EXPECT_EQ(placeAt(step, 1.99), glm::vec3(0));
-    EXPECT_EQ(placeAt(step, 2), glm::vec3(1, 2, 3));
-    EXPECT_EQ(placeAt(step, 3.9), glm::vec3(1, 2, 3));
+    EXPECT_EQ(translationAt(linear, 0), glm::vec3(0));
+    EXPECT_EQ(translationAt(linear, 1.5), glm::vec3(0.5f, 1, 1.5f));
+    EXPECT_EQ(translationAt(linear, 3.5), glm::vec3(4, 2, 3));
+    EXPECT_EQ(translationAt(linear, 9), glm::vec3(5, 2, 3));
+    EXPECT_EQ(translationAt(step, 1.99), glm::vec3(0));
+    EXPECT_EQ(translationAt(step, 2), glm::vec3(1, 2, 3));
+    EXPECT_EQ(translationAt(step, 3.9), glm::vec3(1, 2, 3));
 }
 
 // A cubic with the tangents of x^3: the spline is it.
@@ -45,7 +45,7 @@ TEST(Animation, CubicSplineIsExactForCubics) {
         for (const glm::vec4 value : key(x)) values.push_back(value);
     const Animation spline = oneChannel(Path::translation, Interpolation::cubicSpline, {-1, 0.5f, 2}, values);
     for (const double x : {-1.0, -0.4, 0.0, 0.5, 1.1, 2.0})
-        EXPECT_NEAR(placeAt(spline, x).y, x * x * x, 1e-5) << x;
+        EXPECT_NEAR(translationAt(spline, x).y, x * x * x, 1e-5) << x;
 }
 
 TEST(Animation, RotationsTakeTheShorterWay) {

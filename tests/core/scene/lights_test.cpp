@@ -74,7 +74,7 @@ TEST(Punctual, RangeEndsTheLight) {
     EXPECT_EQ(LightSampler(scene).samplePunctual(0, glm::vec3(0)).pdf, 0.0f);
 }
 
-TEST(Punctual, NoPlaceGivesAnythingButNumbers) {
+TEST(Punctual, EveryPositionGivesNumbers) {
     Scene scene;
     addFloor(scene, lambert(1), 2);
     scene.lights = {pointLight(glm::vec3(100), glm::vec3(0)),

@@ -227,11 +227,11 @@ TEST(Rays, BlendingStopsItsShareOfRays) {
             ASSERT_EQ(rays.anyHit(origin, {0, 0, -1}, 3), bool(hit));
         }
         // Binomial, 4 standard deviations; the second sheet decides independently of the first.
-        const auto expectShare = [&](int count, double share) {
+        const auto expectFraction = [&](int count, double share) {
             EXPECT_NEAR(count, kRays * share, 4 * std::sqrt(kRays * share * (1 - share))) << alpha;
         };
-        expectShare(front, alpha);
-        expectShare(behind, (1.0 - alpha) * alpha);
+        expectFraction(front, alpha);
+        expectFraction(behind, (1.0 - alpha) * alpha);
     }
 }
 

@@ -151,7 +151,7 @@ Scene quad(const Material& material) {
     return scene;
 }
 
-constexpr glm::vec2 kPlace(0.25f, 0.5f);
+constexpr glm::vec2 kBarycentric(0.25f, 0.5f);
 
 void expectNear(glm::vec3 got, glm::vec3 want, float tolerance = 1e-5f) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c], want[c], tolerance) << c;
@@ -175,17 +175,17 @@ TEST(NormalMap, FollowsTangentAndHandedness) {
                 const glm::vec3 want =
                     glm::normalize(scale * code.x * tangents[i] +
                                    scale * code.y * handedness * bitangents[i] + code.z * glm::vec3(0, 0, 1));
-                const SurfacePoint front = surfaceAt(scene, 0, kPlace, false);
+                const SurfacePoint front = surfaceAt(scene, 0, kBarycentric, false);
                 expectNear(front.shading.normal, want);
                 expectNear(front.normalGeometric, {0, 0, 1});
-                const SurfacePoint back = surfaceAt(scene, 0, kPlace, true);
+                const SurfacePoint back = surfaceAt(scene, 0, kBarycentric, true);
                 expectNear(back.shading.normal, -want);
                 expectNear(back.normalGeometric, {0, 0, -1});
             }
         }
     }
     for (glm::vec4& tangent : scene.tangents) tangent = glm::vec4(0);
-    expectNear(surfaceAt(scene, 0, kPlace, false).shading.normal, {0, 0, 1});
+    expectNear(surfaceAt(scene, 0, kBarycentric, false).shading.normal, {0, 0, 1});
 }
 
 TEST(NormalMap, CoatHasItsOwn) {
@@ -196,7 +196,7 @@ TEST(NormalMap, CoatHasItsOwn) {
     scene.images = {onePixel({204, 128, 230, 255}), onePixel({128, 60, 230, 255})};
     for (glm::vec4& tangent : scene.tangents) tangent = {1, 0, 0, 1};
     const auto coatWorld = [&] {
-        const SurfacePoint point = surfaceAt(scene, 0, kPlace, false);
+        const SurfacePoint point = surfaceAt(scene, 0, kBarycentric, false);
         return point.shading.toWorld(point.brdf.clearcoatNormal);
     };
     expectNear(coatWorld(), {0, 0, 1});
@@ -227,7 +227,7 @@ TEST(Shading, SilhouettesFaceTheViewer) {
     Scene scene = quad(lambert(0.5f));
     for (glm::vec3& normal : scene.normals) normal = glm::normalize(glm::vec3(1, 0, 0.5f));
     const glm::vec3 direction = glm::normalize(glm::vec3(1, 0, -0.2f));  // from the left: dot > 0
-    const Hit hit{1, 0, kPlace, false};
+    const Hit hit{1, 0, kBarycentric, false};
     const SurfacePoint point = surfaceAt(scene, hit, direction);
     const float cosine = -glm::dot(point.shading.normal, direction);
     EXPECT_GT(cosine, 0);
@@ -241,17 +241,17 @@ TEST(Shading, BackOfASingleSidedSurfaceIsBlack) {
     material.specular = 1;
     material.clearcoat = 1;
     Scene scene = quad(material);
-    const SurfacePoint back = surfaceAt(scene, 0, kPlace, true);
+    const SurfacePoint back = surfaceAt(scene, 0, kBarycentric, true);
     EXPECT_EQ(back.emission, glm::vec3(0));
     EXPECT_EQ(evaluateBrdf(back.brdf, {0, 0.6f, 0.8f}, {0, 0, 1}), glm::vec3(0));
     EXPECT_EQ(reflectance(back.brdf, {0, 0.6f, 0.8f}), glm::vec3(0));
     EXPECT_TRUE(back.backFace);
 
     scene.materials[0].doubleSided = true;
-    const SurfacePoint shining = surfaceAt(scene, 0, kPlace, true);
+    const SurfacePoint shining = surfaceAt(scene, 0, kBarycentric, true);
     EXPECT_EQ(shining.emission, glm::vec3(3, 2, 1));
     EXPECT_EQ(evaluateBrdf(shining.brdf, {0, 0.6f, 0.8f}, {0, 0, 1}),
-              evaluateBrdf(surfaceAt(scene, 0, kPlace, false).brdf, {0, 0.6f, 0.8f}, {0, 0, 1}));
+              evaluateBrdf(surfaceAt(scene, 0, kBarycentric, false).brdf, {0, 0.6f, 0.8f}, {0, 0, 1}));
 }
 
 TEST(Shading, UnlitReflectsNothing) {
@@ -259,7 +259,7 @@ TEST(Shading, UnlitReflectsNothing) {
     material.unlit = true;
     Scene scene = quad(material);
     for (glm::vec4& color : scene.colors) color = {0.5f, 1, 0.25f, 1};
-    const SurfacePoint point = surfaceAt(scene, 0, kPlace, false);
+    const SurfacePoint point = surfaceAt(scene, 0, kBarycentric, false);
     expectNear(point.emission, {0.25f, 0.25f, 0.25f});
     EXPECT_EQ(reflectance(point.brdf, {0, 0, 1}), glm::vec3(0));
 }
@@ -276,7 +276,7 @@ TEST(Shading, MixesDielectricAndMetal) {
         m.specular = 1;
         const glm::vec3 tint(rng.uniform(), rng.uniform(), 3);  // may exceed 1; F0 may not
         m.specularColor = tint;
-        const Brdf brdf = surfaceAt(quad(m), 0, kPlace, false).brdf;
+        const Brdf brdf = surfaceAt(quad(m), 0, kBarycentric, false).brdf;
         const double r = (m.ior - 1.0) / (m.ior + 1.0);
         for (int c = 0; c < 3; ++c) {
             const double dielectric = std::min(r * r * tint[c], 1.0);
@@ -292,13 +292,13 @@ TEST(Shading, MixesDielectricAndMetal) {
     Material m;
     m.metallic = 0;
     m.specular = 0.75f;
-    const Brdf part = surfaceAt(quad(m), 0, kPlace, false).brdf;
+    const Brdf part = surfaceAt(quad(m), 0, kBarycentric, false).brdf;
     EXPECT_NEAR(part.f0.x, 0.03f, 1e-6f);
     EXPECT_NEAR(part.f90, 0.75f, 1e-6f);
     for (const auto& [specular, ior] : {std::pair{0.0f, 1.5f}, std::pair{1.0f, 1.0f}}) {
         m.specular = specular;
         m.ior = ior;
-        const Brdf none = surfaceAt(quad(m), 0, kPlace, false).brdf;
+        const Brdf none = surfaceAt(quad(m), 0, kBarycentric, false).brdf;
         EXPECT_EQ(none.f0, glm::vec3(0));
         EXPECT_EQ(none.f90, 0);
         EXPECT_EQ(none.diffuseColor, glm::vec3(1));
@@ -322,7 +322,7 @@ TEST(Shading, TexturesScaleTheirFactors) {
     Scene scene = quad(m);
     scene.images = {onePixel(code)};
     for (glm::vec4& color : scene.colors) color = {0.5f, 1, 1, 1};
-    const SurfacePoint point = surfaceAt(scene, 0, kPlace, false);
+    const SurfacePoint point = surfaceAt(scene, 0, kBarycentric, false);
     const double metallic = 0.5 * linear[2], roughness = 0.8 * linear[1], specular = 0.9 * linear[3];
     const double vertex[3] = {0.5, 1, 1};
     for (int c = 0; c < 3; ++c) {
@@ -346,9 +346,9 @@ TEST(Shading, SecondUvSetIsRead) {
     addGreyImage(scene, 2, 1, codes);
     for (glm::vec2& uv : scene.uv0) uv = {0.25f, 0.5f};
     for (glm::vec2& uv : scene.uv1) uv = {0.75f, 0.5f};
-    EXPECT_EQ(surfaceAt(scene, 0, kPlace, false).brdf.diffuseColor, glm::vec3(0));
+    EXPECT_EQ(surfaceAt(scene, 0, kBarycentric, false).brdf.diffuseColor, glm::vec3(0));
     scene.materials[0].baseColorTexture.uvSet = 0;
-    EXPECT_EQ(surfaceAt(scene, 0, kPlace, false).brdf.diffuseColor, glm::vec3(1));
+    EXPECT_EQ(surfaceAt(scene, 0, kBarycentric, false).brdf.diffuseColor, glm::vec3(1));
 }
 
 TEST(Shading, VertexColorsAreInterpolated) {
@@ -369,7 +369,7 @@ TEST(Shading, OpacityByMode) {
     const auto opacity = [&](AlphaMode mode, float cutoff) {
         scene.materials[0].alphaMode = mode;
         scene.materials[0].alphaCutoff = cutoff;
-        return opacityAt(scene, 0, kPlace);
+        return opacityAt(scene, 0, kBarycentric);
     };
     EXPECT_EQ(opacity(AlphaMode::opaque, 0.5f), 1);
     EXPECT_NEAR(opacity(AlphaMode::blend, 0.5f), 0.8f * 0.8f * 0.75f, 1e-6f);

@@ -75,7 +75,7 @@ TEST(Path, PointLightOverAPlane) {
 
 // Share of the cosine-weighted hemisphere that a square of side `size`, centred `height` above, takes.
 // source: Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", B-3.
-double squareShare(double size, double height) {
+double squareFraction(double size, double height) {
     const double a = size / 2 / height, root = std::sqrt(1 + a * a);
     return 4 * a / (double(kPi) * root) * std::atan(a / root);
 }
@@ -88,11 +88,11 @@ Scene floorUnderSquare(const Material& floor, float size, float nit) {
 }
 
 TEST(Path, SquareLampOverAPlane) {
-    EXPECT_NEAR(5 * squareShare(1, 1), 1.1973, 1e-4);
+    EXPECT_NEAR(5 * squareFraction(1, 1), 1.1973, 1e-4);
     for (const float size : {0.02f, 1.0f, 50.0f}) {
         const World world(floorUnderSquare(lambert(1), size, 5));
         const SurfacePoint point = world.seenFrom({0, 0.5f, 0}, kDown);
-        expectMean(world.reflected(point, kUp, 3, 40'000), 5 * squareShare(size, 1), 0.01);
+        expectMean(world.reflected(point, kUp, 3, 40'000), 5 * squareFraction(size, 1), 0.01);
     }
 }
 
@@ -108,7 +108,7 @@ TEST(Path, AreaIrradianceOfASquareLamp) {
             reported += estimate.variance / kSeeds;
             return double(estimate.value.x);
         });
-        expectMean(mean, 5 * double(kPi) * squareShare(size, 1), 0.005);
+        expectMean(mean, 5 * double(kPi) * squareFraction(size, 1), 0.005);
         // What it says of its own noise is the noise.
         const double actual = mean.standardError * mean.standardError * kSeeds;
         EXPECT_NEAR(reported, actual, 0.2 * actual + 1e-10) << size;

@@ -27,7 +27,7 @@ TEST(GltfAnimations, ChannelsOfAllKindsAreRead) {
     builder.root({{"name", "a"}, {"translation", {1, 2, 3}}, {"children", {1}}});
     builder.push("nodes", {{"name", "b"}, {"rotation", {0, 0, 0, 2}}});
     const int times = builder.floats("SCALAR", {0, 1.5f});
-    const int places = builder.floats("VEC3", {0, 0, 0, 1, 2, 3});
+    const int translations = builder.floats("VEC3", {0, 0, 0, 1, 2, 3});
     // Normalised integers: x 32767 / 32767.
     const int turns = builder.accessor(builder.view<int16_t>({0, 0, 0, 32767, 32767, 0, 0, 0}), test::kShort,
                                        "VEC4", 2, true);
@@ -36,7 +36,7 @@ TEST(GltfAnimations, ChannelsOfAllKindsAreRead) {
         "animations",
         {{"name", "walk"},
          {"samplers",
-          {{{"input", times}, {"output", places}},
+          {{{"input", times}, {"output", translations}},
            {{"input", times}, {"output", turns}, {"interpolation", "STEP"}},
            {{"input", times}, {"output", spline}, {"interpolation", "CUBICSPLINE"}}}},
          {"channels", {channel(0, 0, "translation"), channel(1, 1, "rotation"), channel(2, 1, "scale")}}});
@@ -63,17 +63,17 @@ TEST(GltfAnimations, BadChannelsAreLeftOutAndNoted) {
     GltfBuilder good;
     good.root({{"name", "a"}});
     good.root({{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}});
-    const int times = good.floats("SCALAR", {0, 1}), places = good.floats("VEC3", {0, 0, 0, 1, 2, 3});
+    const int times = good.floats("SCALAR", {0, 1}), translations = good.floats("VEC3", {0, 0, 0, 1, 2, 3});
     const int backward = good.floats("SCALAR", {1, 1}),
               infinite = good.floats("VEC3", {0, 0, INFINITY, 1, 2, 3});
     good.push("animations", {{"samplers",
-                              {{{"input", times}, {"output", places}},
-                               {{"input", times}, {"output", places}, {"interpolation", "CUBICSPLINE"}},
-                               {{"input", backward}, {"output", places}},
+                              {{{"input", times}, {"output", translations}},
+                               {{"input", times}, {"output", translations}, {"interpolation", "CUBICSPLINE"}},
+                               {{"input", backward}, {"output", translations}},
                                {{"input", times}, {"output", infinite}},
-                               {{"input", places}, {"output", places}},
+                               {{"input", translations}, {"output", translations}},
                                {{"input", times}, {"output", 99}},
-                               {{"input", times}, {"output", places}, {"interpolation", "QUADRATIC"}}}},
+                               {{"input", times}, {"output", translations}, {"interpolation", "QUADRATIC"}}}},
                              {"channels", {channel(0, 0, "translation")}}});
     ASSERT_EQ(load(good).scene.animations.size(), 1u);
 
@@ -108,8 +108,9 @@ TEST(GltfAnimations, CyclesThatNothingShowsDoNoHarm) {
     builder.root({{"name", "shown"}});
     builder.push("nodes", {{"children", {2}}});
     builder.push("nodes", {{"children", {1}}});
-    const int times = builder.floats("SCALAR", {0, 1}), places = builder.floats("VEC3", {0, 0, 0, 1, 2, 3});
-    builder.push("animations", {{"samplers", {{{"input", times}, {"output", places}}}},
+    const int times = builder.floats("SCALAR", {0, 1}),
+              translations = builder.floats("VEC3", {0, 0, 0, 1, 2, 3});
+    builder.push("animations", {{"samplers", {{{"input", times}, {"output", translations}}}},
                                 {"channels", {channel(0, 1, "translation")}}});
     const Scene scene = load(builder).scene;
     ASSERT_EQ(scene.animations.size(), 1u);

@@ -18,7 +18,7 @@ namespace {
 bool loads(const std::string& path) {
     try {
         const BakedScene baked = readBakedFile(path);
-        for (const TexelState state : baked.points.state) EXPECT_LE(state, TexelState::covered);
+        for (const TexelState state : baked.points.state) EXPECT_LE(state, TexelState::occluded);
         return true;
     } catch (const FileError& error) {
         EXPECT_EQ(error.path, path);

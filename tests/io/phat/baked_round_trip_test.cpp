@@ -65,7 +65,7 @@ void expectSame(const Phatexture& a, const Phatexture& b) {
     EXPECT_TRUE(sameBytes(a.areaGuides, b.areaGuides));
     EXPECT_EQ(a.areaIrradiance, b.areaIrradiance);
     EXPECT_EQ(a.indirectIrradiance, b.indirectIrradiance);
-    EXPECT_TRUE(sameBytes(a.tilePlaces, b.tilePlaces));
+    EXPECT_TRUE(sameBytes(a.tilePatches, b.tilePatches));
     EXPECT_TRUE(sameBytes(a.probes, b.probes));
 }
 

@@ -118,7 +118,7 @@ inline Bake randomBake(const Scene& scene, int layers, bool withPdf, uint32_t se
     bake.atlas = buildAtlas(scene, std::vector<Sides>(count, Sides::both), settings, progress);
     bake.points = buildTexelPoints(scene, bake.atlas);
     for (TexelState& state : bake.points.state)
-        if (state != TexelState::unused && random() % 5 == 0) state = TexelState::covered;
+        if (state != TexelState::unused && random() % 5 == 0) state = TexelState::occluded;
     const size_t texels = bake.atlas.texelCount();
     bake.phatexture.indirect = randomLayers(layers, texels, withPdf, bake.atlas.blockCount, random);
     bake.phatexture.indirectGuides.resize(withPdf ? 0 : bake.atlas.blockCount);
@@ -130,12 +130,12 @@ inline Bake randomBake(const Scene& scene, int layers, bool withPdf, uint32_t se
     bake.phatexture.areaIrradiance = randomWords(texels, random);
     bake.phatexture.indirectIrradiance = randomWords(texels, random);
     for (size_t i = 0; i < bake.atlas.tileChart.size(); ++i) {
-        PackedTile& tile = bake.phatexture.tilePlaces.emplace_back();
+        PackedTile& tile = bake.phatexture.tilePatches.emplace_back();
         for (glm::uvec4& words : tile)
             for (int c = 0; c < 4; ++c) words[c] = uint32_t(random());
         // The range of the levels is kept in the tile.
-        DistanceProbe& probe = bake.phatexture.probes.emplace_back(
-            DistanceProbe{tile[0].w >> 19 & 63, tile[0].w >> 25 & 63, {}});
+        DepthProbe& probe =
+            bake.phatexture.probes.emplace_back(DepthProbe{tile[0].w >> 19 & 63, tile[0].w >> 25 & 63, {}});
         for (uint8_t& level : probe.level) level = random() % 16;
     }
     return bake;

@@ -1,23 +1,24 @@
 #pragma once
-// From a hit to its place in the atlas.
+// From a hit to its position in the atlas, in texels.
 
 #include "core/atlas/atlas.h"
 
 namespace phat {
 
-struct AtlasPlace {
+struct AtlasPosition {
     uint32_t chart = kNoChart;  // kNoChart: this side of the triangle has no texels
     glm::vec2 texel{0};
 };
 
-/// The place of a hit on the side that was hit; none in an empty atlas.
-AtlasPlace atlasPlaceOf(const Atlas& atlas, const Hit& hit);
+/// The position of a hit on the side that was hit; none in an empty atlas.
+AtlasPosition atlasPositionOf(const Atlas& atlas, const Hit& hit);
 
-/// Bilinear inside the chart; `lookup` is asked by texel index. Zero where no texel around is of the chart.
+/// Bilinear inside the chart; `lookup(index)` returns the value of a texel. Zero where no texel around is of
+/// the chart.
 template <typename Lookup>
-glm::vec3 bilinearAt(const Atlas& atlas, const AtlasPlace& place, const Lookup& lookup) {
-    const glm::vec2 corner = glm::floor(place.texel - 0.5f);
-    const glm::vec2 t = place.texel - 0.5f - corner;
+glm::vec3 bilinearAt(const Atlas& atlas, const AtlasPosition& position, const Lookup& lookup) {
+    const glm::vec2 corner = glm::floor(position.texel - 0.5f);
+    const glm::vec2 t = position.texel - 0.5f - corner;
     glm::vec3 sum(0);
     float weights = 0;
     for (int i = 0; i < 4; ++i) {
@@ -25,7 +26,7 @@ glm::vec3 bilinearAt(const Atlas& atlas, const AtlasPlace& place, const Lookup& 
         const glm::ivec2 texel = glm::ivec2(corner) + side;
         if (glm::any(glm::lessThan(texel, glm::ivec2(0))) ||
             glm::any(glm::greaterThanEqual(texel, glm::ivec2(atlas.sizeTexels))) ||
-            atlas.chartAt(texel) != place.chart)
+            atlas.chartAt(texel) != position.chart)
             continue;
         const glm::vec2 w = glm::mix(1.0f - t, t, glm::vec2(side));
         sum += w.x * w.y * lookup(size_t(texel.y) * atlas.sizeTexels.x + size_t(texel.x));
