@@ -99,7 +99,7 @@ struct FloorProbe : WorldOfRays {
         for (uint32_t i = 0; i < count; ++i) surfaces[i].pixel = i;
         SilentProgress silent;
         uint64_t rayCount = 0;
-        auto seen = traceReflections(scene, view, surfaces, silent, rayCount);
+        auto incident = traceReflections(scene, view, surfaces, silent, rayCount);
         EXPECT_GE(rayCount, count);
         return incident;
     }
@@ -116,7 +116,7 @@ struct FloorProbe : WorldOfRays {
 TEST(TracedReflections, MirrorShowsAlbedoTimesIrradiance) {
     RendererWorld world = worldOfQuads(floorAndCeiling(metal(0), lambert(0.5f)), 4);
     setIrradiance(world, 1, 3);
-    const LobeIncident seen = FloorProbe(world).mean(0, 4);
+    const LobeIncident incident = FloorProbe(world).mean(0, 4);
     EXPECT_NEAR(incident.indirect.x, 0.5f * 3 / kPi, 2e-3f);  // RGB9E5 rounds by up to 2^-9
     EXPECT_EQ(incident.area, glm::vec3(0));
 }
@@ -125,7 +125,7 @@ TEST(TracedReflections, EmissionCountsOnceAndAsAreaLight) {
     const RendererWorld world = worldOfQuads(floorAndCeiling(metal(0), emitter(glm::vec3(7)), 400), 4);
     const FloorProbe probe(world);
     for (float roughness : {0.0f, 0.1f, 0.18f}) {
-        const LobeIncident seen = probe.mean(roughness, 4096);
+        const LobeIncident incident = probe.mean(roughness, 4096);
         EXPECT_NEAR(incident.area.x, 7, 0.03f) << roughness;
         EXPECT_EQ(incident.indirect, glm::vec3(0)) << roughness;
     }
@@ -169,7 +169,7 @@ TEST(TracedReflections, MirrorInAMirrorIsNotBlack) {
     RendererWorld world = worldOfQuads(std::move(scene), 4);
     setIrradiance(world, 2, 3);
     // 45 degrees: up at z = -2 to the ceiling, down at z = -4 to the wall.
-    const LobeIncident seen = FloorProbe(world).mean(0, 256);
+    const LobeIncident incident = FloorProbe(world).mean(0, 256);
     EXPECT_NEAR(incident.indirect.x, 0.5f * 3 / kPi, 0.02f);
 }
 
