@@ -30,71 +30,98 @@ constexpr float kMinFitNormalCosine = 0.9f;
 // Costs in rays: the fit that estimates a node's noise, a node's smoothing, a texel.
 constexpr uint64_t kNoiseWork = 4, kSmoothWork = 40, kTexelWork = 1;
 
+/// One value a node, [level][node].
+template <typename Value>
+using PerNode = std::vector<std::vector<Value>>;
+
+template <typename Value>
+PerNode<Value> makePerNode(const std::vector<IrradianceLevel>& levels) {
+    PerNode<Value> result;
+    for (const IrradianceLevel& level : levels) result.emplace_back(level.texel.size(), Value(0));
+    return result;
+}
+
+/// Each step takes what the one before it found for all nodes.
 class Interpolator {
   public:
-    Interpolator(const std::vector<IrradianceLevel>& levels, const Atlas& atlas, const TexelPoints& points,
-                 const ChartSet& charts)
-        : levels_(levels), atlas_(atlas), points_(points), charts_(charts) {
-        for (const IrradianceLevel& level : levels_) {
-            values_.push_back(level.value);
-            outlying_.emplace_back(level.texel.size(), glm::vec3(0));
-            noise_.emplace_back(level.texel.size());
-            smooth_.emplace_back(level.texel.size());
-        }
+    Interpolator(const std::vector<IrradianceLevel>& levels, const Atlas& atlas, const TexelPoints& points)
+        : levels_(levels), atlas_(atlas), points_(points) {
+        for (const IrradianceLevel& level : levels_) values_.push_back(level.value);
     }
 
-    // In this order, each for all nodes before the next, and the noise again where light was shared out.
-    void findNoise(size_t level, size_t begin, size_t end) {
-        forNodes(level, begin, end, [&](uint32_t node) {
-            noise_[level][node] = fitAround(level, node, kMinRadiusSteps * stepOf(level)).atOrigin().residual;
-        });
+    /// Variance of the luminance that the narrowest fit around a node leaves unexplained.
+    float noise(size_t level, uint32_t node) const {
+        return fitAround(level, node, kMinRadiusSteps * stepOf(level)).atOrigin().residual;
     }
-    void findOutliers(size_t level, size_t begin, size_t end) {
-        forNodes(level, begin, end,
-                 [&](uint32_t node) { outlying_[level][node] = outlyingPart(level, node); });
+
+    /// The excess of a node over its neighbours, if it is not noise.
+    glm::vec3 outlyingPart(size_t level, uint32_t node, const PerNode<float>& noise) const {
+        const glm::vec3 value = values_[level][node];
+        const PlaneFit others = fitAround(level, node, kMinRadiusSteps * stepOf(level), false);
+        if (others.empty()) return glm::vec3(0);
+        const float light = luminance(value), expected = luminance(others.atOrigin().value);
+        // The cheaper test first: an outlier also exceeds the noise of its own node.
+        if (light - expected <= 2.0f * std::sqrt(noise[level][node])) return glm::vec3(0);
+        const float around = noiseAround(level, node, widestAround(level), noise);
+        if (light - expected <= kOutlierErrors * std::sqrt(around)) return glm::vec3(0);
+        return value * (1.0f - expected / light);
     }
-    bool redistributeOutliers() {
+
+    /// Spreads the outlying parts over the neighbourhoods. Returns whether there were any: the noise is then
+    /// another one.
+    bool redistribute(const PerNode<glm::vec3>& outlying) {
         bool any = false;
         for (size_t level = 0; level < levels_.size(); ++level)
-            for (uint32_t node = 0; node < outlying_[level].size(); ++node) {
-                if (outlying_[level][node] == glm::vec3(0)) continue;
-                redistribute(level, node, outlying_[level][node]);
+            for (uint32_t node = 0; node < outlying[level].size(); ++node) {
+                if (outlying[level][node] == glm::vec3(0)) continue;
+                redistribute(level, node, outlying[level][node]);
                 any = true;
             }
         return any;
     }
-    void smooth(size_t level, size_t begin, size_t end) {
-        forNodes(level, begin, end, [&](uint32_t node) { smooth_[level][node] = smoothed(level, node); });
+
+    /// The widest fit that agrees with all narrower ones: the confidence intervals of all still
+    /// intersect. source: Katkovnik 1999, "A new method for varying adaptive bandwidth selection".
+    glm::vec3 smoothed(size_t level, uint32_t node, const PerNode<float>& noiseOfNodes) const {
+        const float step = stepOf(level);
+        const float around = widestAround(level);
+        const float noise = noiseAround(level, node, around, noiseOfNodes);
+        const float widest = std::clamp(kMaxRadiusOverDistance * largestDistanceAround(level, node, around),
+                                        kMinRadiusSteps * step, around);
+        glm::vec3 best = values_[level][node];
+        float low = -1e30f, high = 1e30f;
+        for (float radius = kMinRadiusSteps * step; radius <= widest; radius *= kRadiusRatio) {
+            const PlaneFit::Estimate estimate = fitAround(level, node, radius).atOrigin();
+            const float light = luminance(estimate.value);
+            const float error = kConfidence * std::sqrt(noise * estimate.varianceFraction +
+                                                        square(kMinFitRelativeError * light));
+            low = std::max(low, light - error);
+            high = std::min(high, light + error);
+            if (low > high) break;
+            best = estimate.value;
+        }
+        return best;
     }
 
     /// Whether the texel's group of the coarsest level has a node.
     bool hasNode(uint32_t texel) const { return nodeAt(0, texel) != kNoNode; }
     /// pre: hasNode(texel).
-    glm::vec3 at(uint32_t texel) const {
+    glm::vec3 at(uint32_t texel, const PerNode<glm::vec3>& smooth) const {
         size_t own = 0;
         while (own + 1 < levels_.size() && nodeAt(own + 1, texel) != kNoNode) ++own;
         const uint32_t node = nodeAt(own, texel);
-        if (levels_[own].texel[node] == texel) return smooth_[own][node];
+        if (levels_[own].texel[node] == texel) return smooth[own][node];
         PlaneFit fit;
         // Between nodes only the finest count: the others are smoothed more.
         gather(texel, kBetweenSteps * float(levels_[own].step),
                [&](size_t l, uint32_t n, bool split, float weight, glm::vec2 offset) {
-                   if (!split) fit.add(weight, offset, smooth_[l][n]);
+                   if (!split) fit.add(weight, offset, smooth[l][n]);
                });
         // On a crease no node may have a similar normal.
-        return fit.empty() ? smooth_[own][node] : fit.atOrigin().value;
+        return fit.empty() ? smooth[own][node] : fit.atOrigin().value;
     }
 
   private:
-    template <typename Make>
-    void forNodes(size_t level, size_t first, size_t last, const Make& make) const {
-        SilentProgress silent;
-        parallelRanges(last - first, 256, silent, [&](size_t begin, size_t end) {
-            for (size_t i = first + begin; i < first + end; ++i)
-                if (hasChart(charts_, atlas_.chartAt(placeOf(levels_[level].texel[i])))) make(uint32_t(i));
-        });
-    }
-
     float stepOf(size_t level) const { return float(levels_[level].step); }
     float widestAround(size_t level) const {
         return std::min(kMaxRadiusSteps * stepOf(level), kMaxRadiusTexels);
@@ -107,19 +134,6 @@ class Interpolator {
                    if (withItself || l != level || n != node) fit.add(weight, offset, values_[l][n]);
                });
         return fit;
-    }
-
-    /// The excess of a node over its neighbours, if it is not noise.
-    glm::vec3 outlyingPart(size_t level, uint32_t node) const {
-        const glm::vec3 value = values_[level][node];
-        const PlaneFit others = fitAround(level, node, kMinRadiusSteps * stepOf(level), false);
-        if (others.empty()) return glm::vec3(0);
-        const float light = luminance(value), expected = luminance(others.atOrigin().value);
-        // The cheaper test first: an outlier also exceeds the noise of its own node.
-        if (light - expected <= 2.0f * std::sqrt(noise_[level][node])) return glm::vec3(0);
-        const float noise = noiseAround(level, node, widestAround(level));
-        if (light - expected <= kOutlierErrors * std::sqrt(noise)) return glm::vec3(0);
-        return value * (1.0f - expected / light);
     }
 
     /// Firefly redistribution: a rare bright ray makes an outlier that no smoothing removes, because it
@@ -140,10 +154,10 @@ class Interpolator {
 
     /// Variance of the values around a node: the mean over the neighbourhood. By its own estimate a node that
     /// the rare bright rays missed would seem free of noise, and the result would be too dark.
-    float noiseAround(size_t level, uint32_t node, float radius) const {
+    float noiseAround(size_t level, uint32_t node, float radius, const PerNode<float>& noise) const {
         float sum = 0, weights = 0;
         gather(levels_[level].texel[node], radius, [&](size_t l, uint32_t n, bool, float weight, glm::vec2) {
-            sum += weight * noise_[l][n];
+            sum += weight * noise[l][n];
             weights += weight;
         });
         return sum / weights;
@@ -157,33 +171,10 @@ class Interpolator {
         return largest;
     }
 
-    /// The widest fit that agrees with all narrower ones: the confidence intervals of all still
-    /// intersect. source: Katkovnik 1999, "A new method for varying adaptive bandwidth selection".
-    glm::vec3 smoothed(size_t level, uint32_t node) const {
-        const float step = stepOf(level);
-        const float around = widestAround(level);
-        const float noise = noiseAround(level, node, around);
-        const float widest = std::clamp(kMaxRadiusOverDistance * largestDistanceAround(level, node, around),
-                                        kMinRadiusSteps * step, around);
-        glm::vec3 best = values_[level][node];
-        float low = -1e30f, high = 1e30f;
-        for (float radius = kMinRadiusSteps * step; radius <= widest; radius *= kRadiusRatio) {
-            const PlaneFit::Estimate estimate = fitAround(level, node, radius).atOrigin();
-            const float light = luminance(estimate.value);
-            const float error = kConfidence * std::sqrt(noise * estimate.varianceFraction +
-                                                        square(kMinFitRelativeError * light));
-            low = std::max(low, light - error);
-            high = std::min(high, light + error);
-            if (low > high) break;
-            best = estimate.value;
-        }
-        return best;
-    }
-
     uint32_t nodeAt(size_t level, uint32_t texel) const {
         return levels_[level].node[levels_[level].groupOf(texel, atlas_.sizeTexels.x)];
     }
-    glm::ivec2 placeOf(uint32_t texel) const {
+    glm::ivec2 positionOf(uint32_t texel) const {
         return {texel % atlas_.sizeTexels.x, texel / atlas_.sizeTexels.x};
     }
 
@@ -191,7 +182,7 @@ class Interpolator {
     /// nodes in the same group; the offset is in radii.
     template <typename Add>
     void gather(uint32_t texel, float radius, const Add& add) const {
-        const glm::ivec2 center = placeOf(texel);
+        const glm::ivec2 center = positionOf(texel);
         const uint32_t chart = atlas_.chartAt(center);
         const glm::ivec2 low(atlas_.charts[chart].originTexel());
         const glm::ivec2 high = low + glm::ivec2(atlas_.charts[chart].sizeTexels()) - 1;
@@ -200,7 +191,7 @@ class Interpolator {
         const glm::ivec2 to = glm::min(center + reach, high) / int(kLevelSteps[0]);
         const auto visit = [&](size_t level, uint32_t node, bool split) {
             const uint32_t other = levels_[level].texel[node];
-            const glm::vec2 offset = glm::vec2(placeOf(other) - center) / radius;
+            const glm::vec2 offset = glm::vec2(positionOf(other) - center) / radius;
             const float fall = 1.0f - glm::dot(offset, offset);
             if (fall <= 0.0f) return;
             const float cosine = glm::dot(points_.normal[texel], points_.normal[other]);
@@ -228,11 +219,7 @@ class Interpolator {
     const std::vector<IrradianceLevel>& levels_;
     const Atlas& atlas_;
     const TexelPoints& points_;
-    const ChartSet& charts_;
-    std::vector<std::vector<glm::vec3>> values_;  // [level][node], outliers shared out
-    std::vector<std::vector<glm::vec3>> outlying_;
-    std::vector<std::vector<float>> noise_;       // [level][node], variance of the luminance
-    std::vector<std::vector<glm::vec3>> smooth_;  // [level][node]
+    PerNode<glm::vec3> values_;  // outliers redistributed
 };
 
 }  // namespace
@@ -269,26 +256,39 @@ IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradi
 ResumableTask interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
                                 const TexelPoints& points, const ChartSet& charts, IrradianceMap& map,
                                 uint64_t sliceWork) {
-    Interpolator interpolator(levels, atlas, points, charts);
-    const auto forAll = [&](auto step, uint64_t itemWork) -> ResumableTask {
+    Interpolator interpolator(levels, atlas, points);
+    SilentProgress silent;
+    const auto forNodes = [&](auto& results, auto resultOf, uint64_t itemWork) -> ResumableTask {
         const size_t most = itemsPerSlice(sliceWork, itemWork);
         for (size_t level = 0; level < levels.size(); ++level) {
-            const size_t count = levels[level].texel.size();
-            for (size_t begin = 0, end = 0; begin < count; begin = end) {
-                end = begin + std::min(most, count - begin);
-                (interpolator.*step)(level, begin, end);
-                co_yield (itemWork * (end - begin));
+            const std::vector<uint32_t>& texel = levels[level].texel;
+            for (size_t first = 0, last = 0; first < texel.size(); first = last) {
+                last = first + std::min(most, texel.size() - first);
+                parallelRanges(last - first, 256, silent, [&](size_t begin, size_t end) {
+                    for (size_t node = first + begin; node < first + end; ++node)
+                        if (hasChart(charts, atlas.chartAt(size_t(texel[node]))))
+                            results[level][node] = resultOf(level, uint32_t(node));
+                });
+                co_yield (itemWork * (last - first));
             }
         }
     };
-    for (ResumableTask p = forAll(&Interpolator::findNoise, kNoiseWork); p.next();) co_yield p.work();
-    for (ResumableTask p = forAll(&Interpolator::findOutliers, kNoiseWork); p.next();) co_yield p.work();
-    if (interpolator.redistributeOutliers())
-        for (ResumableTask p = forAll(&Interpolator::findNoise, kNoiseWork); p.next();) co_yield p.work();
-    for (ResumableTask p = forAll(&Interpolator::smooth, kSmoothWork); p.next();) co_yield p.work();
+    const auto noiseOf = [&](size_t level, uint32_t node) { return interpolator.noise(level, node); };
+    auto noise = makePerNode<float>(levels);
+    auto outlying = makePerNode<glm::vec3>(levels), smooth = makePerNode<glm::vec3>(levels);
+    for (ResumableTask task = forNodes(noise, noiseOf, kNoiseWork); task.next();) co_yield task.work();
+    const auto outlyingOf = [&](size_t level, uint32_t node) {
+        return interpolator.outlyingPart(level, node, noise);
+    };
+    for (ResumableTask task = forNodes(outlying, outlyingOf, kNoiseWork); task.next();) co_yield task.work();
+    if (interpolator.redistribute(outlying))
+        for (ResumableTask task = forNodes(noise, noiseOf, kNoiseWork); task.next();) co_yield task.work();
+    const auto smoothOf = [&](size_t level, uint32_t node) {
+        return interpolator.smoothed(level, node, noise);
+    };
+    for (ResumableTask task = forNodes(smooth, smoothOf, kSmoothWork); task.next();) co_yield task.work();
     map.assign(atlas.texelCount(), glm::vec3(0));
     std::vector<uint8_t> known(map.size(), 0);
-    SilentProgress silent;
     const size_t most = itemsPerSlice(sliceWork, kTexelWork);
     for (size_t first = 0, last = 0; first < map.size(); first = last) {
         last = first + std::min(most, map.size() - first);
@@ -299,7 +299,7 @@ ResumableTask interpolateLevels(const std::vector<IrradianceLevel>& levels, cons
                     continue;
                 }
                 if (!points.valid(i) || !interpolator.hasNode(uint32_t(i))) continue;
-                map[i] = interpolator.at(uint32_t(i));
+                map[i] = interpolator.at(uint32_t(i), smooth);
                 known[i] = 1;
             }
         });

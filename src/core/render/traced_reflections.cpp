@@ -146,8 +146,8 @@ struct PrimaryRay {
     glm::vec2 barycentric{0};
 };
 
-// Traces all lobes of a kind, base or coat, whose weight is not 0. Each step is called for all of them, [0,
-// count()), before the next: trace, redistribute, incident.
+// Traces all lobes of a kind, base or coat, whose weight is not 0. Each step takes what the one before it
+// found for all of them, [0, count()).
 class LobeTracer {
   public:
     LobeTracer(const ReflectionScene& scene, const ReflectionView& view,
@@ -160,14 +160,12 @@ class LobeTracer {
           lobe_(lobe),
           kind_(kind),
           traced_(tracedOf(surfaces, lobe)),
-          pool_(pooledLobes(), view.width, view.height),
-          lights_(traced_.size()),
-          redistributions_(traced_.size()) {}
+          pool_(pooledLobes(), view.width, view.height) {}
 
     size_t count() const { return traced_.size(); }
     uint32_t surfaceOf(size_t i) const { return traced_[i]; }
 
-    void trace(size_t i, uint64_t& rayCount) {
+    PooledLight trace(size_t i, uint64_t& rayCount) const {
         const TracedSurface& s = surfaces_[traced_[i]];
         const PrimaryRay& primary = primaryRays_[traced_[i]];
         const TracedLobe& lobe = s.*lobe_;
@@ -180,18 +178,21 @@ class LobeTracer {
         rays.point.brdf.alpha = lobe.alpha;
         rays.eyeLocal = rays.point.shading.toLocal(-primary.direction);
         rays.albedo = specularAlbedo(rays.point.brdf.f0, lobe.f90, lobe.alpha, rays.eyeLocal.z).x;
-        if (rays.albedo <= 0.0f) return;
+        if (rays.albedo <= 0.0f) return {};
         const float raysForOne = pool_.raysForOne(i);
         const int count = rayCountFor(lobe, raysForOne, view_.pictures);
         const int walks = std::max(int(kWalks / (raysForOne * float(count))), 1);
         const uint64_t stream = hashOf(kStream, s.pixel) + kind_;
-        lights_[i] = rays.trace(count, walks, numbersFor(s.pixel, stream, count, raysForOne), stream);
+        return rays.trace(count, walks, numbersFor(s.pixel, stream, count, raysForOne), stream);
     }
 
-    void redistribute(size_t i) { redistributions_[i] = pool_.redistribute(i, lights_); }
+    ReflectionPool::Redistribution redistribute(size_t i, const std::vector<PooledLight>& lights) const {
+        return pool_.redistribute(i, lights);
+    }
 
-    LobeIncident incident(size_t i) const {
-        const PooledLight light = pool_.pooled(i, lights_, redistributions_);
+    LobeIncident incident(size_t i, const std::vector<PooledLight>& lights,
+                          const std::vector<ReflectionPool::Redistribution>& redistributions) const {
+        const PooledLight light = pool_.pooled(i, lights, redistributions);
         return {light.indirect, light.area,
                 light.weight > 0.0f ? (surfaces_[traced_[i]].*lobe_).weight : 0.0f};
     }
@@ -237,8 +238,6 @@ class LobeTracer {
     const uint64_t kind_;
     const std::vector<uint32_t> traced_;  // indices of surfaces
     const ReflectionPool pool_;
-    std::vector<PooledLight> lights_;
-    std::vector<ReflectionPool::Redistribution> redistributions_;
 };
 
 }  // namespace
@@ -253,24 +252,27 @@ std::vector<SurfaceIncident> traceReflections(const ReflectionScene& scene, cons
         const CameraRay eye = cameraRay(view.camera, view.width, view.height, s.position);
         primaryRays.push_back({eye.direction, barycentricOn(scene.rays.scene(), s.triangle, eye)});
     }
-    LobeTracer base(scene, view, surfaces, primaryRays, &TracedSurface::base, 0);
-    LobeTracer coat(scene, view, surfaces, primaryRays, &TracedSurface::coat, 1);
+    const LobeTracer base(scene, view, surfaces, primaryRays, &TracedSurface::base, 0);
+    const LobeTracer coat(scene, view, surfaces, primaryRays, &TracedSurface::coat, 1);
 
     std::vector<SurfaceIncident> incident(surfaces.size());
     std::atomic<uint64_t> rays{0};
     const ProgressStage stage(progress, "reflections", base.count() + coat.count());
-    const auto trace = [&](LobeTracer& lobes, LobeIncident SurfaceIncident::*lobe) {
+    const auto trace = [&](const LobeTracer& lobes, LobeIncident SurfaceIncident::*lobe) {
+        std::vector<PooledLight> lights(lobes.count());
+        std::vector<ReflectionPool::Redistribution> redistributions(lobes.count());
         parallelRanges(lobes.count(), kGrain, progress, [&](size_t begin, size_t end) {
             uint64_t rangeRays = 0;
-            for (size_t i = begin; i < end; ++i) lobes.trace(i, rangeRays);
+            for (size_t i = begin; i < end; ++i) lights[i] = lobes.trace(i, rangeRays);
             rays += rangeRays;
         });
         SilentProgress silent;
         parallelRanges(lobes.count(), kGrain, silent, [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; ++i) lobes.redistribute(i);
+            for (size_t i = begin; i < end; ++i) redistributions[i] = lobes.redistribute(i, lights);
         });
         parallelRanges(lobes.count(), kGrain, silent, [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; ++i) incident[lobes.surfaceOf(i)].*lobe = lobes.incident(i);
+            for (size_t i = begin; i < end; ++i)
+                incident[lobes.surfaceOf(i)].*lobe = lobes.incident(i, lights, redistributions);
         });
     };
     trace(base, &SurfaceIncident::base);
