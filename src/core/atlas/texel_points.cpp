@@ -158,7 +158,7 @@ glm::vec3 normalAt(const Scene& scene, uint32_t triangle, glm::vec2 clamped, glm
                         clamped.y * scene.normals[v[2]];
     const float length = glm::length(n);
     // Vertex normals that point through the surface would turn the hemisphere of directions inside out.
-    if (!(length > 1e-6f) || !(glm::dot(n, faceNormal) > 0)) return faceNormal;
+    if (!(length > 1e-6f && std::isfinite(length)) || !(glm::dot(n, faceNormal) > 0)) return faceNormal;
     return n / length;
 }
 
@@ -186,7 +186,9 @@ void fillPoint(TexelPoints& points, size_t i, const Scene& scene, const Atlas& a
     }
 
     const glm::dvec3 e1 = flat.position[1] - flat.position[0], e2 = flat.position[2] - flat.position[0];
-    const glm::vec3 faceNormal = glm::normalize(glm::cross(e1, e2));
+    glm::vec3 faceNormal = glm::normalize(glm::cross(e1, e2));
+    if (!isUnit(faceNormal))
+        faceNormal = {0, 0, 1};  // no area: charts have such triangles in damaged files alone
     const glm::vec3 normal = normalAt(scene, triangle, clamped, faceNormal);
     const glm::dvec2 alongX = flat.barycentricFromTexel[0];
     const glm::vec3 tangent = alongX.x * e1 + alongX.y * e2;
