@@ -89,7 +89,7 @@ TEST_F(LiveWindow, LightFollowsWhatIsMoved) {
     window.settle();
     window.key("p");
     window.settle();
-    const Image kept = readPicture(window.folder().file("phat-0001.exr"));
+    const Image kept = readPicture(savedFile(window.folder().file("phat-0001.exr")));
 
     // It is the picture of a bake with the crate there, but for another atlas: a fiftieth of the change. Two
     // seeds of so coarse a bake are a third of it apart; light that stays behind (below) would be a seventh.
@@ -172,7 +172,7 @@ TEST_F(LiveWindow, ScrubsAndPlaysTheFilesAnimation) {
     window.settle();
     window.key("p");
     window.settle();
-    const Image kept = readPicture(window.folder().file("phat-0001.exr"));
+    const Image kept = readPicture(savedFile(window.folder().file("phat-0001.exr")));
     const Image expected =
         rendered(baked(), {"--animate", "1:1", "--fps", "1", "--work-per-frame", "1000000"});
     EXPECT_GT(meanDifference(expected, rendered(baked())), 0.01);

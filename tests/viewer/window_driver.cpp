@@ -317,6 +317,11 @@ bool comesTrue(const std::function<bool()>& condition) {
     return true;
 }
 
+std::string savedFile(const std::string& path) {
+    EXPECT_TRUE(comesTrue([&] { return std::filesystem::exists(path); })) << path;
+    return path;
+}
+
 void expectSleep(const WindowDriver& window) {
     const Stopwatch watch;
     const double before = window.processorSeconds();

@@ -97,6 +97,9 @@ class WindowDriver {
 /// Whether `condition` holds within ten minutes: a guard against hanging.
 bool comesTrue(const std::function<bool()>& condition);
 
+/// `path`, once the file is there: the window writes it after the key that asks for it, whole or not at all.
+std::string savedFile(const std::string& path);
+
 /// Expects that the window, at rest, takes less than a hundredth of a processor.
 void expectSleep(const WindowDriver& window);
 

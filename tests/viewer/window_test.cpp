@@ -108,7 +108,7 @@ TEST_F(ViewerWindow, EditsWithoutANewBakeAsSetDoes) {
     const Image edited = window.screenshot();
     window.key("p");
     window.settle();
-    const Image kept = readPicture(window.folder().file("phat-0001.exr"));
+    const Image kept = readPicture(savedFile(window.folder().file("phat-0001.exr")));
     const Image set = rendered("set.exr", {"--set", "table_top.roughness=0.5"});
     EXPECT_LE(largestDifference(kept, set), 1e-5f);
     EXPECT_GT(meanDifference(kept, rendered("unset.exr")), 1e-3);  // or the edit did nothing

@@ -34,8 +34,8 @@ class RayScene {
     static std::shared_ptr<const Bvh> buildBvh(const Scene& scene);
 
     explicit RayScene(const Scene& scene) : RayScene(scene, buildBvh(scene)) {}
-    /// pre: `bvh` was built of a scene with the same triangles at the same positions, and hasTransparency() was
-    /// the same.
+    /// pre: `bvh` was built of a scene with the same triangles at the same positions, and hasTransparency()
+    /// was the same.
     RayScene(const Scene& scene, std::shared_ptr<const Bvh> bvh) : scene_(&scene), bvh_(std::move(bvh)) {}
 
     const Scene& scene() const { return *scene_; }
