@@ -22,8 +22,8 @@ struct SceneChange {
     Kind kind = Kind::surface;
 };
 
-/// A snapshot of the scene with its texels moved along. Motion is meant to be rigid: the atlas does not follow a
-/// change of scale.
+/// A snapshot of the scene with its texels moved along. Motion is meant to be rigid: the atlas does not
+/// follow a change of scale.
 class DynamicScene {
   public:
     /// `points` of the scene at rest, states included. pre: all belong together, and `rest` is at rest.
