@@ -17,13 +17,6 @@ inline Scene benchScene(const std::string& name) {
     return loadGltf(std::string(PHAT_SOURCE_DIR "/scenes/") + name + ".glb").scene;
 }
 
-template <typename Work>
-double secondsOf(const Work& work) {
-    const Stopwatch start;
-    work();
-    return start.seconds();
-}
-
 /// Seconds by stage; stages of one name together.
 class StageClock : public Progress {
   public:

@@ -36,13 +36,6 @@ const Animation& animationOf(const RenderOptions& options, const Scene& scene) {
     throw CLI::ValidationError("--animation", fmt::format("there is no animation \"{}\"", wanted));
 }
 
-template <typename Body>
-double secondsOf(const Body& body) {
-    const Stopwatch start;
-    body();
-    return start.seconds();
-}
-
 /// Lets the light follow for a frame; returns the work that was done.
 uint64_t follow(IncrementalBaker& engine, const AnimatedFrames& frames, Progress& progress) {
     if (frames.secondsPerFrame <= 0) return engine.advance(uint64_t(frames.workPerFrame), progress);

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <optional>
+
 #include "core/phatexel/lookup_tables.h"
 #include "core/scene/lights.h"
 #include "gl/renderer_world.h"
@@ -217,19 +219,30 @@ TEST(TracedReflections, LobesSharperThanThePhatexelsAroundAreTraced) {
     EXPECT_EQ(raysFor(1, 2, 48), 0u);
 }
 
+/// A floor whose lookup says 2, under a panel of radiance 5, and a frame that shows its middle.
+struct MirrorUnderPanel {
+    MirrorUnderPanel() {
+        fillWithLookups(world, 2, 0);
+        settings.width = 32;
+        settings.height = 24;
+        settings.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 30);
+        settings.samplesPerPixel = 2;
+        traceable.emplace(world);
+    }
+    TracedReflections traced(Reflections reflections) { return {traceable->scene, reflections, silent}; }
+
+    RendererWorld world = worldOfQuads(floorAndCeiling(metal(0.05f), emitter(glm::vec3(5))), 4);
+    FrameSettings settings;
+    std::optional<WorldOfRays> traceable;
+    SilentProgress silent;
+};
+
 // In the picture: what the lookup would say is replaced, not added to.
 TEST(TracedReflections, ReplaceTheLookup) {
     const HeadlessContext context;
-    RendererWorld world = worldOfQuads(floorAndCeiling(metal(0.05f), emitter(glm::vec3(5))), 4);
-    fillWithLookups(world, 2, 0);
-    const WorldOfRays traceable(world);
-    SilentProgress silent;
-    Renderer renderer(world.input(), kShaderFolder);
-    FrameSettings settings;
-    settings.width = 32;
-    settings.height = 24;
-    settings.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 30);
-    settings.samplesPerPixel = 2;
+    MirrorUnderPanel mirror;
+    Renderer renderer(mirror.world.input(), kShaderFolder);
+    FrameSettings& settings = mirror.settings;
     uint64_t rays = 0;
     const auto middle = [&](const TracedReflections* traced, Component component) {
         settings.component = component;
@@ -239,12 +252,12 @@ TEST(TracedReflections, ReplaceTheLookup) {
     };
     EXPECT_NEAR(middle(nullptr, Component::glossyIndirect), 2, 0.02f);
     EXPECT_NEAR(middle(nullptr, Component::direct), 0, 1e-4f);
-    const TracedReflections traced{traceable.scene, Reflections::automatic, silent};
+    const TracedReflections traced = mirror.traced(Reflections::automatic);
     EXPECT_NEAR(middle(&traced, Component::all), 5, 0.02f);
     EXPECT_NEAR(middle(&traced, Component::direct), 5, 0.02f);
     EXPECT_NEAR(middle(&traced, Component::glossyIndirect), 0, 1e-4f);
     EXPECT_GT(rays, 0u);
-    const TracedReflections none{traceable.scene, Reflections::lookup, silent};
+    const TracedReflections none = mirror.traced(Reflections::lookup);
     EXPECT_NEAR(middle(&none, Component::all), 2, 0.02f);
     EXPECT_EQ(rays, 0u);
 }
@@ -252,18 +265,11 @@ TEST(TracedReflections, ReplaceTheLookup) {
 // A sample that is given up, for its rays take too long, leaves the sum as it was and the next one right.
 TEST(TracedReflections, AnUnfinishedSampleLeavesNothing) {
     const HeadlessContext context;
-    RendererWorld world = worldOfQuads(floorAndCeiling(metal(0.05f), emitter(glm::vec3(5))), 4);
-    fillWithLookups(world, 2, 0);
-    const WorldOfRays traceable(world);
-    SilentProgress silent;
-    Renderer renderer(world.input(), kShaderFolder);
-    FrameSettings settings;
-    settings.width = 32;
-    settings.height = 24;
-    settings.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 30);
-    settings.samplesPerPixel = 2;
+    MirrorUnderPanel mirror;
+    Renderer renderer(mirror.world.input(), kShaderFolder);
+    FrameSettings& settings = mirror.settings;
     settings.samplesPerDraw = 1;
-    const TracedReflections traced{traceable.scene, Reflections::automatic, silent};
+    const TracedReflections traced = mirror.traced(Reflections::automatic);
     PictureSum whole, interrupted;
     for (int i = 0; i < 2; ++i) drawFrame(renderer, settings, &traced, whole);
     drawFrame(renderer, settings, &traced, interrupted);

@@ -35,10 +35,6 @@ std::vector<Sides> litSides(const Scene& scene, const PhotonMap& map) {
     return sides;
 }
 
-BlockGeometry blocksOf(const GatherInput& input) {
-    return {input.atlas, input.points, input.frames};
-}
-
 std::vector<Guide> guidesFor(const GatherInput& input, Directions strategy, PhotonFilter keep,
                              Progress& progress) {
     if (input.atlas.blockCount == 0) return {uniformGuide()};  // no surface has an area
@@ -49,7 +45,7 @@ std::vector<Guide> guidesFor(const GatherInput& input, Directions strategy, Phot
             return {cosineGuide()};
         default: {
             ProgressStage stage(progress, "guides", input.atlas.blockCount);
-            return buildGuides(blocksOf(input), {input.photons, input.index}, keep, progress);
+            return buildGuides(input.blocks(), {input.photons, input.index}, keep, progress);
         }
     }
 }
@@ -60,9 +56,8 @@ ChosenDirections directionsFor(const GatherInput& input, const std::vector<Guide
         progress, "directions",
         choosesPhotons(settings.strategy) ? input.atlas.blockCount : input.atlas.texelCount());
     if (choosesPhotons(settings.strategy))
-        return choosePhotonDirections(blocksOf(input), {input.photons, input.index}, keep, settings,
-                                      progress);
-    return chooseGuidedDirections(blocksOf(input), guides, settings, progress);
+        return choosePhotonDirections(input.blocks(), {input.photons, input.index}, keep, settings, progress);
+    return chooseGuidedDirections(input.blocks(), guides, settings, progress);
 }
 
 void bakeIndirect(const GatherContext& context, Phatexture& out) {
@@ -101,8 +96,7 @@ void bakeAreaLight(const GatherContext& context, const std::vector<SeamPoint>& s
     const std::vector<IrradianceEstimate> estimates = gatherAreaIrradiance(context);
     IrradianceMap filtered;
     const ChartSet all;
-    finish(filterAreaIrradiance(estimates, {input.atlas, input.points, input.irradianceTexels}, all, filtered,
-                                kNoSlicing));
+    finish(filterAreaIrradiance(estimates, input.receivers(), all, filtered, kNoSlicing));
     out.areaIrradiance = finishAreaIrradiance(std::move(filtered), input, seams, context.progress);
 }
 

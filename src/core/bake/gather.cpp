@@ -54,7 +54,7 @@ IncidentRadiance incidentAt(const IndirectLayer& of, const TexelDirection& chose
             return incidentFromTexels(input, of.irradiance, ray, path,
                                       kNearTexels * input.atlas.texelMetersAt(texel), rng);
         case RadianceSource::path:
-            return traceIncident({input.rays, input.lights}, ray, path, rng);
+            return traceIncident(input.scene(), ray, path, rng);
         case RadianceSource::photons:
             return photonIncident(input, ray, settings.density);
         case RadianceSource::splat:
@@ -99,8 +99,7 @@ IrradianceEstimate estimateArea(const GatherInput& input, const BakeSettings& se
     const int samplesPerRound = std::max(settings.irradianceSamples / kFirstRounds, 1);
     const IrradianceSampling sampling{samplesPerRound,
                                       stage == GatherStage::areaIrradiance ? kFirstRounds : kFurtherRounds};
-    return areaIrradiance({input.rays, input.lights}, input.points.position[texel],
-                          input.points.normal[texel], sampling,
+    return areaIrradiance(input.scene(), input.points.position[texel], input.points.normal[texel], sampling,
                           Rng(hashOf(settings.seed + 0x17, uint64_t(stage), texel)), rays);
 }
 
@@ -138,7 +137,7 @@ PackedPhatexel areaPhatexel(const GatherInput& input, const TexelDirection& dire
     const std::optional<Ray> ray = texelRay(input, direction, texel);
     if (!ray) return {};
     const PathSettings emissionOnly{.pathsPerHit = 0, .maxBounces = 0};
-    const IncidentRadiance incident = traceIncident({input.rays, input.lights}, *ray, emissionOnly, Rng(0));
+    const IncidentRadiance incident = traceIncident(input.scene(), *ray, emissionOnly, Rng(0));
     rays += incident.rays;
     return packed(direction, incident.emitted, incident.distance);
 }

@@ -22,6 +22,10 @@ struct GatherInput {
     const PhotonMap& photons;
     const PhotonIndex& index;
     const std::vector<uint8_t>& irradianceTexels;  // [y][x], as the function of that name
+
+    LitScene scene() const { return {rays, lights}; }
+    BlockGeometry blocks() const { return {atlas, points, frames}; }
+    ReceiverTexels receivers() const { return {atlas, points, irradianceTexels}; }
 };
 
 /// A run of the gathering stages: input, progress and journal.

@@ -20,15 +20,14 @@ std::vector<uint32_t> packIrradiance(const IrradianceMap& map) {
 
 std::vector<uint32_t> finishAreaIrradiance(IrradianceMap irradiance, const GatherInput& input,
                                            const std::vector<SeamPoint>& seams, const Progress& progress) {
-    stitchSeams(irradiance, seams, {input.atlas, input.points, input.irradianceTexels}, 0, progress);
+    stitchSeams(irradiance, seams, input.receivers(), 0, progress);
     return packIrradiance(irradiance);
 }
 
 std::vector<uint32_t> finishIndirectIrradiance(IrradianceMap irradiance, const GatherInput& input,
                                                const std::vector<SeamPoint>& seams,
                                                const Progress& progress) {
-    stitchSeams(irradiance, seams, {input.atlas, input.points, input.irradianceTexels}, kIndirectSpreadTexels,
-                progress);
+    stitchSeams(irradiance, seams, input.receivers(), kIndirectSpreadTexels, progress);
     return packIrradiance(irradiance);
 }
 

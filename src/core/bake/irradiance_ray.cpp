@@ -22,6 +22,10 @@ glm::vec3 diffuseAlbedo(const Brdf& brdf, glm::vec3 towardEyeLocal) {
            brdf.diffuseColor;
 }
 
+TexelWorld texelWorldOf(const GatherInput& input) {
+    return {input.scene(), input.atlas, input.irradianceTexels};
+}
+
 SurfacePoint withoutDiffuse(SurfacePoint point) {
     point.brdf.diffuseColor = glm::vec3(0);
     return point;
@@ -141,7 +145,7 @@ IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t
     ++rayCount;
     const Hit hit = input.rays.closestHit(ray.origin, ray.direction);
     if (!hit) return {};
-    const TexelWorld world{{input.rays, input.lights}, input.atlas, input.irradianceTexels};
+    const TexelWorld world = texelWorldOf(input);
     Walk walk{
         world,          areaIrradiance, rng, rayCount, hit, surfaceAt(input.rays.scene(), hit, ray.direction),
         -ray.direction, glm::vec3(1),   {}};
@@ -203,7 +207,7 @@ IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradia
     const Hit hit = input.rays.closestHit(ray.origin, ray.direction);
     if (!hit) return incident;
     incident.distance = hit.distance;
-    const TexelWorld world{{input.rays, input.lights}, input.atlas, input.irradianceTexels};
+    const TexelWorld world = texelWorldOf(input);
     PathSettings paths = settings;
     paths.pathsPerHit *= int(std::clamp(nearMeters / hit.distance, 1.0f, kMaxNearFactor));
     incident.reflected = reflectedFromTexels(

@@ -16,6 +16,14 @@ class Stopwatch {
     Clock::time_point start_ = Clock::now();
 };
 
+/// Seconds that body() takes.
+template <typename Body>
+double secondsOf(const Body& body) {
+    const Stopwatch start;
+    body();
+    return start.seconds();
+}
+
 /// Seconds that the calling thread has been running.
 inline double threadProcessorSeconds() {
     timespec time{};

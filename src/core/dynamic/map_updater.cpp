@@ -152,9 +152,8 @@ void MapUpdater::begin(std::optional<MapJob>& slot, MapKind kind, ChartSet chart
     const Phatexture& now = state_.phatexture;
     const GatherContext context{input, state_.settings, job.progress, nullptr, job.rays, kMapSliceWork};
     if (kind == MapKind::area)
-        job.slices.emplace(filterAreaIrradiance(areaEstimates_,
-                                                {input.atlas, input.points, input.irradianceTexels},
-                                                job.charts, job.map, kMapSliceWork));
+        job.slices.emplace(
+            filterAreaIrradiance(areaEstimates_, input.receivers(), job.charts, job.map, kMapSliceWork));
     else if (job.charts.empty())
         job.slices.emplace(
             irradianceFromNodes(context, now.areaIrradiance, state_.level, state_.nodes, job.map));
