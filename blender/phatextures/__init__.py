@@ -9,6 +9,8 @@ import subprocess
 
 import bpy
 
+from . import export
+
 bl_info = {  # for Blender before 4.2; later ones read blender_manifest.toml
     "name": "PHATextures",
     "author": "The authors of PHATextures",
@@ -19,8 +21,6 @@ bl_info = {  # for Blender before 4.2; later ones read blender_manifest.toml
     "category": "Render",
 }
 
-LOST = {"AREA": "area lights (use a mesh with an emissive material)"}
-
 
 def program(context):
     """The path of `phat`: from the preferences, else from PATH; None if there is none."""
@@ -29,39 +29,25 @@ def program(context):
     return shutil.which(chosen)
 
 
-def path_beside_blend(suffix):
-    return os.path.splitext(bpy.data.filepath)[0] + suffix
+def name():
+    return os.path.splitext(os.path.basename(bpy.data.filepath))[0] or "untitled"
+
+
+def output_path(suffix):
+    """Beside the file; of a file that was never saved, in Blender's temporary folder."""
+    return os.path.join(os.path.dirname(bpy.data.filepath) or bpy.app.tempdir, name() + suffix)
 
 
 def baked_path():
-    return path_beside_blend(".phat.glb")
+    return output_path(".phat.glb")
 
 
-def export_scene(path):
-    """Writes the scene as phat wants it: with cameras and lights, and lights without photometric factors."""
-    options = {
-        "filepath": path,
-        "export_format": "GLB",
-        "export_cameras": True,
-        "export_lights": True,
-        "export_apply": True,
-        "export_animations": False,
-        "export_import_convert_lighting_mode": "RAW",
-    }
-    known = bpy.ops.export_scene.gltf.get_rna_type().properties.keys()
-    bpy.ops.export_scene.gltf(**{key: value for key, value in options.items() if key in known})
-
-
-def lost_in_export(scene):
-    kinds = {o.data.type for o in scene.objects if o.type == "LIGHT" and o.visible_get()}
-    return [text for kind, text in LOST.items() if kind in kinds]
-
-
-def bake_arguments(settings):
-    arguments = ["--resolution", str(settings.texels), "--samples", str(settings.samples)]
+def sky_arguments(context):
+    settings = context.scene.phat
     if settings.environment:
-        arguments += ["--environment", bpy.path.abspath(settings.environment)]
-    return arguments
+        return ["--environment", bpy.path.abspath(settings.environment)]
+    sky = export.export_sky(context, export.sky_path(name())) if settings.world else None
+    return ["--environment", sky] if sky else []
 
 
 class PhatSettings(bpy.types.PropertyGroup):
@@ -71,7 +57,10 @@ class PhatSettings(bpy.types.PropertyGroup):
     samples: bpy.props.IntProperty(
         name="Samples", description="PHATexels a texel", default=1, min=1, max=8)
     environment: bpy.props.StringProperty(
-        name="Sky", description="A latitude-longitude picture, .hdr or .exr; none: black", subtype="FILE_PATH")
+        name="Sky", description="A latitude-longitude picture, .hdr or .exr, in place of the World",
+        subtype="FILE_PATH")
+    world: bpy.props.BoolProperty(
+        name="World", description="The World lights the scene, as in Blender's renders", default=True)
 
 
 class PhatPreferences(bpy.types.AddonPreferences):
@@ -89,7 +78,7 @@ class PhatOperator:
 
     @classmethod
     def poll(cls, context):
-        return bool(bpy.data.filepath) and program(context) is not None
+        return program(context) is not None
 
     def start(self, context, arguments):
         self.process = subprocess.Popen(
@@ -125,13 +114,16 @@ class PHAT_OT_bake(PhatOperator, bpy.types.Operator):
     bl_description = "Write the scene as glTF and bake its light"
 
     def execute(self, context):
-        scene_path = path_beside_blend(".glb")
-        export_scene(scene_path)
-        for lost in lost_in_export(context.scene):
-            self.report({"WARNING"}, f"Not exported: {lost}")
+        scene_path = export.scene_path(name())
+        for dropped in export.export_scene(context, scene_path):
+            self.report({"WARNING"}, f"Not exported: {dropped}")
+        settings = context.scene.phat
         self.done = f"Baked: {baked_path()}"
-        arguments = bake_arguments(context.scene.phat)
-        return self.start(context, ["bake", scene_path, "-o", baked_path(), "--quiet", *arguments])
+        if not bpy.data.filepath:
+            self.report({"WARNING"}, "The file was never saved: the bake is deleted when Blender quits")
+        return self.start(context, [
+            "bake", scene_path, "-o", baked_path(), "--quiet", "--resolution", str(settings.texels),
+            "--samples", str(settings.samples), *sky_arguments(context)])
 
 
 class PHAT_OT_open(bpy.types.Operator):
@@ -158,7 +150,7 @@ class PHAT_OT_site(PhatOperator, bpy.types.Operator):
         return PhatOperator.poll(context) if os.path.exists(baked_path()) else False
 
     def execute(self, context):
-        site = path_beside_blend("-site")
+        site = output_path("-site")
         self.done = f"Written: {site}"
         return self.start(context, ["web", baked_path(), "-o", site, "--quiet"])
 
@@ -174,10 +166,10 @@ class PHAT_PT_panel(bpy.types.Panel):
         if program(context) is None:
             layout.label(text="phat is not found: see the preferences", icon="ERROR")
         elif not bpy.data.filepath:
-            layout.label(text="Save the file first", icon="INFO")
+            layout.label(text="Save the file to keep its bake", icon="INFO")
         settings = context.scene.phat
-        for name in ("texels", "samples", "environment"):
-            layout.prop(settings, name)
+        for setting in ("texels", "samples", "world", "environment"):
+            layout.prop(settings, setting)
         for operator in (PHAT_OT_bake, PHAT_OT_open, PHAT_OT_site):
             layout.operator(operator.bl_idname)
 
