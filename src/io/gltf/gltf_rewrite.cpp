@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "io/gltf/gltf_json.h"
 #include "io/gltf/gltf_keep.h"
 
 namespace phat {
@@ -27,27 +28,14 @@ bool isSkinAttribute(std::string_view name) {
     return name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");
 }
 
-void removeExtensionName(json& gltf, const char* array, const char* name) {
-    if (!gltf.contains(array)) return;
-    json& names = gltf[array];
-    names.erase(std::remove(names.begin(), names.end(), json(name)), names.end());
-    if (names.empty()) gltf.erase(array);
-}
-
-void eraseExtension(json& object, const char* name) {
-    if (!object.contains("extensions")) return;
-    object["extensions"].erase(name);
-    if (object["extensions"].empty()) object.erase("extensions");
-}
-
-void dropEarlierBake(json& gltf) {
+void dropEarlierBake(json& file) {
     const auto pointer = json::json_pointer(std::string("/extensions/") + kPhatExtension);
-    if (!gltf.contains(pointer)) return;
-    const std::string atlasUv = texCoordName(wholeNumber(gltf[pointer], "texCoord"));
-    for (json& mesh : gltf["meshes"])
+    if (!file.contains(pointer)) return;
+    const std::string atlasUv = texCoordName(wholeNumber(file[pointer], "texCoord"));
+    for (json& mesh : file["meshes"])
         for (json& primitive : mesh["primitives"]) primitive["attributes"].erase(atlasUv);
-    eraseExtension(gltf, kPhatExtension);
-    removeExtensionName(gltf, "extensionsUsed", kPhatExtension);
+    gltf::eraseExtension(file, kPhatExtension);
+    gltf::forgetExtension(file, kPhatExtension);
 }
 
 // The first index that no surface uses; never 0, which materials take for the first of their own.
@@ -208,7 +196,6 @@ void PrimitiveRewriter::rewrite(json& primitive, const SurfaceCorners& corners, 
     primitive["indices"] = appendIndices(glb, split);
     primitive.erase("mode");
     primitive.erase("targets");
-    eraseExtension(primitive, "KHR_draco_mesh_compression");
 }
 
 // A bake is of one pose: what would deform its surfaces goes, in the node, the mesh and the animations.
@@ -269,7 +256,6 @@ RewrittenGltf rewriteGltf(const GltfSource& source, const Scene& scene, const At
     gltf["bufferViews"] = json::array();
     gltf["accessors"] = json::array();
     dropEarlierBake(gltf);
-    removeExtensionName(gltf, "extensionsUsed", "EXT_meshopt_compression");  // bufferViews are copied plain
 
     Kept kept;
     keepAllIfReferencesAreUnknown(source, out.glb, kept);
