@@ -119,7 +119,6 @@ void checkNodes(const tinygltf::Model& model) {
         const auto& node = model.nodes[i];
         require(optionalIndex(node.mesh, model.meshes.size()), "node", i, "no such mesh");
         require(optionalIndex(node.camera, model.cameras.size()), "node", i, "no such camera");
-        require(optionalIndex(node.skin, model.skins.size()), "node", i, "no such skin");
         for (const int child : node.children) {
             require(validIndex(child, model.nodes.size()), "node", i,
                     fmt::format("child {} does not exist", child));

@@ -202,7 +202,6 @@ void chargeModel(const Json& root, MemoryBudget& budget) {
     add("nodes", sizeof(tinygltf::Node));
     add("samplers", sizeof(tinygltf::Sampler));
     add("scenes", sizeof(tinygltf::Scene));
-    add("skins", sizeof(tinygltf::Skin));
     add("textures", sizeof(tinygltf::Texture));
     for (const Json& mesh : section(root, "meshes")) {
         bytes += sizeof(tinygltf::Mesh) + section(mesh, "primitives").size() * sizeof(tinygltf::Primitive);
@@ -214,6 +213,8 @@ void chargeModel(const Json& root, MemoryBudget& budget) {
 
 Description describe(const Json& json, MemoryBudget& budget, Notes& notes) {
     Json root = json;
+    root.erase("buffers");  // they are read
+    root.erase("skins");    // and applied
     checkVersion(root);
     for (const std::string& name : extensionList(root, "extensionsRequired")) {
         if (!isSupported(name) && !isDrawnWithout(name))
@@ -232,7 +233,6 @@ Description describe(const Json& json, MemoryBudget& budget, Notes& notes) {
 
     Description description;
     description.animations = std::move(animations);
-    root.erase("buffers");  // they are read
     description.images = takeImages(root);
     chargeModel(root, budget);
 

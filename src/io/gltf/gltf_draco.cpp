@@ -19,15 +19,30 @@ constexpr const char* kDraco = "KHR_draco_mesh_compression";
 constexpr uint32_t kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123,
                    kUnsignedInt = 5125, kFloat = 5126;
 
+// What a decoder has charged, for as long as its mesh lives.
+class HeldCharge {
+  public:
+    explicit HeldCharge(MemoryBudget& budget) : budget_(budget) {}
+    ~HeldCharge() { budget_.release(bytes_); }
+    HeldCharge(const HeldCharge&) = delete;
+    HeldCharge& operator=(const HeldCharge&) = delete;
+
+    void add(uint64_t bytes) {
+        budget_.charge(bytes, "its Draco data");
+        bytes_ += bytes;
+    }
+
+  private:
+    MemoryBudget& budget_;
+    uint64_t bytes_ = 0;
+};
+
 // A decoder of `Base` that charges what the data claim before it takes that much. The counts stand before the
 // connectivity; the attributes' formats are known before their values are decoded.
 template <class Base>
 class MeteredDecoder : public Base {
   public:
-    explicit MeteredDecoder(MemoryBudget& budget) : budget_(budget) {}
-    ~MeteredDecoder() override { budget_.release(charged_); }
-    MeteredDecoder(const MeteredDecoder&) = delete;
-    MeteredDecoder& operator=(const MeteredDecoder&) = delete;
+    explicit MeteredDecoder(HeldCharge& charge) : charge_(charge) {}
 
   protected:
     bool DecodeConnectivity() override {
@@ -39,9 +54,9 @@ class MeteredDecoder : public Base {
         // Corner tables with what walks them: measured on draco 1.5.5, 100 to 140 bytes a face. A face has
         // three corners, and seams may make each of them a point.
         constexpr uint64_t kFaceBytes = 160, kPointBytes = 16;
-        charge(uint64_t(first) * kFaceBytes);
-        charge(uint64_t(second) *
-               (std::is_same_v<Base, draco::MeshSequentialDecoder> ? kPointBytes : kFaceBytes));
+        charge_.add(uint64_t(first) * kFaceBytes);
+        charge_.add(uint64_t(second) *
+                    (std::is_same_v<Base, draco::MeshSequentialDecoder> ? kPointBytes : kFaceBytes));
         return Base::DecodeConnectivity();
     }
 
@@ -52,31 +67,25 @@ class MeteredDecoder : public Base {
             const draco::PointAttribute& attribute = *this->point_cloud()->attribute(i);
             bytesPerPoint += uint64_t(attribute.byte_stride()) + 8 * uint64_t(attribute.num_components()) + 8;
         }
-        charge(uint64_t(this->point_cloud()->num_points()) * bytesPerPoint);
+        charge_.add(uint64_t(this->point_cloud()->num_points()) * bytesPerPoint);
         return Base::DecodeAllAttributes();
     }
 
   private:
-    void charge(uint64_t bytes) {
-        budget_.charge(bytes, "its Draco data");
-        charged_ += bytes;
-    }
-
-    MemoryBudget& budget_;
-    uint64_t charged_ = 0;
+    HeldCharge& charge_;
 };
 
 template <class Base>
-std::unique_ptr<draco::Mesh> decodeWith(draco::DecoderBuffer& buffer, MemoryBudget& budget) {
+std::unique_ptr<draco::Mesh> decodeWith(draco::DecoderBuffer& buffer, HeldCharge& charge) {
     auto mesh = std::make_unique<draco::Mesh>();
     const draco::DecoderOptions options;
-    MeteredDecoder<Base> decoder(budget);
+    MeteredDecoder<Base> decoder(charge);
     const draco::Status status = decoder.Decode(options, &buffer, mesh.get());
     if (!status.ok()) throw Problem("its Draco data are damaged");
     return mesh;
 }
 
-std::unique_ptr<draco::Mesh> decodeMesh(std::span<const uint8_t> bytes, MemoryBudget& budget) {
+std::unique_ptr<draco::Mesh> decodeMesh(std::span<const uint8_t> bytes, HeldCharge& charge) {
     draco::DecoderBuffer buffer;
     buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     draco::DecoderBuffer peeked = buffer;
@@ -88,8 +97,8 @@ std::unique_ptr<draco::Mesh> decodeMesh(std::span<const uint8_t> bytes, MemoryBu
         throw Problem(fmt::format("its Draco data are of version {}.{}, where glTF has 2.2",
                                   header.version_major, header.version_minor));
     return header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING
-               ? decodeWith<draco::MeshEdgebreakerDecoder>(buffer, budget)
-               : decodeWith<draco::MeshSequentialDecoder>(buffer, budget);
+               ? decodeWith<draco::MeshEdgebreakerDecoder>(buffer, charge)
+               : decodeWith<draco::MeshSequentialDecoder>(buffer, charge);
 }
 
 template <class T>
@@ -173,7 +182,8 @@ size_t addIndices(GltfSource& source, const draco::Mesh& mesh, MemoryBudget& bud
 
 // The attributes and indices that a primitive has once its data are decoded.
 json decodedParts(GltfSource& source, const json& primitive, const json& compressed, MemoryBudget& budget) {
-    const auto mesh = decodeMesh(bufferViewBytes(source, wholeNumber(compressed, "bufferView")), budget);
+    HeldCharge charge(budget);
+    const auto mesh = decodeMesh(bufferViewBytes(source, wholeNumber(compressed, "bufferView")), charge);
     if (mesh->num_points() == 0 || mesh->num_faces() == 0) throw Problem("its Draco data are empty");
     json parts = {{"attributes", primitive.at("attributes")}};
     for (const auto& [name, id] : compressed.at("attributes").items())

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "io/gltf/gltf_accessor.h"
 #include "io/gltf/gltf_problem.h"
@@ -81,6 +82,56 @@ std::vector<uint64_t> sceneNodes(const json& gltf, bool withHidden) {
             for (const json& child : node["children"]) visit(child);
     }
     return nodes;
+}
+
+namespace {
+
+bool isReadable(const GltfSource& source, const json& sampler) {
+    try {
+        for (const char* key : {"input", "output"}) {
+            const uint64_t accessor = wholeNumber(sampler, key);
+            // Without data it is zeros.
+            if (gltfItem(source.json, "accessors", accessor).contains("bufferView"))
+                readAccessor(source, accessor);
+        }
+        return true;
+    } catch (const std::exception&) {
+        return false;
+    }
+}
+
+// The sampler of a channel that moves a node, or no node at all; none where it is malformed.
+std::optional<uint64_t> samplerOf(const GltfSource& source, const json& channel) {
+    try {
+        const json& target = channel.at("target");
+        if (target.contains("node")) gltfItem(source.json, "nodes", wholeNumber(target, "node"));
+        return wholeNumber(channel, "sampler");
+    } catch (const std::exception&) {
+        return std::nullopt;
+    }
+}
+
+}  // namespace
+
+size_t dropBrokenChannels(const GltfSource& source, json& animation) {
+    std::map<uint64_t, size_t> newSampler;
+    json samplers = json::array(), channels = json::array();
+    for (size_t i = 0; i < countOf(animation, "samplers"); ++i) {
+        if (!isReadable(source, animation["samplers"][i])) continue;
+        newSampler[i] = samplers.size();
+        samplers.push_back(animation["samplers"][i]);
+    }
+    const size_t count = countOf(animation, "channels");
+    for (size_t i = 0; i < count; ++i) {
+        json& channel = animation["channels"][i];
+        const auto sampler = samplerOf(source, channel);
+        if (!sampler || !newSampler.contains(*sampler)) continue;
+        channel["sampler"] = newSampler[*sampler];
+        channels.push_back(channel);
+    }
+    animation["samplers"] = std::move(samplers);
+    animation["channels"] = std::move(channels);
+    return count - animation["channels"].size();
 }
 
 size_t addBufferView(GltfSource& source, std::vector<uint8_t> bytes, uint32_t byteStride) {

@@ -33,6 +33,10 @@ std::vector<uint64_t> sceneNodes(const nlohmann::json& gltf, bool withHidden);
 /// The parent of each node; -1: it has none. Throws where the children are no indices.
 std::vector<int64_t> parentNodes(const nlohmann::json& gltf);
 
+/// Takes samplers out of an animation whose accessors cannot be read, and channels of those or of nodes that
+/// do not exist. Returns how many channels went.
+size_t dropBrokenChannels(const GltfSource& source, nlohmann::json& animation);
+
 /// Keeps the bytes as one more buffer and returns the bufferView of them. `byteStride` 0: tightly packed.
 size_t addBufferView(GltfSource& source, std::vector<uint8_t> bytes, uint32_t byteStride = 0);
 

@@ -110,6 +110,7 @@ void keepReferences(const GltfSource& source, const std::set<std::pair<size_t, s
         if (object.contains(key)) object[key] = keepAccessor(source, wholeNumber(object, key), glb, kept);
     };
     each("meshes", [&](json& mesh, size_t m) {
+        if (!mesh.contains("primitives")) return;
         for (size_t p = 0; p < mesh.at("primitives").size(); ++p)
             if (!rewrittenPrimitives.contains({m, p}))
                 keepPrimitive(source, mesh["primitives"][p], glb, kept);

@@ -94,11 +94,9 @@ int Reader::imageOf(int texture) {
         return source;
     };
     if (const int webp = sourceIn("EXT_texture_webp"); webp >= 0) return webp;
-    const bool basis = sourceIn("KHR_texture_basisu") >= 0;
-    if (basis && in.source >= 0) ++notes_.basisFallbacks;
     if (in.source >= 0) return in.source;
     if (const int avif = sourceIn("EXT_texture_avif"); avif >= 0) return avif;
-    if (basis)
+    if (sourceIn("KHR_texture_basisu") >= 0)
         throw Problem(
             fmt::format("texture {} \"{}\" is KTX2 (KHR_texture_basisu), which is not supported: "
                         "`npx @gltf-transform/cli ktxdecompress IN.glb OUT.glb` makes it PNG",

@@ -137,4 +137,20 @@ void mendLightsAndCameras(json& gltf, Notes& notes) {
     mendCameras(gltf, notes);
 }
 
+void takeBasisFallbacks(json& gltf, Notes& notes) {
+    constexpr const char* kBasis = "KHR_texture_basisu";
+    bool needed = false;
+    for (size_t i = 0; i < countOf(gltf, "textures"); ++i) {
+        json& texture = gltf["textures"][i];
+        if (!texture.is_object() || !findExtension(texture, kBasis)) continue;
+        if (texture.contains("source")) {
+            eraseExtension(texture, kBasis);
+            ++notes.basisFallbacks;
+        } else {
+            needed = true;
+        }
+    }
+    if (!needed) forgetExtension(gltf, kBasis);
+}
+
 }  // namespace phat::gltf

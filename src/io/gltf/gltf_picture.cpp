@@ -179,22 +179,30 @@ TextureImage decodeWebp(std::span<const uint8_t> bytes, MemoryBudget& budget) {
     return image;
 }
 
-TextureImage decodeAvif(std::span<const uint8_t> bytes, MemoryBudget& budget) {
-    const std::unique_ptr<avifDecoder, void (*)(avifDecoder*)> decoder(avifDecoderCreate(),
-                                                                       avifDecoderDestroy);
-    decoder->imageSizeLimit = uint32_t(kMaxTexels);
+using AvifDecoder = std::unique_ptr<avifDecoder, void (*)(avifDecoder*)>;
+
+// `mostTexels` also holds for the codec's frames, whose size the container need not tell truly.
+AvifDecoder parsedAvif(std::span<const uint8_t> bytes, int64_t mostTexels) {
+    AvifDecoder decoder(avifDecoderCreate(), avifDecoderDestroy);
+    decoder->imageSizeLimit = uint32_t(mostTexels);
     decoder->imageCountLimit = 1;
     decoder->maxThreads = 1;
     if (avifDecoderSetIOMemory(decoder.get(), bytes.data(), bytes.size()) != AVIF_RESULT_OK ||
         avifDecoderParse(decoder.get()) != AVIF_RESULT_OK)
         throw Problem("is a damaged AVIF");
-    const int64_t width = decoder->image->width, height = decoder->image->height;
+    return decoder;
+}
+
+TextureImage decodeAvif(std::span<const uint8_t> bytes, MemoryBudget& budget) {
+    const AvifDecoder sized = parsedAvif(bytes, kMaxTexels);
+    const int64_t width = sized->image->width, height = sized->image->height;
     checkSize(width, height);
     // Planes of up to 16 bits with alpha, those of the reference frames, and the filters' copies.
     constexpr uint64_t kTexelBytes = 32, kSlack = 8 << 20;
     const WorkCharge work(uint64_t(width * height) * kTexelBytes + kSlack, budget);
-    if (avifDecoderNextImage(decoder.get()) != AVIF_RESULT_OK) throw Problem("is a damaged AVIF");
-    if (decoder->image->width != uint32_t(width) || decoder->image->height != uint32_t(height))
+    const AvifDecoder decoder = parsedAvif(bytes, width * height);
+    if (avifDecoderNextImage(decoder.get()) != AVIF_RESULT_OK || decoder->image->width != uint32_t(width) ||
+        decoder->image->height != uint32_t(height))
         throw Problem("is a damaged AVIF");
     TextureImage image = emptyImage(width, height, budget);
     avifRGBImage rgb;
@@ -203,7 +211,10 @@ TextureImage decodeAvif(std::span<const uint8_t> bytes, MemoryBudget& budget) {
     rgb.depth = 8;
     rgb.pixels = reinterpret_cast<uint8_t*>(image.texels.data());
     rgb.rowBytes = uint32_t(width * 4);
-    if (avifImageYUVToRGB(decoder->image, &rgb) != AVIF_RESULT_OK) throw Problem("is a damaged AVIF");
+    if (avifImageYUVToRGB(decoder->image, &rgb) != AVIF_RESULT_OK) {
+        budget.release(image.texels.size() * 4);
+        throw Problem("is a damaged AVIF");
+    }
     return image;
 }
 

@@ -4,6 +4,7 @@ namespace phat::gltf {
 
 void makePlain(GltfSource& source, const std::string& variant, MemoryBudget& budget, Notes& notes) {
     mendLightsAndCameras(source.json, notes);
+    takeBasisFallbacks(source.json, notes);
     decodeMeshopt(source, budget);
     decodeDraco(source, budget);
     chooseVariant(source.json, variant);

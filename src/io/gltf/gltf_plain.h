@@ -19,6 +19,9 @@ void makePlain(GltfSource& source, const std::string& variant, MemoryBudget& bud
 /// Lights and cameras that the specification does not allow are taken off their nodes.
 void mendLightsAndCameras(nlohmann::json& gltf, Notes& notes);
 
+/// Textures that have a PNG or JPEG beside their KTX2 (KHR_texture_basisu) have it alone.
+void takeBasisFallbacks(nlohmann::json& gltf, Notes& notes);
+
 /// BufferViews of EXT_meshopt_compression and, where the two agree, KHR_meshopt_compression.
 void decodeMeshopt(GltfSource& source, MemoryBudget& budget);
 

@@ -210,16 +210,19 @@ std::vector<double> weightsOf(const json& node, const json& mesh) {
     return {};
 }
 
-bool hasAttribute(const json& mesh, const char* name) {
-    for (const json& primitive : mesh.at("primitives"))
-        if (primitive.at("attributes").contains(name)) return true;
-    return false;
-}
+// What a mesh has that moves its vertices; looked up once however many nodes show it.
+struct Deforms {
+    bool bySkin = false, byTargets = false;
+};
 
-bool hasTargets(const json& mesh) {
-    for (const json& primitive : mesh.at("primitives"))
-        if (primitive.contains("targets") && !primitive["targets"].empty()) return true;
-    return false;
+Deforms deformsOf(const json& mesh) {
+    Deforms deforms;
+    for (size_t p = 0; p < countOf(mesh, "primitives"); ++p) {
+        const json& primitive = mesh["primitives"][p];
+        deforms.bySkin = deforms.bySkin || primitive.at("attributes").contains("JOINTS_0");
+        deforms.byTargets = deforms.byTargets || countOf(primitive, "targets") > 0;
+    }
+    return deforms;
 }
 
 // What animated the weights of the old node follows the mesh, so that the rewriter knows whose they were.
@@ -258,17 +261,18 @@ class Poser {
     }
 
     void pose(uint64_t nodeIndex) {
-        const json node = gltfItem(source_.json, "nodes", nodeIndex);
+        const json& node = gltfItem(source_.json, "nodes", nodeIndex);
         if (!node.contains("mesh")) return;
         const uint64_t meshIndex = wholeNumber(node, "mesh");
+        const Deforms deforms = deformsOfMesh(meshIndex);
+        const bool skinned = node.contains("skin") && deforms.bySkin;
+        if (!skinned && !deforms.byTargets) return;
         json mesh = gltfItem(source_.json, "meshes", meshIndex);
-        if (!mesh.contains("primitives")) return;
-        const bool skinned = node.contains("skin") && hasAttribute(mesh, "JOINTS_0");
         Pose pose{weightsOf(node, mesh), nullptr};
         notes_.skinnedMeshes += skinned;
-        notes_.morphedMeshes += hasTargets(mesh);
-        const bool morphs = hasTargets(mesh) && std::any_of(pose.weights.begin(), pose.weights.end(),
-                                                            [](double weight) { return weight != 0; });
+        notes_.morphedMeshes += deforms.byTargets;
+        const bool morphs = deforms.byTargets && std::any_of(pose.weights.begin(), pose.weights.end(),
+                                                             [](double weight) { return weight != 0; });
         if (!skinned && !morphs) return;
         if (skinned) pose.joints = &jointsOf(wholeNumber(node, "skin"));
         for (json& primitive : mesh["primitives"]) posePrimitive(source_, primitive, pose, budget_);
@@ -292,6 +296,12 @@ class Poser {
     }
 
   private:
+    Deforms deformsOfMesh(uint64_t mesh) {
+        const auto found = deforms_.find(mesh);
+        if (found != deforms_.end()) return found->second;
+        return deforms_[mesh] = deformsOf(gltfItem(source_.json, "meshes", mesh));
+    }
+
     const std::vector<glm::dmat4>& jointsOf(uint64_t skin) {
         const auto found = joints_.find(skin);
         if (found != joints_.end()) return found->second;
@@ -303,6 +313,7 @@ class Poser {
     Notes& notes_;
     Hierarchy hierarchy_;
     std::map<uint64_t, std::vector<glm::dmat4>> joints_;  // by skin
+    std::map<uint64_t, Deforms> deforms_;                 // by mesh
     std::map<uint64_t, size_t> meshUsers_;
     std::vector<uint64_t> moving_;
 };

@@ -27,8 +27,8 @@ std::vector<std::string> linesOf(const Notes& notes) {
         "skinned meshes are shown in the pose of the file");
     add(notes.morphedMeshes, "mesh with morph targets is shown with the weights of the file",
         "meshes with morph targets are shown with the weights of the file");
-    add(notes.basisFallbacks, "use of a KTX2 texture takes the PNG or JPEG beside it",
-        "uses of KTX2 textures take the PNG or JPEG beside them");
+    add(notes.basisFallbacks, "KTX2 texture is drawn from the PNG or JPEG beside it",
+        "KTX2 textures are drawn from the PNG or JPEG beside them");
     add(notes.incompleteTriangles, "triangle at the end of an index list was incomplete and is left out",
         "triangles at the ends of index lists were incomplete and are left out");
     add(notes.unplaceableTriangles, "triangle was dropped: its positions are not finite or too far away",

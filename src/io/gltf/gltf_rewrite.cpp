@@ -199,8 +199,10 @@ void PrimitiveRewriter::rewrite(json& primitive, const SurfaceCorners& corners, 
 }
 
 // A bake is of one pose: what would deform its surfaces goes, in the node, the mesh and the animations.
-void dropDeformation(json& gltf, const Scene& scene, const std::vector<size_t>& meshOfSurface,
-                     std::vector<std::string>& notes) {
+void dropDeformation(const GltfSource& source, const Scene& scene, const std::vector<size_t>& meshOfSurface,
+                     RewrittenGltf& out) {
+    json& gltf = out.glb.json;
+    std::vector<std::string>& notes = out.notes;
     std::set<uint32_t> nodes;
     size_t skins = 0, morphs = 0;
     for (size_t i = 0; i < scene.surfaces.size(); ++i) {
@@ -220,9 +222,10 @@ void dropDeformation(json& gltf, const Scene& scene, const std::vector<size_t>& 
         morphs += morphed;
     }
 
-    size_t channels = 0;
+    size_t channels = 0, broken = 0;
     json animations = json::array();
     for (json& animation : gltf.value("animations", json::array())) {
+        broken += gltf::dropBrokenChannels(source, animation);
         json kept = json::array();
         for (const json& channel : animation.at("channels")) {
             const json& target = channel.at("target");
@@ -243,6 +246,7 @@ void dropDeformation(json& gltf, const Scene& scene, const std::vector<size_t>& 
 
     if (skins) notes.push_back(fmt::format("{} skinned meshes are kept in the pose that was baked", skins));
     if (morphs) notes.push_back(fmt::format("morph targets of {} meshes are dropped", morphs));
+    if (broken) notes.push_back(fmt::format("{} broken animation channels are dropped", broken));
     if (channels)
         notes.push_back(fmt::format("{} animation channels of morph targets are dropped", channels));
 }
@@ -261,7 +265,7 @@ RewrittenGltf rewriteGltf(const GltfSource& source, const Scene& scene, const At
     keepAllIfReferencesAreUnknown(source, out.glb, kept);
     out.texCoord = freeTexCoord(gltf, scene);
     const std::vector<size_t> meshOfSurface = giveNodesTheirOwnMeshes(gltf, scene);
-    dropDeformation(gltf, scene, meshOfSurface, out.notes);
+    dropDeformation(source, scene, meshOfSurface, out);
 
     PrimitiveRewriter rewriter{source, out.glb, out.texCoord};
     std::set<std::pair<size_t, size_t>> rewritten;

@@ -31,21 +31,7 @@ class Walk {
         for (const uint64_t node : sceneNodes(gltf_, true)) visitNode(node);
         visitJoints();
         if (gltf_.contains("extensions")) visitViews(gltf_["extensions"], 0);
-        for (size_t i = 0; i < countOf(gltf_, "animations"); ++i)
-            if (isSound(gltf_["animations"][i])) visitAnimation(gltf_["animations"][i]);
-    }
-
-    bool isSound(const json& animation) const {
-        try {
-            for (const json& sampler : animation.at("samplers"))
-                for (const char* key : {"input", "output"}) readAccessor(source_, wholeNumber(sampler, key));
-            for (const json& channel : animation.at("channels"))
-                if (channel.at("target").contains("node"))
-                    gltfItem(gltf_, "nodes", wholeNumber(channel.at("target"), "node"));
-            return true;
-        } catch (const std::exception&) {
-            return false;
-        }
+        for (size_t i = 0; i < countOf(gltf_, "animations"); ++i) visitAnimation(gltf_["animations"][i]);
     }
 
   private:
@@ -177,8 +163,8 @@ json named(const json& element) {
 // The least that an element of the array may be.
 json harmless(const GltfSource& source, const std::string& array, const json& element) {
     if (array == "meshes") return {{"primitives", json::array({{{"attributes", json::object()}}})}};
-    if (array == "accessors") return {{"componentType", 5126}, {"type", "SCALAR"}, {"count", 1}};
-    if (array == "bufferViews") return {{"buffer", source.buffers.size()}, {"byteLength", 4}};
+    if (array == "accessors") return {{"componentType", 5126u}, {"type", "SCALAR"}, {"count", 1u}};
+    if (array == "bufferViews") return {{"buffer", source.buffers.size()}, {"byteLength", 4u}};
     if (array == "images") return {{"uri", kWhiteUri}};
     if (array == "cameras")
         return {{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.01}}}};
@@ -198,27 +184,30 @@ void dropUnreadAttributes(json& gltf) {
     }
 }
 
+void dropBrokenAnimations(GltfSource& source) {
+    json playable = json::array();
+    for (size_t i = 0; i < countOf(source.json, "animations"); ++i) {
+        json animation = source.json["animations"][i];
+        if (countOf(animation, "samplers") == 0 || countOf(animation, "channels") == 0) continue;
+        dropBrokenChannels(source, animation);
+        if (!animation["channels"].empty()) playable.push_back(std::move(animation));
+    }
+    source.json.erase("animations");
+    if (!playable.empty()) source.json["animations"] = std::move(playable);
+}
+
 }  // namespace
 
 bool leaveOutUnused(GltfSource& source) {
     const json before = source.json;
-    Reached reached;
-    Walk walk(source, reached);
-    walk.run();
     json& gltf = source.json;
-    json animations = json::array();
-    for (size_t i = 0; i < countOf(gltf, "animations"); ++i)
-        if (walk.isSound(gltf["animations"][i])) animations.push_back(gltf["animations"][i]);
-    gltf.erase("animations");
-    if (!animations.empty()) gltf["animations"] = std::move(animations);
-
+    dropBrokenAnimations(source);
+    Reached reached;
+    Walk(source, reached).run();
     for (const char* array : {"nodes", "meshes", "accessors", "bufferViews", "materials", "textures",
                               "images", "samplers", "cameras"})
         for (size_t i = 0; i < countOf(gltf, array); ++i)
             if (!reached[array].contains(i)) gltf[array][i] = harmless(source, array, gltf[array][i]);
-    const size_t skins = countOf(gltf, "skins");
-    for (size_t i = 0; i < skins; ++i)
-        if (!reached["skins"].contains(i)) gltf["skins"][i] = {{"joints", {0}}};
     for (size_t i = 0; i < countOf(gltf, "scenes"); ++i)
         if (i != gltf.value("scene", size_t(0))) gltf["scenes"][i] = json::object();
     dropUnreadAttributes(gltf);
