@@ -88,6 +88,7 @@ void declareBakeOptions(CLI::App& command, BakeOptions& options) {
     declare.value("IN", "FILE", options.input, "The scene: .glb or .gltf")->required();
     declare.value("-o,--output", "FILE", options.output, "Default: IN with the extension .phat.glb");
     declare.value("--environment", "FILE", options.environment, "Sky: latitude-longitude .hdr or .exr");
+    declare.value("--variant", "NAME", options.variant, "Material variant; phat info lists them");
     declareAtlas(declare, options.settings.atlas);
     declareLight(declare, options.settings);
     declare

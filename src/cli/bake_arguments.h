@@ -19,6 +19,7 @@ struct BakeOptions {
     std::string input;
     std::string output;
     std::string environment;  // empty: none
+    std::string variant;      // of the materials; empty: none
     BakeSettings settings;
     PhatexelStorage storage = PhatexelStorage::packed;
     std::optional<int> threads;

@@ -30,10 +30,13 @@ using nlohmann::json;
 
 LoadedScene loadInput(const BakeOptions& options, GltfSource& source) {
     LoadedScene loaded;
-    if (isBakedFile(source))
+    const bool baked = isBakedFile(source);
+    if (baked && !options.variant.empty())
+        throw CLI::ValidationError("--variant", "the input is baked; choose it of the scene");
+    if (baked)
         loaded = readBakedFile(source).loaded;  // with the environment that it was baked in
     else
-        loaded = loadGltf(source);
+        loaded = loadGltf(source, {options.variant});
     if (!options.environment.empty()) loaded.scene.environment = loadEnvironment(options.environment);
     if (loaded.scene.triangles.empty()) throw FileError(options.input, "has no triangles to bake");
     return loaded;
@@ -59,7 +62,9 @@ uint64_t fingerprintOf(const BakeOptions& options, const GltfSource& source, con
 }
 
 void checkOutput(const BakeOptions& options) {
-    if (std::filesystem::path(options.output).extension() != ".glb")
+    std::string extension = std::filesystem::path(options.output).extension().string();
+    for (char& c : extension) c = char(std::tolower(uint8_t(c)));
+    if (extension != ".glb")
         throw CLI::ValidationError("--output", fmt::format("\"{}\" does not end in .glb", options.output));
     std::error_code ignored;
     for (const std::string& input : {options.input, options.environment})
@@ -79,8 +84,9 @@ void checkOutput(const BakeOptions& options) {
 }
 
 void bakeOnce(const BakeOptions& options, const GltfSource& source, const LoadedScene& loaded) {
-    const BakeRecord record = recordOf(options.settings, options.input, options.environment, options.storage);
-    const std::string journalPath = options.output + ".journal";
+    const BakeRecord record =
+        recordOf(options.settings, options.input, options.environment, options.storage, options.variant);
+    const std::string journalPath = nameBeside(options.output, ".journal");
     FileJournal journal(journalPath, fingerprintOf(options, source, record), options.resume);
     json report;
     try {

@@ -11,6 +11,7 @@
 #include "cli/commands.h"
 #include "core/scene/scene.h"
 #include "io/gltf/gltf_source.h"
+#include "io/gltf/gltf_variants.h"
 #include "io/phat/bake_record.h"
 #include "io/phat/baked_file.h"
 
@@ -109,6 +110,7 @@ Json describe(const std::string& path) {
     } else {
         report["scene"] = describeScene(loadGltf(source));
     }
+    report["scene"]["variants"] = gltfVariants(source);
     return report;
 }
 
@@ -138,6 +140,7 @@ void printScene(const Json& scene) {
                               light["type"].get<std::string>());
     printLine("lights", lights.empty() ? "none" : lights);
     printLine("cameras", joined(scene["cameras"]));
+    if (!scene["variants"].empty()) printLine("variants", joined(scene["variants"]));
     if (const Json& size = scene["environment"]; !size.is_null())
         printLine("environment", fmt::format("{} x {}", size[0].get<int>(), size[1].get<int>()));
     if (const Json& bounds = scene["bounds"]; !bounds.is_null()) {

@@ -148,9 +148,12 @@ void declareFrames(const DeclareOption& declare, RenderOptions& options) {
 void declareScene(const DeclareOption& declare, RenderOptions& options) {
     declare.value("--environment", "FILE", options.environment,
                   "Sky of a scene that is not baked: latitude-longitude .hdr or .exr");
+    declare.value("--variant", "NAME", options.variant,
+                  "Material variant of a scene that is not baked; phat info lists them");
     declare
         .value("--set", "MATERIAL.PROPERTY=VALUE", options.edits,
-               "Changes a material, e.g. floor.roughness=0.3")
+               "Changes a material, e.g. floor.roughness=0.3; a name with = in double quotes: "
+               "'\"a=b\".roughness=0.3'")
         ->expected(1, -1)
         ->excludes("--refine");  // edits would be visible at once and lit from the next pass on
     declare.flag("--keep-light", options.keepLight,

@@ -18,7 +18,12 @@ namespace {
 std::string pictureKind(const std::string& path) {
     std::string extension = std::filesystem::path(path).extension().string();
     for (char& c : extension) c = char(std::tolower(uint8_t(c)));
-    return extension;
+    return extension == ".jpeg" ? ".jpg" : extension;
+}
+
+void refuseVariant(const RenderOptions& options) {
+    if (!options.variant.empty())
+        throw CLI::ValidationError("--variant", "the bake is of one variant; bake the scene again");
 }
 
 }  // namespace
@@ -45,8 +50,10 @@ void checkPlaces(const RenderOptions& options) {
 Scene loadScene(const RenderOptions& options) {
     // A baked file holds the environment that it was baked in.
     GltfSource source = openGltf(options.input);
-    Scene scene = isBakedFile(source) ? std::move(readBakedFile(source).loaded.scene)
-                                      : std::move(loadGltf(source).scene);
+    const bool baked = isBakedFile(source);
+    if (baked) refuseVariant(options);
+    Scene scene = baked ? std::move(readBakedFile(source).loaded.scene)
+                        : std::move(loadGltf(source, {options.variant}).scene);
     if (!options.environment.empty()) scene.environment = loadEnvironment(options.environment);
     if (!options.keepLight) editScene(options, scene);
     return scene;
@@ -56,7 +63,8 @@ BakedScene loadBaked(const RenderOptions& options, Progress& progress) {
     GltfSource source = openGltf(options.input);
     if (!options.environment.empty() && isBakedFile(source))
         throw CLI::ValidationError("--environment", "the bake has its own; bake again to change it");
-    BakedScene baked = readSceneFile(source, options.environment);
+    if (isBakedFile(source)) refuseVariant(options);
+    BakedScene baked = readSceneFile(source, options.environment, {options.variant});
     if (baked.phatexture.indirect.empty()) {
         Bake result = bake(baked.loaded.scene, BakeSettings(), progress);
         baked.atlas = std::move(result.atlas);

@@ -51,6 +51,7 @@ struct RenderOptions {
     std::string varianceOutput;  // traced methods; empty: none
     std::string pixels;          // mask of those to trace; empty: all
     std::string environment;     // empty: the file's own
+    std::string variant;         // of a scene that is not baked; empty: none
     std::string camera;          // name, index or kAllCameras; empty: the first
     std::optional<glm::vec3> eye, target;
     std::optional<float> fovDegrees;

@@ -50,6 +50,61 @@ TEST(InfoCommand, DescribesAPlainScene) {
     EXPECT_NE(runPhat({"info", kScene}).out.find("46 in "), std::string::npos);
 }
 
+// A triangle, oak or, in the variant "dark", walnut, that emits light of its own.
+std::string sceneWithVariants() {
+    return R"({"asset":{"version":"2.0"},"extensionsUsed":["KHR_materials_variants"],
+        "extensions":{"KHR_materials_variants":{"variants":[{"name":"dark"},{"name":"as it is"}]}},
+        "scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0,"extensions":{"KHR_materials_variants":
+            {"mappings":[{"material":1,"variants":[0]}]}}}]}],
+        "materials":[{"name":"oak","emissiveFactor":[1,1,1]},{"name":"walnut","emissiveFactor":[0.1,0.1,0.1]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+        "bufferViews":[{"buffer":0,"byteLength":36}],
+        "buffers":[{"byteLength":36,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+}
+
+TEST(InfoCommand, ListsVariantsOfWhichOneIsBaked) {
+    const TemporaryFolder folder;
+    const std::string text = sceneWithVariants(), path = folder.file("room.gltf");
+    writeBytes(path, {text.begin(), text.end()});
+    const auto report = nlohmann::json::parse(runPhat({"info", path, "--json"}).out);
+    EXPECT_EQ(report["scene"]["variants"], nlohmann::json({"dark", "as it is"}));
+    EXPECT_NE(runPhat({"info", path}).out.find("dark, as it is"), std::string::npos);
+
+    // Upper-case extensions are the same.
+    const std::string target = folder.file("ROOM.PHAT.GLB");
+    const ProgramResult baked = runPhat({"bake", path, "-o", target, "--variant", "dark", "--resolution",
+                                         "1k", "--photons", "1k", "--quiet"});
+    ASSERT_EQ(baked.exitCode, 0) << baked.err;
+    const auto bakedReport = nlohmann::json::parse(runPhat({"info", target, "--json"}).out);
+    EXPECT_EQ(bakedReport["bake"]["record"]["settings"]["variant"], "dark");
+    EXPECT_EQ(bakedReport["scene"]["variants"], nlohmann::json({"dark", "as it is"}));
+    EXPECT_EQ(runPhat({"bake", target, "-o", folder.file("b.glb"), "--variant", "dark"}).exitCode, 2);
+
+    const auto brightness = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> command = {
+            "render",  path, "--method",          "path", "--spp", "4", "--size", "32x32",
+            "--quiet", "-o", folder.file("a.exr")};
+        command.insert(command.end(), more.begin(), more.end());
+        const ProgramResult result = runPhat(command);
+        EXPECT_EQ(result.exitCode, 0) << result.err;
+        double sum = 0;
+        for (const glm::vec3& pixel : readExr(folder.file("a.exr")).pixels) sum += pixel.x;
+        return sum;
+    };
+    const double plain = brightness({}), dark = brightness({"--variant", "dark"});
+    EXPECT_GT(plain, 0);
+    EXPECT_NEAR(dark / plain, 0.1, 1e-3);
+    const ProgramResult unknown = runPhat({"render", path, "--variant", "red", "-o", folder.file("a.JPEG")});
+    EXPECT_EQ(unknown.exitCode, 1);
+    EXPECT_NE(unknown.err.find("dark, as it is"), std::string::npos) << unknown.err;
+    EXPECT_EQ(runPhat({"render", path, "--method", "path", "--spp", "1", "--size", "8x8", "--quiet", "-o",
+                       folder.file("a.JPEG")})
+                  .exitCode,
+              0);
+    EXPECT_EQ(readPicture(folder.file("a.JPEG")).width, 8);
+}
+
 TEST(InfoCommand, RefusesWhatIsNoScene) {
     const TemporaryFolder folder;
     writeBytes(folder.file("text.glb"), {'h', 'e', 'l', 'l', 'o'});

@@ -16,29 +16,6 @@ T load(const uint8_t* bytes) {
     return value;
 }
 
-float loadComponent(const uint8_t* bytes, int type, bool normalized) {
-    switch (type) {
-        case TINYGLTF_COMPONENT_TYPE_BYTE: {
-            const float value = load<int8_t>(bytes);
-            return normalized ? std::max(value / 127.0f, -1.0f) : value;
-        }
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: {
-            const float value = load<uint8_t>(bytes);
-            return normalized ? value / 255.0f : value;
-        }
-        case TINYGLTF_COMPONENT_TYPE_SHORT: {
-            const float value = load<int16_t>(bytes);
-            return normalized ? std::max(value / 32767.0f, -1.0f) : value;
-        }
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: {
-            const float value = load<uint16_t>(bytes);
-            return normalized ? value / 65535.0f : value;
-        }
-        default:
-            return load<float>(bytes);
-    }
-}
-
 uint32_t loadIndex(const uint8_t* bytes, int type) {
     switch (type) {
         case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
@@ -86,6 +63,31 @@ void forEachElement(const Document& document, int index, Use use) {
 
 }  // namespace
 
+float componentOf(const uint8_t* bytes, int type, bool normalized) {
+    switch (type) {
+        case TINYGLTF_COMPONENT_TYPE_BYTE: {
+            const float value = load<int8_t>(bytes);
+            return normalized ? std::max(value / 127.0f, -1.0f) : value;
+        }
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: {
+            const float value = load<uint8_t>(bytes);
+            return normalized ? value / 255.0f : value;
+        }
+        case TINYGLTF_COMPONENT_TYPE_SHORT: {
+            const float value = load<int16_t>(bytes);
+            return normalized ? std::max(value / 32767.0f, -1.0f) : value;
+        }
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: {
+            const float value = load<uint16_t>(bytes);
+            return normalized ? value / 65535.0f : value;
+        }
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+            return float(load<uint32_t>(bytes));
+        default:
+            return load<float>(bytes);
+    }
+}
+
 std::vector<float> readFloats(const Document& document, int index, int components, bool asNormalized) {
     const auto& accessor = document.model().accessors[size_t(index)];
     if (tinygltf::GetNumComponentsInType(uint32_t(accessor.type)) != components) {
@@ -102,7 +104,7 @@ std::vector<float> readFloats(const Document& document, int index, int component
     forEachElement(document, index, [&](size_t element, const uint8_t* bytes) {
         float* out = &floats[element * size_t(components)];
         for (int c = 0; c < components; ++c)
-            out[c] = loadComponent(bytes + size_t(c) * componentSize, type, normalized);
+            out[c] = componentOf(bytes + size_t(c) * componentSize, type, normalized);
     });
     return floats;
 }

@@ -26,6 +26,9 @@ std::vector<glm::vec<N, float>> readVectors(const Document& document, int access
     return vectors;
 }
 
+/// One number of an accessor; `type` as in the file, integers mapped as above where `normalized`.
+float componentOf(const uint8_t* bytes, int type, bool normalized);
+
 /// Vertex indices, each below `vertexCount`. Throws Problem.
 std::vector<uint32_t> readIndices(const Document& document, int accessor, size_t vertexCount);
 

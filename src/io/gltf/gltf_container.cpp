@@ -2,8 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
+#include <optional>
 #include <string_view>
 
 #include "io/gltf/gltf_problem.h"
@@ -107,15 +109,22 @@ int base64Digit(char c) {
     return -1;
 }
 
+bool isSpace(char c) {
+    return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f';
+}
+
 std::vector<uint8_t> base64Decoded(std::string_view text) {
-    while (!text.empty() && text.back() == '=') text.remove_suffix(1);
     std::vector<uint8_t> bytes;
     bytes.reserve(text.size() * 3 / 4);
     uint32_t bits = 0;
     int bitCount = 0;
+    bool ended = false;
     for (const char c : text) {
+        if (isSpace(c)) continue;
+        ended = ended || c == '=';
+        if (c == '=') continue;
         const int digit = base64Digit(c);
-        if (digit < 0) throw Problem("a data URI is not valid base64");
+        if (digit < 0 || ended) throw Problem("a data URI is not valid base64");
         bits = bits << 6 | uint32_t(digit);
         bitCount += 6;
         if (bitCount >= 8) {
@@ -126,13 +135,24 @@ std::vector<uint8_t> base64Decoded(std::string_view text) {
     return bytes;
 }
 
+std::string lowerCase(std::string_view text) {
+    std::string lower(text);
+    for (char& c : lower)
+        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+    return lower;
+}
+
+// RFC 2397. Scheme and "base64" are of any case; the payload may be percent-encoded and broken into lines.
 std::vector<uint8_t> readDataUri(std::string_view uri) {
     const size_t comma = uri.find(',');
     if (comma == std::string_view::npos) throw Problem("a data URI has no data");
-    const std::string_view type = uri.substr(0, comma);
+    std::string type = lowerCase(uri.substr(0, comma));
+    while (!type.empty() && isSpace(type.back())) type.pop_back();
     const std::string_view payload = uri.substr(comma + 1);
-    if (type.ends_with(";base64")) return base64Decoded(payload);
+    const bool base64 = type.ends_with(";base64") || type.ends_with("; base64");
+    if (base64 && payload.find('%') == std::string_view::npos) return base64Decoded(payload);
     const std::string text = percentDecoded(payload);
+    if (base64) return base64Decoded(text);
     return {text.begin(), text.end()};
 }
 
@@ -147,7 +167,55 @@ bool isInside(const std::filesystem::path& path, const std::filesystem::path& fo
     return !relative.empty() && *relative.begin() != ".." && !relative.is_absolute();
 }
 
+// The place of a relative path inside `root`; none where it leads outside.
+std::optional<std::filesystem::path> placeInside(std::string name, const std::filesystem::path& root) {
+    if (name.empty() || name.find('\0') != std::string::npos) return std::nullopt;
+    std::replace(name.begin(), name.end(), '\\', '/');  // as programs of Windows write
+    const std::filesystem::path relative(name);
+    if (relative.is_absolute()) return std::nullopt;
+    const std::filesystem::path normal = (root / relative).lexically_normal();
+    std::error_code error;
+    const auto target = std::filesystem::weakly_canonical(normal, error);
+    if (error || !isInside(normal, root) || !isInside(target, root)) return std::nullopt;
+    return normal;
+}
+
+// The file in the same folder whose name differs in the case of letters alone, as where the scene was made it
+// may have made no difference; `path` itself where there is none, or more than one.
+std::filesystem::path withOtherCase(const std::filesystem::path& path) {
+    std::error_code error;
+    const std::string wanted = lowerCase(path.filename().string());
+    std::vector<std::filesystem::path> found;
+    for (const auto& entry : std::filesystem::directory_iterator(path.parent_path(), error))
+        if (lowerCase(entry.path().filename().string()) == wanted) found.push_back(entry.path());
+    return found.size() == 1 ? found[0] : path;
+}
+
+// The file that a URI means: percent-encoded as the specification asks, or, as many programs write, its plain
+// name. A file that has the name is taken before a part of it counts as a query or a fragment.
+std::filesystem::path fileOf(const std::string& uri, const std::filesystem::path& root) {
+    const auto leads = [&] {
+        return Problem(fmt::format("URI \"{}\" leads outside the scene's folder", shortUri(uri)));
+    };
+    const auto meant = placeInside(percentDecoded(uri), root);
+    if (!meant) throw leads();
+    const std::string path = uri.substr(0, uri.find_first_of("?#"));
+    std::error_code error;
+    if (std::filesystem::exists(*meant, error)) return *meant;
+    for (const std::string& other : {uri, percentDecoded(path)})
+        if (const auto place = placeInside(other, root); place && std::filesystem::exists(*place, error))
+            return *place;
+    const std::filesystem::path sameLetters = withOtherCase(*meant);
+    const auto inside = placeInside(sameLetters.lexically_relative(root).string(), root);
+    if (!inside) throw leads();
+    return *inside;
+}
+
 }  // namespace
+
+bool isDataUri(std::string_view uri) {
+    return lowerCase(uri.substr(0, 5)) == "data:";
+}
 
 Container readContainer(const std::string& path) {
     const uint64_t size = plainFileSize(path);
@@ -175,30 +243,20 @@ Container readContainer(const std::string& path) {
 }
 
 std::vector<uint8_t> readUri(const std::string& uri, const std::filesystem::path& folder, uint64_t maxBytes) {
-    if (uri.starts_with("data:")) return readDataUri(uri);
+    if (isDataUri(uri)) return readDataUri(uri);
     if (hasScheme(uri))
         throw Problem(fmt::format("URI \"{}\" is not a file beside the scene", shortUri(uri)));
 
-    const std::string name = percentDecoded(uri);
-    const std::filesystem::path relative(name);
-    bool leaves = name.empty() || relative.is_absolute() || name.find('\\') != std::string::npos ||
-                  name.find('\0') != std::string::npos;
-    for (const auto& part : relative) leaves = leaves || part == "..";
     std::error_code error;
     const auto root = std::filesystem::canonical(folder, error);
     if (error) throw Problem("the scene's folder cannot be read");
-    if (!leaves) {
-        const auto target = std::filesystem::weakly_canonical(root / relative, error);
-        leaves = error || !isInside(target, root);
-    }
-    if (leaves) throw Problem(fmt::format("URI \"{}\" leads outside the scene's folder", shortUri(uri)));
-
+    const std::filesystem::path file = fileOf(uri, root);
     try {
-        const uint64_t size = std::min(plainFileSize(root / relative), maxBytes);
-        std::ifstream file(root / relative, std::ios::binary);
-        if (!file) throw Problem("cannot be opened");
+        const uint64_t size = std::min(plainFileSize(file), maxBytes);
+        std::ifstream stream(file, std::ios::binary);
+        if (!stream) throw Problem("cannot be opened");
         std::vector<uint8_t> bytes;
-        readExactly(file, bytes, size);
+        readExactly(stream, bytes, size);
         return bytes;
     } catch (const Problem& problem) {
         throw Problem(fmt::format("\"{}\": {}", shortUri(uri), problem.what()));
@@ -207,7 +265,7 @@ std::vector<uint8_t> readUri(const std::string& uri, const std::filesystem::path
 
 std::string shortUri(const std::string& uri) {
     constexpr size_t kShown = 80;
-    if (uri.starts_with("data:")) return uri.substr(0, std::min(uri.find_first_of(";,"), kShown));
+    if (isDataUri(uri)) return uri.substr(0, std::min(uri.find_first_of(";,"), kShown));
     return uri.size() <= kShown ? uri : uri.substr(0, kShown) + "...";
 }
 

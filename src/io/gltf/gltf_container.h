@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace phat::gltf {
@@ -21,8 +22,11 @@ struct Container {
 Container readContainer(const std::string& path);
 
 /// A data URI's payload, or the file that a relative URI names inside `folder`; never more than `maxBytes`.
-/// Throws Problem for schemes, absolute paths, "..", links that leave the folder, and what is no plain file.
+/// Throws Problem for schemes, paths and links that leave the folder, and what is no plain file.
 std::vector<uint8_t> readUri(const std::string& uri, const std::filesystem::path& folder, uint64_t maxBytes);
+
+/// Whether the URI holds its data itself.
+bool isDataUri(std::string_view uri);
 
 /// A URI as a message may show it: data URIs and long names are cut.
 std::string shortUri(const std::string& uri);

@@ -22,8 +22,20 @@ constexpr const char* kBakedExtension = "PHAT_photon_accumulation_texture";
 constexpr std::array kSupported = {
     "KHR_lights_punctual",   "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
     "KHR_materials_ior",     "KHR_materials_specular",  "KHR_materials_unlit",
-    "KHR_mesh_quantization", "KHR_texture_transform",   kBakedExtension,
+    "KHR_mesh_quantization", "KHR_texture_transform",   "EXT_texture_webp",
+    "EXT_texture_avif",      "KHR_texture_basisu",      "KHR_materials_variants",
+    "KHR_node_visibility",   kBakedExtension,
 };
+
+// Extensions that a file may require and that leave every surface where it is: it is drawn without them.
+bool isDrawnWithout(const std::string& extension) {
+    static constexpr std::array kNames = {
+        "KHR_animation_pointer",    "KHR_node_hoverability", "KHR_node_selectability", "KHR_interactivity",
+        "KHR_xmp_json_ld",          "KHR_audio_emitter",     "EXT_lights_image_based", "EXT_lights_ies",
+        "KHR_physics_rigid_bodies", "KHR_implicit_shapes"};
+    return extension.starts_with("KHR_materials_") || extension.starts_with("EXT_materials_") ||
+           std::find(kNames.begin(), kNames.end(), extension) != kNames.end();
+}
 
 bool isSupported(const std::string& extension) {
     return std::find(kSupported.begin(), kSupported.end(), extension) != kSupported.end();
@@ -134,17 +146,6 @@ void checkVersion(const Json& root) {
     if (!least.empty() && least != "2.0") throw Problem(fmt::format("needs glTF version \"{}\"", least));
 }
 
-std::vector<BufferEntry> takeBuffers(Json& root) {
-    std::vector<BufferEntry> buffers;
-    for (const Json& buffer : section(root, "buffers")) {
-        const auto length = buffer.find("byteLength");
-        if (length == buffer.end()) throw Problem("a buffer has no byteLength");
-        buffers.push_back({textOf(buffer, "uri"), length->get<uint64_t>()});
-    }
-    root.erase("buffers");
-    return buffers;
-}
-
 std::vector<ImageEntry> takeImages(Json& root) {
     std::vector<ImageEntry> images;
     for (const Json& image : section(root, "images")) {
@@ -201,7 +202,6 @@ void chargeModel(const Json& root, MemoryBudget& budget) {
     add("nodes", sizeof(tinygltf::Node));
     add("samplers", sizeof(tinygltf::Sampler));
     add("scenes", sizeof(tinygltf::Scene));
-    add("skins", sizeof(tinygltf::Skin));
     add("textures", sizeof(tinygltf::Texture));
     for (const Json& mesh : section(root, "meshes")) {
         bytes += sizeof(tinygltf::Mesh) + section(mesh, "primitives").size() * sizeof(tinygltf::Primitive);
@@ -213,17 +213,19 @@ void chargeModel(const Json& root, MemoryBudget& budget) {
 
 Description describe(const Json& json, MemoryBudget& budget, Notes& notes) {
     Json root = json;
+    root.erase("buffers");  // they are read
+    root.erase("skins");    // and applied
     checkVersion(root);
     for (const std::string& name : extensionList(root, "extensionsRequired")) {
-        if (!isSupported(name))
+        if (!isSupported(name) && !isDrawnWithout(name))
             throw Problem(fmt::format("it requires the extension {}, which is not supported", name));
     }
 
     std::vector<AnimationEntry> animations = takeAnimations(root, budget);
     std::set<std::string> unknown;
-    for (const std::string& name : extensionList(root, "extensionsUsed")) {
-        if (!isSupported(name)) unknown.insert(name);
-    }
+    for (const char* list : {"extensionsUsed", "extensionsRequired"})
+        for (const std::string& name : extensionList(root, list))
+            if (!isSupported(name)) unknown.insert(name);
     pruneAndCheck(root, unknown);
     for (const std::string& name : unknown) {
         notes.lines.push_back(fmt::format("the extension {} is not supported and is ignored", name));
@@ -231,7 +233,6 @@ Description describe(const Json& json, MemoryBudget& budget, Notes& notes) {
 
     Description description;
     description.animations = std::move(animations);
-    description.buffers = takeBuffers(root);
     description.images = takeImages(root);
     chargeModel(root, budget);
 

@@ -18,11 +18,6 @@
 
 namespace phat::gltf {
 
-struct BufferEntry {
-    std::string uri;  // empty: the GLB's BIN chunk
-    uint64_t byteLength = 0;
-};
-
 struct ImageEntry {
     std::string name;
     std::string uri;
@@ -43,7 +38,6 @@ struct AnimationEntry {
 struct Description {
     tinygltf::Model model;  // without buffers, images, animations, extras
     std::vector<AnimationEntry> animations;
-    std::vector<BufferEntry> buffers;
     std::vector<ImageEntry> images;
 };
 

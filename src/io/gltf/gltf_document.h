@@ -13,11 +13,15 @@ struct Document {
     const tinygltf::Model& model() const { return description.model; }
 };
 
-/// Reads the buffers of `source` and checks everything. The document refers to `source`. Throws Problem.
-/// pre: the buffers are not read yet.
-Document checkedDocument(GltfSource& source, MemoryBudget& budget, Notes& notes);
+/// Reads the buffers within the budget. One that cannot be read is remembered in `bufferProblems`, for those
+/// who need it. Throws Problem where they are not described. pre: they are not read yet.
+void readBuffers(GltfSource& source, MemoryBudget& budget);
 
-/// Throws Problem when an index, count, offset, stride, matrix, camera or light is not what the specification
+/// Checks everything. The document refers to `source`. Throws Problem. pre: the buffers are read, the file is
+/// plain (gltf_plain.h).
+Document checkedDocument(const GltfSource& source, MemoryBudget& budget, Notes& notes);
+
+/// Throws Problem when an index, count, offset, stride or matrix is not what the specification
 /// allows; after it, only accessor contents can surprise.
 void checkModel(const Document& document);
 

@@ -139,7 +139,7 @@ std::vector<const WorldNode*> instancesByMesh(const tinygltf::Model& model,
                                               const std::vector<WorldNode>& nodes) {
     std::vector<const WorldNode*> instances;
     for (const WorldNode& world : nodes)
-        if (model.nodes[world.node].mesh >= 0) instances.push_back(&world);
+        if (!world.hidden && model.nodes[world.node].mesh >= 0) instances.push_back(&world);
     std::stable_sort(instances.begin(), instances.end(), [&](const WorldNode* a, const WorldNode* b) {
         return model.nodes[a->node].mesh < model.nodes[b->node].mesh;
     });
@@ -154,17 +154,11 @@ uint64_t saturatingProduct(uint64_t a, uint64_t b) {
 PartSize sizeOfAll(const tinygltf::Model& model, const std::vector<const WorldNode*>& instances,
                    MemoryBudget& budget, Notes& notes) {
     std::map<int, uint64_t> nodesOfMesh;
-    for (const WorldNode* world : instances) {
-        ++nodesOfMesh[model.nodes[world->node].mesh];
-        notes.skinnedMeshes += model.nodes[world->node].skin >= 0;
-    }
+    for (const WorldNode* world : instances) ++nodesOfMesh[model.nodes[world->node].mesh];
     PartSize total;
     uint64_t largest = 0;
     for (const auto& [meshIndex, count] : nodesOfMesh) {
-        const auto& primitives = model.meshes[size_t(meshIndex)].primitives;
-        const auto hasTargets = [](const tinygltf::Primitive& p) { return !p.targets.empty(); };
-        notes.morphedMeshes += std::any_of(primitives.begin(), primitives.end(), hasTargets);
-        for (const auto& primitive : primitives) {
+        for (const auto& primitive : model.meshes[size_t(meshIndex)].primitives) {
             if (!hasTriangles(primitive, notes)) continue;
             const PartSize size = partSize(model, primitive);
             budget.charge(saturatingProduct(size.bytes() + sizeof(Surface), count), "its geometry");

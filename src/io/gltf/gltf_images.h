@@ -1,5 +1,5 @@
 #pragma once
-// PNG and JPEG pictures of a glTF file.
+// The pictures of a glTF file.
 
 #include "core/scene/scene.h"
 #include "io/gltf/gltf_document.h"

@@ -6,6 +6,7 @@
 #include <array>
 #include <string_view>
 
+#include "io/gltf/gltf_picture.h"
 #include "io/gltf/gltf_rewrite.h"
 
 namespace phat {
@@ -45,8 +46,9 @@ size_t keepAccessor(const GltfSource& source, uint64_t index, GlbBuilder& glb, K
 // Whether the extension holds no index of an accessor or a bufferView.
 bool holdsNoBufferReference(const std::string& extension) {
     static constexpr std::array kKnown = {
-        kPhatExtension,       "KHR_lights_punctual", "KHR_texture_transform", "KHR_mesh_quantization",
-        "KHR_texture_basisu", "EXT_texture_webp",    "EXT_texture_avif",      "KHR_xmp_json_ld"};
+        kPhatExtension,          "KHR_lights_punctual", "KHR_texture_transform",
+        "KHR_mesh_quantization", "KHR_texture_basisu",  "EXT_texture_webp",
+        "EXT_texture_avif",      "KHR_xmp_json_ld",     "KHR_node_visibility"};
     return extension.starts_with("KHR_materials_") ||
            std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
 }
@@ -63,16 +65,6 @@ void keepPrimitive(const GltfSource& source, json& primitive, GlbBuilder& glb, K
         primitive["indices"] = keepAccessor(source, wholeNumber(primitive, "indices"), glb, kept);
 }
 
-// "" where it is none that glTF can embed.
-std::string_view mimeTypeOf(std::span<const uint8_t> bytes) {
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    if (text.starts_with("\x89PNG")) return "image/png";
-    if (text.starts_with("\xff\xd8\xff")) return "image/jpeg";
-    if (text.starts_with("RIFF") && text.substr(0, 12).ends_with("WEBP")) return "image/webp";
-    if (text.starts_with("\xabKTX 20")) return "image/ktx2";
-    return "";
-}
-
 // 1x1 white: what a lookup in a missing picture gives.
 constexpr uint8_t kWhitePng[] = {
     0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00,
@@ -87,7 +79,7 @@ void embedImage(const GltfSource& source, json& image, GlbBuilder& glb, std::vec
     } catch (const std::exception& error) {
         notes.push_back(fmt::format("an image is replaced by white: {}", error.what()));
     }
-    const std::string_view mimeType = mimeTypeOf(bytes);
+    const std::string_view mimeType = gltf::pictureType(bytes);
     if (mimeType.empty()) bytes.assign(std::begin(kWhitePng), std::end(kWhitePng));
     image.erase("uri");
     image["mimeType"] = mimeType.empty() ? "image/png" : mimeType;
@@ -118,6 +110,7 @@ void keepReferences(const GltfSource& source, const std::set<std::pair<size_t, s
         if (object.contains(key)) object[key] = keepAccessor(source, wholeNumber(object, key), glb, kept);
     };
     each("meshes", [&](json& mesh, size_t m) {
+        if (!mesh.contains("primitives")) return;
         for (size_t p = 0; p < mesh.at("primitives").size(); ++p)
             if (!rewrittenPrimitives.contains({m, p}))
                 keepPrimitive(source, mesh["primitives"][p], glb, kept);

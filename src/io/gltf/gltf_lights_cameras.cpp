@@ -80,7 +80,7 @@ void readLightsAndCameras(const Document& document, const std::vector<WorldNode>
     for (const WorldNode& world : nodes) {
         const tinygltf::Node& node = model.nodes[world.node];
         const auto extension = node.extensions.find("KHR_lights_punctual");
-        const bool hasLight = extension != node.extensions.end();
+        const bool hasLight = !world.hidden && extension != node.extensions.end();
         if (!hasLight && node.camera < 0) continue;
         if (!isNear(glm::dvec3(world.worldFromNode[3]))) {
             notes.lines.push_back(

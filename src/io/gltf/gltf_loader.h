@@ -12,16 +12,22 @@ struct GltfSource;  // io/gltf/gltf_source.h
 
 struct LoadedScene {
     Scene scene;
-    /// One line each: what was dropped or is shown in rest pose, by name.
+    /// One line each: what was dropped, mended or is shown in one pose, by name.
     std::vector<std::string> notes;
+};
+
+struct GltfLoadOptions {
+    std::string variant;  // of KHR_materials_variants; empty: the materials that primitives have of their own
 };
 
 /// Loads a .glb or .gltf file (buffers and images embedded, as data URIs, or beside it; never from outside
 /// its folder, never over a network). Every count, offset and stride is checked before memory is allocated.
 /// Throws FileError with the reason.
 LoadedScene loadGltf(const std::string& path);
-/// The same of a file that is open; reads its buffers into `source`. pre: they are not read yet.
-LoadedScene loadGltf(GltfSource& source);
+/// The same of a file that is open; reads its buffers into `source` and makes it plain: compressed data,
+/// instances, poses and the like are from then on what any glTF file has, and the scene's indices are those
+/// of `source` (gltf_plain.h). pre: the buffers are not read yet.
+LoadedScene loadGltf(GltfSource& source, const GltfLoadOptions& options = {});
 
 /// Reads a latitude-longitude .hdr or .exr picture. Throws FileError.
 Environment loadEnvironment(const std::string& path);

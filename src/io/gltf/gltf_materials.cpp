@@ -51,6 +51,7 @@ class Reader {
                     extensions.IsObject() ? extensions.Get("KHR_texture_transform") : Value());
     }
     TextureSlot slot(int texture, int texCoord, const Value& transform);
+    int imageOf(int texture);
     glm::mat3x2 uvTransform(const Value& transform);
     void readExtensions(const tinygltf::ExtensionMap& extensions, Material& out);
 
@@ -80,6 +81,29 @@ glm::mat3x2 Reader::uvTransform(const Value& transform) {
     return {glm::vec2(c, -s) * scale.x, glm::vec2(s, c) * scale.y, offset};
 }
 
+// The image that is decoded: WebP before PNG and JPEG, and those before AVIF, which takes longest. What only
+// KTX2 has cannot be drawn, and white in its place would be a lie.
+int Reader::imageOf(int texture) {
+    const auto& in = document_.model().textures[size_t(texture)];
+    const auto sourceIn = [&](const char* name) {
+        const auto found = in.extensions.find(name);
+        if (found == in.extensions.end() || !found->second.Get("source").IsInt()) return -1;
+        const int source = found->second.Get("source").GetNumberAsInt();
+        if (source < 0 || size_t(source) >= document_.description.images.size())
+            throw Problem(fmt::format("texture {}: no such image", texture));
+        return source;
+    };
+    if (const int webp = sourceIn("EXT_texture_webp"); webp >= 0) return webp;
+    if (in.source >= 0) return in.source;
+    if (const int avif = sourceIn("EXT_texture_avif"); avif >= 0) return avif;
+    if (sourceIn("KHR_texture_basisu") >= 0)
+        throw Problem(
+            fmt::format("texture {} \"{}\" is KTX2 (KHR_texture_basisu), which is not supported: "
+                        "`npx @gltf-transform/cli ktxdecompress IN.glb OUT.glb` makes it PNG",
+                        texture, in.name.substr(0, 60)));
+    return -1;
+}
+
 TextureSlot Reader::slot(int texture, int texCoord, const Value& transform) {
     if (texture < 0) return {};
     const auto& model = document_.model();
@@ -87,7 +111,7 @@ TextureSlot Reader::slot(int texture, int texCoord, const Value& transform) {
         throw Problem(fmt::format("texture {} does not exist", texture));
 
     TextureSlot slot;
-    slot.image = model.textures[size_t(texture)].source;
+    slot.image = imageOf(texture);
     slot.uvSet = texCoord;
     if (transform.IsObject() && transform.Get("texCoord").IsInt()) {
         slot.uvSet = transform.Get("texCoord").GetNumberAsInt();
@@ -99,7 +123,7 @@ TextureSlot Reader::slot(int texture, int texCoord, const Value& transform) {
         slot.nearest = model.samplers[size_t(sampler)].magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
     }
     if (slot.image < 0) {
-        notes_.lines.push_back(fmt::format("texture {} has no PNG or JPEG source and is ignored", texture));
+        notes_.lines.push_back(fmt::format("texture {} has no picture and is ignored", texture));
         return {};
     }
     if (slot.uvSet > 1) {

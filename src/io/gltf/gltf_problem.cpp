@@ -23,10 +23,12 @@ std::vector<std::string> linesOf(const Notes& notes) {
         "primitives of points or lines were skipped: they have no surface");
     add(notes.primitivesWithoutPositions, "primitive without positions was skipped",
         "primitives without positions were skipped");
-    add(notes.skinnedMeshes, "skinned mesh is shown in its rest pose",
-        "skinned meshes are shown in their rest pose");
-    add(notes.morphedMeshes, "mesh with morph targets is shown in its rest pose",
-        "meshes with morph targets are shown in their rest pose");
+    add(notes.skinnedMeshes, "skinned mesh is shown in the pose of the file",
+        "skinned meshes are shown in the pose of the file");
+    add(notes.morphedMeshes, "mesh with morph targets is shown with the weights of the file",
+        "meshes with morph targets are shown with the weights of the file");
+    add(notes.basisFallbacks, "KTX2 texture is drawn from the PNG or JPEG beside it",
+        "KTX2 textures are drawn from the PNG or JPEG beside them");
     add(notes.incompleteTriangles, "triangle at the end of an index list was incomplete and is left out",
         "triangles at the ends of index lists were incomplete and are left out");
     add(notes.unplaceableTriangles, "triangle was dropped: its positions are not finite or too far away",

@@ -52,6 +52,7 @@ struct Notes {
     uint64_t clampedFactors = 0;
     uint64_t skinnedMeshes = 0;
     uint64_t morphedMeshes = 0;
+    uint64_t basisFallbacks = 0;
 };
 
 /// The counters as lines, after the lines that are already there.

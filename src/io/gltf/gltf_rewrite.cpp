@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "io/gltf/gltf_json.h"
 #include "io/gltf/gltf_keep.h"
 
 namespace phat {
@@ -27,27 +28,14 @@ bool isSkinAttribute(std::string_view name) {
     return name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");
 }
 
-void removeExtensionName(json& gltf, const char* array, const char* name) {
-    if (!gltf.contains(array)) return;
-    json& names = gltf[array];
-    names.erase(std::remove(names.begin(), names.end(), json(name)), names.end());
-    if (names.empty()) gltf.erase(array);
-}
-
-void eraseExtension(json& object, const char* name) {
-    if (!object.contains("extensions")) return;
-    object["extensions"].erase(name);
-    if (object["extensions"].empty()) object.erase("extensions");
-}
-
-void dropEarlierBake(json& gltf) {
+void dropEarlierBake(json& file) {
     const auto pointer = json::json_pointer(std::string("/extensions/") + kPhatExtension);
-    if (!gltf.contains(pointer)) return;
-    const std::string atlasUv = texCoordName(wholeNumber(gltf[pointer], "texCoord"));
-    for (json& mesh : gltf["meshes"])
+    if (!file.contains(pointer)) return;
+    const std::string atlasUv = texCoordName(wholeNumber(file[pointer], "texCoord"));
+    for (json& mesh : file["meshes"])
         for (json& primitive : mesh["primitives"]) primitive["attributes"].erase(atlasUv);
-    eraseExtension(gltf, kPhatExtension);
-    removeExtensionName(gltf, "extensionsUsed", kPhatExtension);
+    gltf::eraseExtension(file, kPhatExtension);
+    gltf::forgetExtension(file, kPhatExtension);
 }
 
 // The first index that no surface uses; never 0, which materials take for the first of their own.
@@ -208,12 +196,13 @@ void PrimitiveRewriter::rewrite(json& primitive, const SurfaceCorners& corners, 
     primitive["indices"] = appendIndices(glb, split);
     primitive.erase("mode");
     primitive.erase("targets");
-    eraseExtension(primitive, "KHR_draco_mesh_compression");
 }
 
 // A bake is of one pose: what would deform its surfaces goes, in the node, the mesh and the animations.
-void dropDeformation(json& gltf, const Scene& scene, const std::vector<size_t>& meshOfSurface,
-                     std::vector<std::string>& notes) {
+void dropDeformation(const GltfSource& source, const Scene& scene, const std::vector<size_t>& meshOfSurface,
+                     RewrittenGltf& out) {
+    json& gltf = out.glb.json;
+    std::vector<std::string>& notes = out.notes;
     std::set<uint32_t> nodes;
     size_t skins = 0, morphs = 0;
     for (size_t i = 0; i < scene.surfaces.size(); ++i) {
@@ -233,9 +222,10 @@ void dropDeformation(json& gltf, const Scene& scene, const std::vector<size_t>& 
         morphs += morphed;
     }
 
-    size_t channels = 0;
+    size_t channels = 0, broken = 0;
     json animations = json::array();
     for (json& animation : gltf.value("animations", json::array())) {
+        broken += gltf::dropBrokenChannels(source, animation);
         json kept = json::array();
         for (const json& channel : animation.at("channels")) {
             const json& target = channel.at("target");
@@ -256,6 +246,7 @@ void dropDeformation(json& gltf, const Scene& scene, const std::vector<size_t>& 
 
     if (skins) notes.push_back(fmt::format("{} skinned meshes are kept in the pose that was baked", skins));
     if (morphs) notes.push_back(fmt::format("morph targets of {} meshes are dropped", morphs));
+    if (broken) notes.push_back(fmt::format("{} broken animation channels are dropped", broken));
     if (channels)
         notes.push_back(fmt::format("{} animation channels of morph targets are dropped", channels));
 }
@@ -269,13 +260,12 @@ RewrittenGltf rewriteGltf(const GltfSource& source, const Scene& scene, const At
     gltf["bufferViews"] = json::array();
     gltf["accessors"] = json::array();
     dropEarlierBake(gltf);
-    removeExtensionName(gltf, "extensionsUsed", "EXT_meshopt_compression");  // bufferViews are copied plain
 
     Kept kept;
     keepAllIfReferencesAreUnknown(source, out.glb, kept);
     out.texCoord = freeTexCoord(gltf, scene);
     const std::vector<size_t> meshOfSurface = giveNodesTheirOwnMeshes(gltf, scene);
-    dropDeformation(gltf, scene, meshOfSurface, out.notes);
+    dropDeformation(source, scene, meshOfSurface, out);
 
     PrimitiveRewriter rewriter{source, out.glb, out.texCoord};
     std::set<std::pair<size_t, size_t>> rewritten;

@@ -242,15 +242,20 @@ std::vector<uint8_t> readGltfUri(const GltfSource& source, const std::string& ur
     return gltf::readUri(uri, gltfFolder(source), kNoLimit);
 }
 
+std::span<const uint8_t> bufferBytes(const GltfSource& source, uint64_t index) {
+    if (index < source.bufferProblems.size() && !source.bufferProblems[index].empty())
+        fail(source.bufferProblems[index]);
+    if (index >= source.buffers.size()) fail(fmt::format("there is no buffers[{}]", index));
+    return source.buffers[index];
+}
+
 std::span<const uint8_t> bufferViewBytes(const GltfSource& source, uint64_t index) {
     const json& view = gltfItem(source.json, "bufferViews", index);
-    const uint64_t buffer = wholeNumber(view, "buffer");
-    if (buffer >= source.buffers.size()) fail(fmt::format("there is no buffers[{}]", buffer));
-    const std::vector<uint8_t>& bytes = source.buffers[buffer];
+    const std::span<const uint8_t> bytes = bufferBytes(source, wholeNumber(view, "buffer"));
     const uint64_t offset = wholeNumber(view, "byteOffset", 0);
     const uint64_t length = wholeNumber(view, "byteLength");
     if (offset > bytes.size() || length > bytes.size() - offset) fail("a bufferView reaches past its buffer");
-    return std::span(bytes).subspan(offset, length);
+    return bytes.subspan(offset, length);
 }
 
 AccessorElements readAccessor(const GltfSource& source, uint64_t index,

@@ -20,6 +20,7 @@ struct GltfSource {
     std::string path;
     nlohmann::json json;                         // an object, of bounded depth
     std::vector<std::vector<uint8_t>> buffers;   // empty until they are read
+    std::vector<std::string> bufferProblems;     // why one of them has no data; "" or missing: it has
     std::optional<std::vector<uint8_t>> binary;  // the GLB's BIN chunk until it becomes a buffer
     uint64_t fileBytes = 0;                      // of the JSON text and the BIN chunk
 };
@@ -41,6 +42,9 @@ uint64_t wholeNumber(const nlohmann::json& object, const char* key, std::optiona
 
 /// Element `index` of the top-level array `array`.
 const nlohmann::json& gltfItem(const nlohmann::json& json, const char* array, uint64_t index);
+
+/// Throws the reason where the buffer could not be read.
+std::span<const uint8_t> bufferBytes(const GltfSource& source, uint64_t buffer);
 
 std::span<const uint8_t> bufferViewBytes(const GltfSource& source, uint64_t view);
 

@@ -55,6 +55,44 @@ std::vector<float> parseNumbers(const std::string& text) {
     }
 }
 
+struct Assignment {
+    std::string name, property, value;
+};
+
+// A name with "=" in it stands in double quotes, within which a backslash takes the next character as it is.
+Assignment splitAssignment(const std::string& text) {
+    Assignment parts;
+    size_t start = 0;  // of what follows a quoted name
+    if (text.starts_with('"')) {
+        size_t at = 1;
+        for (; at < text.size() && text[at] != '"'; ++at) {
+            if (text[at] == '\\' && at + 1 < text.size()) ++at;
+            parts.name += text[at];
+        }
+        start = at + 1;
+    }
+    const size_t equals = text.find('=', start);
+    const size_t dot = equals == std::string::npos ? equals : text.rfind('.', equals);  // names may have dots
+    const bool complete = equals != std::string::npos && dot != std::string::npos && dot >= start &&
+                          (start == 0 || dot == start);
+    if (!complete) throw std::invalid_argument(fmt::format("\"{}\" is not MATERIAL.property=value", text));
+    if (start == 0) parts.name = text.substr(0, dot);
+    parts.property = text.substr(dot + 1, equals - dot - 1);
+    parts.value = text.substr(equals + 1);
+    return parts;
+}
+
+// As splitAssignment reads it.
+std::string quotedName(const std::string& name) {
+    if (name.find('=') == std::string::npos && !name.starts_with('"')) return name;
+    std::string quoted = "\"";
+    for (const char c : name) {
+        if (c == '"' || c == '\\') quoted += '\\';
+        quoted += c;
+    }
+    return quoted + '"';
+}
+
 // Calls `apply` on the materials that are meant.
 template <class Apply>
 void forEachNamed(const std::string& name, std::vector<Material>& materials, const Apply& apply) {
@@ -74,13 +112,9 @@ void forEachNamed(const std::string& name, std::vector<Material>& materials, con
 }  // namespace
 
 void editMaterial(const std::string& assignment, std::vector<Material>& materials) {
-    const size_t equals = assignment.find('=');
-    const size_t dot = assignment.rfind('.', equals);  // names may have dots of their own
-    if (equals == std::string::npos || dot == std::string::npos)
-        throw std::invalid_argument(fmt::format("\"{}\" is not MATERIAL.property=value", assignment));
-    const std::string name = assignment.substr(0, dot);
-    const std::string property = assignment.substr(dot + 1, equals - dot - 1);
-    const std::vector<float> numbers = parseNumbers(assignment.substr(equals + 1));
+    const Assignment parts = splitAssignment(assignment);
+    const std::string &name = parts.name, &property = parts.property;
+    const std::vector<float> numbers = parseNumbers(parts.value);
     const auto requireRange = [&](float low, float high) {
         for (const float number : numbers)
             if (!(number >= low && number <= high))
@@ -117,12 +151,13 @@ std::vector<std::string> materialEdits(const std::vector<Material>& from, const 
     for (size_t i = 0; i < from.size(); ++i) {
         for (const ScalarProperty& scalar : kScalars)
             if (from[i].*scalar.member != to[i].*scalar.member)
-                edits.push_back(fmt::format("{}.{}={}", to[i].name, scalar.name, to[i].*scalar.member));
+                edits.push_back(
+                    fmt::format("{}.{}={}", quotedName(to[i].name), scalar.name, to[i].*scalar.member));
         for (const ColorProperty& color : kColors) {
             const glm::vec3 value = color.get(to[i]);
             if (color.get(from[i]) != value)
-                edits.push_back(
-                    fmt::format("{}.{}={},{},{}", to[i].name, color.name, value.x, value.y, value.z));
+                edits.push_back(fmt::format("{}.{}={},{},{}", quotedName(to[i].name), color.name, value.x,
+                                            value.y, value.z));
         }
     }
     return edits;

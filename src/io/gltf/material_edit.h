@@ -8,7 +8,8 @@
 
 namespace phat {
 
-/// Applies one "NAME.property=value" to every material of that name ("*": all). Properties: baseColor=r,g,b
+/// Applies one "NAME.property=value" to every material of that name ("*": all; one with "=" in it in
+/// double quotes). Properties: baseColor=r,g,b
 /// (or one grey), metallic, roughness, normalScale, specular, specularColor, ior, clearcoat,
 /// clearcoatRoughness, emission=r,g,b. Throws std::invalid_argument that lists what exists.
 void editMaterial(const std::string& assignment, std::vector<Material>& materials);

@@ -29,7 +29,7 @@ const std::map<std::string, PhatexelStorage>& storageNames() {
 }
 
 BakeRecord recordOf(const BakeSettings& s, const std::string& source, const std::string& environment,
-                    PhatexelStorage storage) {
+                    PhatexelStorage storage, const std::string& variant) {
     using nlohmann::json;
     json line = {{"samples", s.layers},
                  {"photons", s.photons.count},
@@ -48,6 +48,7 @@ BakeRecord recordOf(const BakeSettings& s, const std::string& source, const std:
     if (s.atlas.useUvSet >= 0) line["useUv"] = s.atlas.useUvSet;
     if (storage != PhatexelStorage::packed) line["storage"] = nameOf(storageNames(), storage);
     if (!environment.empty()) line["environment"] = std::filesystem::path(environment).filename().string();
+    if (!variant.empty()) line["variant"] = variant;
     return {"phatextures " PHAT_VERSION, std::filesystem::path(source).filename().string(),
             line.dump(-1, ' ', false, json::error_handler_t::replace), s.seed, storage};
 }

@@ -22,9 +22,9 @@ std::string nameOf(const std::map<std::string, T>& names, T value) {
         ->first;
 }
 
-/// `environment`: the sky's file, empty if none was given.
+/// `environment`: the sky's file, `variant`: of the materials; empty if none was given.
 BakeRecord recordOf(const BakeSettings& settings, const std::string& source, const std::string& environment,
-                    PhatexelStorage storage = PhatexelStorage::packed);
+                    PhatexelStorage storage = PhatexelStorage::packed, const std::string& variant = {});
 
 /// The settings in a record; missing or invalid ones have their defaults.
 BakeSettings settingsOf(const BakeRecord& record);

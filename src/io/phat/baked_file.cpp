@@ -214,11 +214,7 @@ std::vector<std::string> writeBakedFile(const std::string& outPath, const GltfSo
 std::vector<std::string> writeBakedFile(const std::string& outPath, const std::string& sourcePath,
                                         const Scene& scene, const Bake& bake, const BakeRecord& record) {
     GltfSource source = openGltf(sourcePath);
-    try {
-        readGltfBuffers(source);
-    } catch (const std::runtime_error& error) {
-        throw FileError(sourcePath, error.what());
-    }
+    loadGltf(source);
     return writeBakedFile(outPath, source, scene, bake, record);
 }
 

@@ -10,7 +10,8 @@ BakedScene readSceneFile(const std::string& path, const std::string& environment
     return readSceneFile(source, environmentPath);
 }
 
-BakedScene readSceneFile(GltfSource& source, const std::string& environmentPath) {
+BakedScene readSceneFile(GltfSource& source, const std::string& environmentPath,
+                         const GltfLoadOptions& options) {
     const std::string& path = source.path;
     if (isBakedFile(source)) {
         if (!environmentPath.empty())
@@ -18,7 +19,7 @@ BakedScene readSceneFile(GltfSource& source, const std::string& environmentPath)
         return readBakedFile(source);
     }
     BakedScene plain;
-    plain.loaded = loadGltf(source);
+    plain.loaded = loadGltf(source, options);
     if (!environmentPath.empty()) plain.loaded.scene.environment = loadEnvironment(environmentPath);
     if (plain.loaded.scene.triangles.empty()) throw FileError(path, "has no triangles to bake");
     return plain;

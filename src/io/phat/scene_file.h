@@ -9,7 +9,9 @@ namespace phat {
 /// (empty: the file's own). Throws FileError, also for a scene without triangles and for a baked file with
 /// another sky than its own.
 BakedScene readSceneFile(const std::string& path, const std::string& environmentPath);
-/// The same of a file that is open; reads its buffers. pre: they are not read yet.
-BakedScene readSceneFile(GltfSource& source, const std::string& environmentPath);
+/// The same of a file that is open; reads its buffers. `options`: of a scene without a bake. pre: they
+/// are not read yet.
+BakedScene readSceneFile(GltfSource& source, const std::string& environmentPath,
+                         const GltfLoadOptions& options = {});
 
 }  // namespace phat

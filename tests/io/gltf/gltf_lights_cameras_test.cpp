@@ -14,18 +14,22 @@ namespace {
 using test::GltfBuilder;
 using Json = nlohmann::json;
 
-Scene load(const GltfBuilder& builder) {
+LoadedScene loadWithNotes(const GltfBuilder& builder) {
     const TemporaryFolder folder;
     writeBytes(folder.file("a.glb"), builder.glb());
     const LoadedScene loaded = loadGltf(folder.file("a.glb"));
     EXPECT_EQ(test::countUnsound(loaded.scene), 0);
-    return loaded.scene;
+    return loaded;
+}
+
+Scene load(const GltfBuilder& builder) {
+    return loadWithNotes(builder).scene;
 }
 
 GltfBuilder withLight(const Json& light, Json node) {
     GltfBuilder builder;
     builder.json["extensions"]["KHR_lights_punctual"]["lights"] = Json::array({light});
-    node["extensions"]["KHR_lights_punctual"]["light"] = 0;
+    if (!node.contains("extensions")) node["extensions"]["KHR_lights_punctual"]["light"] = 0;
     builder.root(node);
     return builder;
 }
@@ -67,14 +71,37 @@ TEST(GltfLights, DefaultsOfEachType) {
     EXPECT_FLOAT_EQ(spot.cosOuterCone, std::sqrt(0.5f));
 }
 
-TEST(GltfLights, NonsenseIsRefused) {
-    EXPECT_THROW(load(withLight({{"type", "laser"}}, Json::object())), FileError);
-    EXPECT_THROW(load(withLight({{"type", "point"}, {"intensity", -1}}, Json::object())), FileError);
-    EXPECT_THROW(load(withLight({{"type", "point"}, {"color", {1, 1}}}, Json::object())), FileError);
+TEST(GltfLights, NonsenseIsLeftOutWithANote) {
+    for (const Json& light :
+         {Json{{"type", "laser"}}, Json::object(), Json{{"type", 3}},
+          Json{{"type", "point"}, {"intensity", -1}}, Json{{"type", "point"}, {"color", {1, 1}}},
+          Json{{"type", "spot"}},
+          Json{{"type", "spot"}, {"spot", {{"innerConeAngle", 1}, {"outerConeAngle", 0.5}}}}}) {
+        GltfBuilder builder = withLight({{"type", "point"}}, Json::object());
+        builder.json["extensions"]["KHR_lights_punctual"]["lights"].push_back(light);
+        builder.root({{"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}});
+        const LoadedScene loaded = loadWithNotes(builder);
+        EXPECT_EQ(loaded.scene.lights.size(), 1u) << light;
+        ASSERT_EQ(loaded.notes.size(), 1u) << light;
+        EXPECT_NE(loaded.notes[0].find("light 1 is left out: it"), std::string::npos) << loaded.notes[0];
+    }
     EXPECT_THROW(
-        load(withLight({{"type", "spot"}, {"spot", {{"innerConeAngle", 1}, {"outerConeAngle", 0.5}}}},
-                       Json::object())),
+        load(withLight({{"type", "point"}}, {{"extensions", {{"KHR_lights_punctual", {{"light", 9}}}}}})),
         FileError);
+}
+
+TEST(GltfLights, RangesWithoutEndAndWithoutSense) {
+    const auto rangeOf = [](const Json& range, size_t notes) {
+        const LoadedScene loaded =
+            loadWithNotes(withLight({{"type", "point"}, {"range", range}}, Json::object()));
+        EXPECT_EQ(loaded.notes.size(), notes) << range;
+        return loaded.scene.lights.at(0).rangeMeters;
+    };
+    EXPECT_EQ(rangeOf(3.40282347e38, 0), 0);  // farther than any scene reaches: none
+    EXPECT_EQ(rangeOf(1e300, 0), 0);
+    EXPECT_EQ(rangeOf(1e6, 0), 1e6f);
+    EXPECT_EQ(rangeOf(-2, 1), 0);
+    EXPECT_EQ(rangeOf("far", 1), 0);
 }
 
 TEST(GltfCameras, PerspectiveAndOrthographicWithNames) {
@@ -111,22 +138,25 @@ TEST(GltfCameras, PerspectiveAndOrthographicWithNames) {
     EXPECT_NEAR(glm::determinant(glm::mat3(second.worldFromCamera)), 1, 1e-6f);
 }
 
-TEST(GltfCameras, ImpossibleOnesAreRefused) {
-    const auto loadCamera = [](const Json& camera) {
+TEST(GltfCameras, ImpossibleOnesAreLeftOutWithANote) {
+    std::vector<Json> cameras = {
+        {{"type", "perspective"}},
+        {{"type", "fisheye"}},
+        Json::object(),
+        {{"type", "perspective"}, {"perspective", {{"yfov", "wide"}, {"znear", 0.1}}}},
+        {{"type", "orthographic"}, {"orthographic", {{"xmag", 0}, {"ymag", 0}, {"znear", 0}, {"zfar", 1}}}}};
+    for (const double yfov : {0.0, -1.0, 3.2, 1e300})
+        cameras.push_back({{"type", "perspective"}, {"perspective", {{"yfov", yfov}, {"znear", 0.1}}}});
+    for (const Json& camera : cameras) {
         GltfBuilder builder;
         builder.root({{"camera", builder.push("cameras", camera)}});
-        return load(builder);
-    };
-    for (const double yfov : {0.0, -1.0, 3.2, 1e300}) {
-        EXPECT_THROW(loadCamera({{"type", "perspective"}, {"perspective", {{"yfov", yfov}, {"znear", 0.1}}}}),
-                     FileError)
-            << yfov;
+        builder.root({{"camera", builder.push("cameras", {{"type", "perspective"},
+                                                          {"perspective", {{"yfov", 1}, {"znear", 0.1}}}})}});
+        const LoadedScene loaded = loadWithNotes(builder);
+        EXPECT_EQ(loaded.scene.cameras.size(), 1u) << camera;
+        ASSERT_EQ(loaded.notes.size(), 1u) << camera;
+        EXPECT_NE(loaded.notes[0].find("camera 0 is left out: it"), std::string::npos) << loaded.notes[0];
     }
-    EXPECT_THROW(loadCamera({{"type", "perspective"}}), FileError);
-    EXPECT_THROW(loadCamera({{"type", "fisheye"}}), FileError);
-    EXPECT_THROW(loadCamera({{"type", "orthographic"},
-                             {"orthographic", {{"xmag", 0}, {"ymag", 0}, {"znear", 0}, {"zfar", 1}}}}),
-                 FileError);
 }
 
 }  // namespace

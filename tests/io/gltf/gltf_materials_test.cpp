@@ -306,7 +306,7 @@ TEST(GltfMaterials, ExtensionsWeDoNotKnowAreNamedOnce) {
     ASSERT_EQ(loaded.notes.size(), 1u);
     EXPECT_NE(loaded.notes[0].find("KHR_materials_sheen"), std::string::npos);
 
-    for (const char* name : {"KHR_texture_basisu", "EXT_texture_webp", "EXT_mesh_gpu_instancing"}) {
+    for (const char* name : {"KHR_gaussian_splatting", "EXT_structural_metadata", "ACME_rooms"}) {
         builder.json["extensionsRequired"] = {name};
         try {
             load(builder);

@@ -41,6 +41,43 @@ TEST(ReplaceFile, FollowsLinks) {
     EXPECT_EQ(readBytes(folder.file("target")), (std::vector<char>{1, 2, 3}));
 }
 
+TEST(ReplaceFile, WritesThroughLinksThatDangle) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directory(folder.path / "real");
+    std::filesystem::create_symlink("real/made", folder.file("inner"));
+    std::filesystem::create_symlink(folder.path / "inner", folder.file("outer"));
+    replaceFile(folder.file("outer"), kBytes);
+    EXPECT_TRUE(std::filesystem::is_symlink(folder.file("outer")));
+    EXPECT_TRUE(std::filesystem::is_symlink(folder.file("inner")));
+    EXPECT_EQ(readBytes(folder.file("real/made")), (std::vector<char>{1, 2, 3}));
+    std::filesystem::create_symlink("circle", folder.file("circle"));
+    EXPECT_THROW(replaceFile(folder.file("circle"), kBytes), FileError);
+}
+
+TEST(ReplaceFile, KeepsTheModeOfTheOldFile) {
+    using std::filesystem::perms;
+    const TemporaryFolder folder;
+    replaceFile(folder.file("a"), std::vector<uint8_t>{9});
+    for (const perms mode : {perms(0640), perms(0600), perms(0664)}) {
+        std::filesystem::permissions(folder.file("a"), mode);
+        replaceFile(folder.file("a"), kBytes);
+        EXPECT_EQ(std::filesystem::status(folder.file("a")).permissions(), mode);
+    }
+}
+
+TEST(ReplaceFile, TakesNamesAsLongAsFileSystemsDo) {
+    const TemporaryFolder folder;
+    std::string name;
+    while (name.size() + 2 <= 255) name += "\u00fc";  // two bytes, none of which may stand alone
+    replaceFile(folder.file(name), kBytes);
+    EXPECT_EQ(readBytes(folder.file(name)), (std::vector<char>{1, 2, 3}));
+    EXPECT_EQ(folder.fileCount(), 1u);
+    const std::string journal = nameBeside(folder.file(name), ".journal");
+    EXPECT_LE(journal.size() - folder.path.string().size() - 1, 255u);
+    EXPECT_TRUE(journal.ends_with("\u00fc.journal"));
+    EXPECT_EQ(nameBeside("a/b", ".c"), "a/b.c");
+}
+
 TEST(ReplaceFile, RefusesFoldersAndDevices) {
     const TemporaryFolder folder;
     EXPECT_THROW(replaceFile(folder.path.string(), kBytes), FileError);
