@@ -6,6 +6,7 @@
 
 #include "core/bake/bake_settings.h"
 #include "io/phat/baked_file.h"
+#include "io/phat/scene_lighting.h"
 
 namespace CLI {
 class App;
@@ -18,7 +19,7 @@ inline constexpr uint64_t kMinTexels = 64;
 struct BakeOptions {
     std::string input;
     std::string output;
-    std::string environment;  // empty: none
+    SceneLighting lighting;
     BakeSettings settings;
     PhatexelStorage storage = PhatexelStorage::packed;
     std::optional<int> threads;

@@ -23,7 +23,9 @@ LoadedScene loadGltf(const std::string& path);
 /// The same of a file that is open; reads its buffers into `source`. pre: they are not read yet.
 LoadedScene loadGltf(GltfSource& source);
 
-/// Reads a latitude-longitude .hdr or .exr picture. Throws FileError.
-Environment loadEnvironment(const std::string& path);
+/// Reads a latitude-longitude .hdr or .exr picture. Infinite pixels become the largest half or, if it is
+/// more, the largest finite value; what is no number and what is negative becomes 0. Says so in `notes`, if
+/// given. Throws FileError.
+Environment loadEnvironment(const std::string& path, std::vector<std::string>* notes = nullptr);
 
 }  // namespace phat
