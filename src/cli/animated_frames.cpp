@@ -6,6 +6,7 @@
 
 #include "cli/data_folders.h"
 #include "cli/drawn_report.h"
+#include "cli/exposure.h"
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
@@ -23,19 +24,6 @@ using nlohmann::json;
 // Rays between two looks at the clock: some milliseconds.
 constexpr uint64_t kWorkAtOnce = 20'000;
 
-const Animation& animationOf(const RenderOptions& options, const Scene& scene) {
-    if (scene.animations.empty())
-        throw CLI::ValidationError("--animate", "the file has no animation that moves a node");
-    const std::string& wanted = options.animated->animation;
-    if (wanted.empty()) return scene.animations.front();
-    for (const Animation& animation : scene.animations)
-        if (animation.name == wanted) return animation;
-    char* end = nullptr;
-    const unsigned long index = std::strtoul(wanted.c_str(), &end, 10);
-    if (*end == 0 && index < scene.animations.size()) return scene.animations[index];
-    throw CLI::ValidationError("--animation", fmt::format("there is no animation \"{}\"", wanted));
-}
-
 /// Lets the light follow for a frame; returns the work that was done.
 uint64_t follow(IncrementalBaker& engine, const AnimatedFrames& frames, Progress& progress) {
     if (frames.secondsPerFrame <= 0) return engine.advance(uint64_t(frames.workPerFrame), progress);
@@ -46,6 +34,11 @@ uint64_t follow(IncrementalBaker& engine, const AnimatedFrames& frames, Progress
         work += engine.advance(kWorkAtOnce, progress);
     }
     return work;
+}
+
+View frameView(View view, int frame) {
+    view.label += fmt::format("{}{:04}", view.label.empty() ? "" : ".", frame);
+    return view;
 }
 
 /// What a frame takes before it is drawn.
@@ -75,7 +68,8 @@ FrameCost moveTo(const SceneState& state, PosedScene& posed, IncrementalBaker& e
 
 std::vector<json> renderAnimated(const RenderOptions& options, Progress& progress) {
     const AnimatedFrames& frames = *options.animated;
-    BakedScene baked = loadBaked(options, progress);
+    SceneFile file = loadBaked(options, progress);
+    BakedScene& baked = file.baked;
     PosedScene posed(std::move(baked.loaded.scene));
     const Scene& rest = posed.rest();
     const Animation& animation = animationOf(options, rest);
@@ -96,6 +90,8 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
     Renderer renderer({engine.scene().scene(), baked.atlas, engine.scene().points(), engine.phatexture()},
                       shaderFolder());
     std::vector<json> reports;
+    std::vector<std::optional<Exposure>> exposures(
+        views.size());  // the first frame's, so that films do not flicker
     // A frame at the very end, whatever rounding makes of it.
     const int count = int(std::floor((frames.end - frames.start) * frames.perSecond + 1e-6)) + 1;
     uint64_t updated = engine.stats().phatexels;
@@ -106,15 +102,15 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
         const ReflectionScene reflectionScene(engine.rays(), engine.lights(), baked.atlas,
                                               engine.scene().points(), engine.phatexture());
         const TracedReflections traced{reflectionScene, options.reflections, progress};
-        for (const View& view : views) {
-            FrameSettings settings = frameOf(options, view);
+        for (size_t v = 0; v < views.size(); ++v) {
+            const View& view = views[v];
             PictureSum sum;
-            const ReflectionCost rays = drawFrame(renderer, settings, &traced, sum);
+            const ReflectionCost rays = drawFrame(renderer, frameOf(options, view), &traced, sum);
             const Image picture = readMean(sum);
             progress.throwIfStopped();
-            View frame = view;
-            frame.label += fmt::format("{}{:04}", view.label.empty() ? "" : ".", i);
-            writePicture(options, frame, picture);
+            const View frame = frameView(view, i);
+            if (!exposures[v]) exposures[v] = exposureOf(options, view, picture, engine.rays());
+            writePicture(options, frame, picture, exposures[v]->stops);
             json report =
                 drawnReport(options, frame, renderer.lastFrameTimes(), rays, context.rendererName());
             report["seconds"].update({{"move", cost.move}, {"follow", cost.follow}, {"upload", cost.upload}});
@@ -122,6 +118,8 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
                            {"work", cost.work},
                            {"phatexels", engine.stats().phatexels - updated},
                            {"settled", engine.converged()}});
+            reportExposure(options, *exposures[v], report);
+            reportNotes(file, report);
             reports.push_back(std::move(report));
         }
         updated = engine.stats().phatexels;

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "cli/count_option.h"
-#include "cli/declare_option.h"
+#include "cli/lighting_options.h"
 #include "core/atlas/glossy_density.h"
 #include "io/phat/bake_record.h"
 
@@ -87,7 +87,7 @@ void declareBakeOptions(CLI::App& command, BakeOptions& options) {
     const DeclareOption declare{command};
     declare.value("IN", "FILE", options.input, "The scene: .glb or .gltf")->required();
     declare.value("-o,--output", "FILE", options.output, "Default: IN with the extension .phat.glb");
-    declare.value("--environment", "FILE", options.environment, "Sky: latitude-longitude .hdr or .exr");
+    declareLighting(declare, options.lighting);
     declare.value("--variant", "NAME", options.variant, "Material variant; phat info lists them");
     declareAtlas(declare, options.settings.atlas);
     declareLight(declare, options.settings);

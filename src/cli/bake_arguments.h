@@ -6,6 +6,7 @@
 
 #include "core/bake/bake_settings.h"
 #include "io/phat/baked_file.h"
+#include "io/phat/scene_lighting.h"
 
 namespace CLI {
 class App;
@@ -18,8 +19,8 @@ inline constexpr uint64_t kMinTexels = 64;
 struct BakeOptions {
     std::string input;
     std::string output;
-    std::string environment;  // empty: none
-    std::string variant;      // of the materials; empty: none
+    SceneLighting lighting;
+    std::string variant;  // of the materials; empty: none
     BakeSettings settings;
     PhatexelStorage storage = PhatexelStorage::packed;
     std::optional<int> threads;

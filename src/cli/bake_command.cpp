@@ -14,6 +14,7 @@
 #include "cli/bake_stages.h"
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "cli/lighting_options.h"
 #include "cli/progress_bar.h"
 #include "core/scene/lights.h"
 #include "io/base/atomic_file.h"
@@ -22,24 +23,24 @@
 #include "io/phat/bake_journal.h"
 #include "io/phat/bake_record.h"
 #include "io/phat/baked_file.h"
+#include "io/phat/scene_file.h"
 
 namespace phat {
 namespace {
 
 using nlohmann::json;
 
-LoadedScene loadInput(const BakeOptions& options, GltfSource& source) {
+struct LitInput {
     LoadedScene loaded;
-    const bool baked = isBakedFile(source);
-    if (baked && !options.variant.empty())
+    AddedLighting added;
+};
+
+LitInput loadInput(const BakeOptions& options, GltfSource& source) {
+    if (isBakedFile(source) && !options.variant.empty())
         throw CLI::ValidationError("--variant", "the input is baked; choose it of the scene");
-    if (baked)
-        loaded = readBakedFile(source).loaded;  // with the environment that it was baked in
-    else
-        loaded = loadGltf(source, {options.variant});
-    if (!options.environment.empty()) loaded.scene.environment = loadEnvironment(options.environment);
-    if (loaded.scene.triangles.empty()) throw FileError(options.input, "has no triangles to bake");
-    return loaded;
+    SceneFile file = readSceneFile(source, options.lighting, BakedLighting::replace, {options.variant});
+    if (file.baked.loaded.scene.triangles.empty()) throw FileError(options.input, "has no triangles to bake");
+    return {std::move(file.baked.loaded), std::move(file.added)};
 }
 
 void refuseTooLarge(const BakeOptions& options, const Scene& scene) {
@@ -57,7 +58,7 @@ uint64_t fingerprintOf(const BakeOptions& options, const GltfSource& source, con
     fingerprint.add(record.generator);
     fingerprint.add(record.settings);
     addGltf(fingerprint, source);
-    if (!options.environment.empty()) addFile(fingerprint, options.environment);
+    if (!options.lighting.environment.empty()) addFile(fingerprint, options.lighting.environment);
     return fingerprint.value();
 }
 
@@ -67,7 +68,7 @@ void checkOutput(const BakeOptions& options) {
     if (extension != ".glb")
         throw CLI::ValidationError("--output", fmt::format("\"{}\" does not end in .glb", options.output));
     std::error_code ignored;
-    for (const std::string& input : {options.input, options.environment})
+    for (const std::string& input : {options.input, options.lighting.environment})
         if (std::filesystem::equivalent(input, options.output, ignored))
             throw CLI::ValidationError("--output", fmt::format("would overwrite the input {}", input));
     checkReplaceable(options.output);
@@ -83,9 +84,16 @@ void checkOutput(const BakeOptions& options) {
     throw FileError(input, (memory ? "out of memory" : error.what()) + kept);
 }
 
-void bakeOnce(const BakeOptions& options, const GltfSource& source, const LoadedScene& loaded) {
-    const BakeRecord record =
-        recordOf(options.settings, options.input, options.environment, options.storage, options.variant);
+BakeRecord fullRecord(const BakeOptions& options, const AddedLighting& added) {
+    BakeRecord record = recordOf(options.settings, options.input, options.lighting.environment,
+                                 options.storage, options.variant);
+    record.settings = settingsWithLighting(record.settings, options.lighting, added.sky);
+    return record;
+}
+
+void bakeOnce(const BakeOptions& options, const GltfSource& source, const LitInput& input) {
+    const LoadedScene& loaded = input.loaded;
+    const BakeRecord record = fullRecord(options, input.added);
     const std::string journalPath = nameBeside(options.output, ".journal");
     FileJournal journal(journalPath, fingerprintOf(options, source, record), options.resume);
     json report;
@@ -108,7 +116,7 @@ void bakeOnce(const BakeOptions& options, const GltfSource& source, const Loaded
     if (options.json)
         fmt::print("{}\n", report.dump(-1, ' ', false, json::error_handler_t::replace));
     else if (!options.quiet)
-        printReport(report);
+        printReport(report, input.added.lines);
 }
 
 void runBake(BakeOptions options) {
@@ -118,8 +126,10 @@ void runBake(BakeOptions options) {
     catchInterrupts();
 
     GltfSource source = openGltf(options.input);  // kept: the baked file is rewritten from it
-    const LoadedScene loaded = loadInput(options, source);
     checkOutput(options);
+    const LitInput input = loadInput(options, source);
+    const LoadedScene& loaded = input.loaded;
+    if (!options.quiet) printLines(options.input, input.added.lines);
     uint64_t& texels = options.settings.atlas.texelBudget;
     if (options.maxBytes)
         texels = std::min(texels, texelsThatFit(*options.maxBytes, std::filesystem::file_size(options.input),
@@ -131,7 +141,7 @@ void runBake(BakeOptions options) {
     constexpr int kAttempts = 3;
     for (int attempt = 1;; ++attempt) {
         try {
-            return bakeOnce(options, source, loaded);
+            return bakeOnce(options, source, input);
         } catch (const FileTooLarge& error) {
             texels = uint64_t(0.97 * double(texels) * double(*options.maxBytes) / double(error.bytes));
             if (attempt == kAttempts || texels < kMinTexels)

@@ -40,7 +40,7 @@ json reportOf(const std::string& output, const Bake& result, size_t resumedParts
             {"notes", notes}};
 }
 
-void printReport(const json& report) {
+void printReport(const json& report, const std::vector<std::string>& printed) {
     const json& atlas = report["atlas"];
     fmt::print("{}: {:.1f} MB\n", report["output"].get<std::string>(), report["bytes"].get<double>() * 1e-6);
     const double size = atlas["texelSize"].get<double>() * 1e3,
@@ -62,7 +62,9 @@ void printReport(const json& report) {
         if (taken > kMinFractionShown * seconds)
             fmt::print("    {:<19} {:.1f} s\n", stage["name"].get<std::string>(), taken);
     }
-    for (const json& note : report["notes"]) fmt::print("  note        {}\n", note.get<std::string>());
+    for (const json& note : report["notes"])
+        if (std::find(printed.begin(), printed.end(), note.get<std::string>()) == printed.end())
+            fmt::print("  note        {}\n", note.get<std::string>());
 }
 
 }  // namespace phat

@@ -14,7 +14,7 @@ namespace phat {
 nlohmann::json reportOf(const std::string& output, const Bake& result, size_t resumedParts,
                         const std::vector<StageTime>& stageTimes, const std::vector<std::string>& notes);
 
-/// The report in a few lines on stdout.
-void printReport(const nlohmann::json& report);
+/// The report in a few lines on stdout, without the notes that were `printed` before.
+void printReport(const nlohmann::json& report, const std::vector<std::string>& printed);
 
 }  // namespace phat

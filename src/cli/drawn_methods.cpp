@@ -4,6 +4,7 @@
 
 #include "cli/data_folders.h"
 #include "cli/drawn_report.h"
+#include "cli/exposure.h"
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
@@ -37,7 +38,8 @@ struct RayTracing {
 }  // namespace
 
 std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) {
-    const BakedScene baked = loadBaked(options, progress);
+    const SceneFile file = loadBaked(options, progress);
+    const BakedScene& baked = file.baked;
     const Scene& scene = baked.loaded.scene;
     const std::vector<View> views = chooseViews(options, scene);
 
@@ -57,10 +59,14 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
         const ReflectionCost cost = drawFrame(renderer, frame, tracing ? &tracing->traced : nullptr, sum);
         const Image picture = readMean(sum);
         progress.throwIfStopped();
-        writePicture(options, view, picture);
+        const Exposure exposure =
+            exposureOf(options, view, picture, tracing ? tracing->rays : RayScene(scene));
+        writePicture(options, view, picture, exposure.stops);
         reports.push_back(
             drawnReport(options, view, renderer.lastFrameTimes(), cost, context.rendererName()));
         json& report = reports.back();
+        reportExposure(options, exposure, report);
+        reportNotes(file, report);
         if (renderer.bytesPerPhatexel() > 0) report["bytesPerPhatexel"] = renderer.bytesPerPhatexel();
         if (options.countReads) {
             const auto readsOf = [&](int source) {

@@ -9,11 +9,13 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "core/scene/default_camera.h"
 #include "core/scene/scene.h"
 #include "io/gltf/gltf_source.h"
 #include "io/gltf/gltf_variants.h"
 #include "io/phat/bake_record.h"
 #include "io/phat/baked_file.h"
+#include "io/phat/scene_lighting.h"
 
 namespace phat {
 namespace {
@@ -30,7 +32,16 @@ Json namesOf(const auto& things) {
     return names;
 }
 
-Json describeScene(const LoadedScene& loaded) {
+Json describeDefaultView(const Scene& scene) {
+    const DefaultView view = defaultView(RayScene(scene), LightSampler(scene));
+    return {{"eye", vectorJson(glm::vec3(view.camera.worldFromCamera[3]))},
+            {"target", vectorJson(view.target)},
+            {"yfovDegrees", glm::degrees(view.camera.yfovRadians)},
+            {"where", view.inside ? "inside" : "outside"}};
+}
+
+// `lit`: with the light that is added for want of any, which the default view depends on.
+Json describeScene(const LoadedScene& loaded, const Scene& lit) {
     constexpr const char* kLightTypes[] = {"point", "spot", "directional"};
     const Scene& scene = loaded.scene;
     Json lights = Json::array();
@@ -54,6 +65,8 @@ Json describeScene(const LoadedScene& loaded) {
         report["environment"] = {scene.environment->radiance.width, scene.environment->radiance.height};
     if (const Bounds bounds = boundsOf(scene); !bounds.empty())
         report["bounds"] = {{"low", vectorJson(bounds.low)}, {"high", vectorJson(bounds.high)}};
+    report["defaultCamera"] = nullptr;
+    if (scene.cameras.empty() && !scene.triangles.empty()) report["defaultCamera"] = describeDefaultView(lit);
     return report;
 }
 
@@ -105,10 +118,14 @@ Json describe(const std::string& path) {
     Json report{{"file", path}, {"fileBytes", std::filesystem::file_size(path)}};
     if (isBakedFile(source)) {
         const BakedScene baked = readBakedFile(source);
-        report["scene"] = describeScene(baked.loaded);
+        report["scene"] = describeScene(baked.loaded, baked.loaded.scene);
         report["bake"] = describeBake(baked);
     } else {
-        report["scene"] = describeScene(loadGltf(source));
+        const LoadedScene loaded = loadGltf(source);
+        Scene lit = loaded.scene;  // as the other commands do
+        const AddedLighting added = addLighting({}, lit);
+        report["scene"] = describeScene(loaded, lit);
+        for (const std::string& line : added.lines) report["scene"]["notes"].push_back(line);
     }
     report["scene"]["variants"] = gltfVariants(source);
     return report;
@@ -141,6 +158,13 @@ void printScene(const Json& scene) {
     printLine("lights", lights.empty() ? "none" : lights);
     printLine("cameras", joined(scene["cameras"]));
     if (!scene["variants"].empty()) printLine("variants", joined(scene["variants"]));
+    if (const Json& view = scene["defaultCamera"]; !view.is_null()) {
+        const auto eye = view["eye"].get<std::array<float, 3>>(),
+                   target = view["target"].get<std::array<float, 3>>();
+        printLine("default view", fmt::format("{}, from ({:.3f} {:.3f} {:.3f}) to ({:.3f} {:.3f} {:.3f})",
+                                              view["where"].get<std::string>(), eye[0], eye[1], eye[2],
+                                              target[0], target[1], target[2]));
+    }
     if (const Json& size = scene["environment"]; !size.is_null())
         printLine("environment", fmt::format("{} x {}", size[0].get<int>(), size[1].get<int>()));
     if (const Json& bounds = scene["bounds"]; !bounds.is_null()) {

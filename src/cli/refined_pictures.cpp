@@ -3,6 +3,7 @@
 
 #include "cli/data_folders.h"
 #include "cli/drawn_report.h"
+#include "cli/exposure.h"
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
@@ -16,7 +17,8 @@ namespace phat {
 using nlohmann::json;
 
 std::vector<json> renderRefined(const RenderOptions& options, Progress& progress) {
-    BakedScene baked = loadBaked(options, progress);
+    SceneFile file = loadBaked(options, progress);
+    BakedScene& baked = file.baked;
     const PosedScene posed(std::move(baked.loaded.scene));
     const Scene& scene = posed.rest();
     const std::vector<View> views = chooseViews(options, scene);
@@ -42,10 +44,14 @@ std::vector<json> renderRefined(const RenderOptions& options, Progress& progress
             const ReflectionCost cost = drawFrame(renderer, settings, &traced, sums[v]);
             progress.throwIfStopped();
             if (pass < options.refinements) continue;
-            writePicture(options, views[v], readMean(sums[v]));
+            const Image picture = readMean(sums[v]);
+            const Exposure exposure = exposureOf(options, views[v], picture, engine.rays());
+            writePicture(options, views[v], picture, exposure.stops);
             reports.push_back(
                 drawnReport(options, views[v], renderer.lastFrameTimes(), cost, context.rendererName()));
             reports.back().update({{"refinements", options.refinements}, {"work", work}});
+            reportExposure(options, exposure, reports.back());
+            reportNotes(file, reports.back());
         }
     }
     return reports;

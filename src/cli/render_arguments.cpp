@@ -5,6 +5,8 @@
 
 #include "cli/count_option.h"
 #include "cli/declare_option.h"
+#include "cli/exposure.h"
+#include "cli/lighting_options.h"
 #include "cli/render_files.h"
 #include "cli/size_option.h"
 
@@ -146,8 +148,7 @@ void declareFrames(const DeclareOption& declare, RenderOptions& options) {
 }
 
 void declareScene(const DeclareOption& declare, RenderOptions& options) {
-    declare.value("--environment", "FILE", options.environment,
-                  "Sky of a scene that is not baked: latitude-longitude .hdr or .exr");
+    declareLighting(declare, options.lighting);
     declare.value("--variant", "NAME", options.variant,
                   "Material variant of a scene that is not baked; phat info lists them");
     declare
@@ -161,9 +162,7 @@ void declareScene(const DeclareOption& declare, RenderOptions& options) {
 }
 
 void declareOutput(const DeclareOption& declare, RenderOptions& options) {
-    declare.value("--exposure", "EV", options.exposureStops, "Stops, for .png and .jpg")
-        ->check(CLI::Range(-40.0, 40.0))
-        ->capture_default_str();
+    declareExposure(declare.command, options.exposureStops);
     declare.choice("--tonemap", kToneMapNames, options.toneMap, "linear, agx or aces, for .png and .jpg");
     declare.flag("--quiet", options.quiet, "Print errors only");
     declare.flag("--json", options.json, "Print sizes and times as JSON");

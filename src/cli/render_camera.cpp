@@ -9,6 +9,7 @@
 #include <set>
 
 #include "cli/size_option.h"
+#include "core/scene/default_camera.h"
 
 namespace phat {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "cli/bake_stages.h"
 #include "cli/commands.h"
+#include "cli/exposure.h"
 #include "cli/interrupt.h"
 #include "cli/render_arguments.h"
 #include "cli/render_files.h"
@@ -37,6 +38,7 @@ void printReport(const json& report, bool traced) {
             milliseconds({"relight"}), milliseconds({"pyramid"}), milliseconds({"shadows"}),
             milliseconds({"lookup", "pool"}), milliseconds({"depth", "display"}),
             milliseconds({"reflections"}), report["reflectionRays"].get<double>() * 1e-6);
+    if (report.contains("exposure")) fmt::print("{}\n", describeExposure(report["exposure"]));
     if (report.contains("bytesPerPhatexel"))
         fmt::print("lookup: {:.1f} bytes a PHATexel\n", report["bytesPerPhatexel"].get<double>());
     if (report.contains("reads"))

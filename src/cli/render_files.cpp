@@ -4,7 +4,9 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
+#include "cli/lighting_options.h"
 #include "core/bake/bake.h"
 #include "io/base/atomic_file.h"
 #include "io/gltf/gltf_source.h"
@@ -47,24 +49,56 @@ void checkPlaces(const RenderOptions& options) {
     checkReplaceable(options.output);
 }
 
-Scene loadScene(const RenderOptions& options) {
-    // A baked file holds the environment that it was baked in.
-    GltfSource source = openGltf(options.input);
-    const bool baked = isBakedFile(source);
-    if (baked) refuseVariant(options);
-    Scene scene = baked ? std::move(readBakedFile(source).loaded.scene)
-                        : std::move(loadGltf(source, {options.variant}).scene);
-    if (!options.environment.empty()) scene.environment = loadEnvironment(options.environment);
-    if (!options.keepLight) editScene(options, scene);
-    return scene;
+namespace {
+
+// A wrong name must not cost a bake.
+void checkAgainst(const RenderOptions& options, const Scene& scene) {
+    chooseViews(options, scene);
+    if (options.animated) animationOf(options, scene);
+    Scene edited;
+    edited.materials = scene.materials;
+    editScene(options, edited);
 }
 
-BakedScene loadBaked(const RenderOptions& options, Progress& progress) {
+}  // namespace
+
+const Animation& animationOf(const RenderOptions& options, const Scene& scene) {
+    if (scene.animations.empty())
+        throw CLI::ValidationError("--animate", "the file has no animation that moves a node");
+    const std::string& wanted = options.animated->animation;
+    if (wanted.empty()) return scene.animations.front();
+    for (const Animation& animation : scene.animations)
+        if (animation.name == wanted) return animation;
+    char* end = nullptr;
+    const unsigned long index = std::strtoul(wanted.c_str(), &end, 10);
+    if (*end == 0 && index < scene.animations.size()) return scene.animations[index];
+    throw CLI::ValidationError("--animation", fmt::format("there is no animation \"{}\"", wanted));
+}
+
+void reportNotes(const SceneFile& file, nlohmann::json& report) {
+    if (!file.added.lines.empty()) report["notes"] = file.added.lines;
+}
+
+SceneFile loadScene(const RenderOptions& options) {
     GltfSource source = openGltf(options.input);
-    if (!options.environment.empty() && isBakedFile(source))
-        throw CLI::ValidationError("--environment", "the bake has its own; bake again to change it");
     if (isBakedFile(source)) refuseVariant(options);
-    BakedScene baked = readSceneFile(source, options.environment, {options.variant});
+    SceneFile file = readSceneFile(source, options.lighting, BakedLighting::replace, {options.variant});
+    if (!options.quiet) printLines(options.input, file.added.lines);
+    checkAgainst(options, file.baked.loaded.scene);
+    if (!options.keepLight) editScene(options, file.baked.loaded.scene);
+    return file;
+}
+
+SceneFile loadBaked(const RenderOptions& options, Progress& progress) {
+    GltfSource source = openGltf(options.input);
+    if (options.lighting.asked() && isBakedFile(source))
+        throw CLI::ValidationError(options.lighting.environment.empty() ? "--sky" : "--environment",
+                                   "the bake has its own light; bake again to change it");
+    if (isBakedFile(source)) refuseVariant(options);
+    SceneFile file = readSceneFile(source, options.lighting, BakedLighting::refuse, {options.variant});
+    BakedScene& baked = file.baked;
+    if (!options.quiet) printLines(options.input, file.added.lines);
+    checkAgainst(options, baked.loaded.scene);
     if (baked.phatexture.indirect.empty()) {
         Bake result = bake(baked.loaded.scene, BakeSettings(), progress);
         baked.atlas = std::move(result.atlas);
@@ -72,7 +106,7 @@ BakedScene loadBaked(const RenderOptions& options, Progress& progress) {
         baked.phatexture = std::move(result.phatexture);
     }
     editScene(options, baked.loaded.scene);
-    return baked;
+    return file;
 }
 
 void editScene(const RenderOptions& options, Scene& scene) {
@@ -83,14 +117,17 @@ void editScene(const RenderOptions& options, Scene& scene) {
     }
 }
 
-void writePicture(const RenderOptions& options, const View& view, const Image& picture) {
+bool isLinear(const std::string& path) {
+    return pictureKind(path) == ".exr";
+}
+
+void writePicture(const RenderOptions& options, const View& view, const Image& picture, float exposureStops) {
     const std::string path = pathFor(view, options.output);
     const std::string kind = pictureKind(path);
     if (kind == ".exr")
         writeExr(path, picture);
     else
-        (kind == ".png" ? writePng : writeJpeg)(path,
-                                                toneMap(picture, options.toneMap, options.exposureStops));
+        (kind == ".png" ? writePng : writeJpeg)(path, toneMap(picture, options.toneMap, exposureStops));
 }
 
 }  // namespace phat

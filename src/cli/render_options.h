@@ -9,6 +9,7 @@
 #include "core/render/photon_renderer.h"
 #include "core/render/picture.h"
 #include "gl/renderer.h"
+#include "io/phat/scene_lighting.h"
 
 namespace phat {
 
@@ -50,9 +51,9 @@ struct RenderOptions {
     std::string output;
     std::string varianceOutput;  // traced methods; empty: none
     std::string pixels;          // mask of those to trace; empty: all
-    std::string environment;     // empty: the file's own
-    std::string variant;         // of a scene that is not baked; empty: none
-    std::string camera;          // name, index or kAllCameras; empty: the first
+    SceneLighting lighting;
+    std::string variant;  // of a scene that is not baked; empty: none
+    std::string camera;   // name, index or kAllCameras; empty: the first
     std::optional<glm::vec3> eye, target;
     std::optional<float> fovDegrees;
     int width = 960;
@@ -72,8 +73,8 @@ struct RenderOptions {
     std::optional<AnimatedFrames> animated;  // phat
     int refinements = 0;                     // phat: how often its light is made anew and averaged
     std::vector<std::string> edits;
-    bool keepLight = false;  // methods without a bake: the edits are for the eye alone
-    float exposureStops = 0;
+    bool keepLight = false;              // methods without a bake: the edits are for the eye alone
+    std::optional<float> exposureStops;  // none: the picture's own
     ToneMap toneMap = ToneMap::agx;
     bool quiet = false;
     bool json = false;

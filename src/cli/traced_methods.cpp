@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/exposure.h"
 #include "cli/render_camera.h"
 #include "cli/render_files.h"
 #include "cli/render_methods.h"
@@ -50,7 +51,8 @@ std::vector<json> renderTraced(const RenderOptions& options, Progress& progress)
         const double seconds = start.seconds();
 
         progress.throwIfStopped();
-        writePicture(options, view, picture.mean);
+        const Exposure exposure = exposureOf(options, view, picture.mean, traced.rays);
+        writePicture(options, view, picture.mean, exposure.stops);
         if (!options.varianceOutput.empty())
             writeExr(pathFor(view, options.varianceOutput), picture.variance);
         reports.push_back({{"output", pathFor(view, options.output)},
@@ -61,6 +63,8 @@ std::vector<json> renderTraced(const RenderOptions& options, Progress& progress)
                            {"seconds", seconds},
                            {"guideSeconds", traced.guideSeconds},
                            {"raysPerSecond", double(picture.rays) / std::max(seconds, 1e-9)}});
+        reportExposure(options, exposure, reports.back());
+        reportNotes(traced.file, reports.back());
     }
     return reports;
 }

@@ -10,11 +10,8 @@
 namespace phat {
 namespace {
 
-BakedScene load(const RenderOptions& options, Progress& progress) {
-    if (options.method.needsBake) return loadBaked(options, progress);
-    BakedScene plain;
-    plain.loaded.scene = loadScene(options);
-    return plain;
+SceneFile load(const RenderOptions& options, Progress& progress) {
+    return options.method.needsBake ? loadBaked(options, progress) : loadScene(options);
 }
 
 Scene makeViewedScene(const RenderOptions& options, const Scene& scene) {
@@ -66,7 +63,8 @@ Integrator integratorFor(const TracedScene& traced, const RenderOptions& options
 }  // namespace
 
 TracedScene::TracedScene(const RenderOptions& options, Progress& progress)
-    : baked(load(options, progress)),
+    : file(load(options, progress)),
+      baked(file.baked),
       scene(baked.loaded.scene),
       viewedScene(makeViewedScene(options, scene)),
       rays(scene),

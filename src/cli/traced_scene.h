@@ -5,7 +5,7 @@
 
 #include "cli/render_options.h"
 #include "core/base/progress.h"
-#include "io/phat/baked_file.h"
+#include "io/phat/scene_file.h"
 
 namespace phat {
 
@@ -16,7 +16,8 @@ struct TracedScene {
     TracedScene(const TracedScene&) = delete;
     TracedScene& operator=(const TracedScene&) = delete;
 
-    BakedScene baked;  // of methods without a bake the scene alone
+    SceneFile file;  // of methods without a bake the scene alone
+    const BakedScene& baked;
     const Scene& scene;
     Scene viewedScene;  // with --keep-light, the scene with the edits that `scene` then lacks; else empty
     RayScene rays;

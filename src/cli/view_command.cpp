@@ -4,6 +4,7 @@
 
 #include "cli/commands.h"
 #include "cli/data_folders.h"
+#include "cli/lighting_options.h"
 #include "cli/size_option.h"
 #include "viewer/viewer.h"
 
@@ -14,10 +15,8 @@ void addViewCommand(CLI::App& app) {
     CLI::Option* input =
         command->add_option("IN", "A baked file or a scene; more can be dropped on the window")
             ->type_name("FILE");
-    CLI::Option* environment =
-        command
-            ->add_option("--environment", "Sky of a scene that is not baked: latitude-longitude .hdr or .exr")
-            ->type_name("FILE");
+    const auto lighting = std::make_shared<SceneLighting>();
+    declareLighting({*command}, *lighting);
     CLI::Option* size = command->add_option("--size", "Of the window; default: 1280x720")->type_name("WxH");
     CLI::Option* scale = command->add_option("--ui-scale", "Size of the panels; default: the screen's")
                              ->type_name("FACTOR")
@@ -26,7 +25,7 @@ void addViewCommand(CLI::App& app) {
     command->callback([=] {
         ViewerOptions options;
         if (*input) options.path = input->as<std::string>();
-        if (*environment) options.environment = environment->as<std::string>();
+        options.lighting = *lighting;
         if (*size) options.size = parseSize(size);
         if (*scale) options.uiScale = scale->as<float>();
         options.shaderFolder = shaderFolder();

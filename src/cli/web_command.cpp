@@ -9,10 +9,12 @@
 
 #include "cli/commands.h"
 #include "cli/data_folders.h"
+#include "cli/exposure.h"
 #include "cli/interrupt.h"
 #include "cli/progress_bar.h"
 #include "cli/render_methods.h"
 #include "cli/render_options.h"
+#include "core/scene/default_camera.h"
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
 #include "io/gltf/gltf_source.h"
@@ -31,7 +33,7 @@ constexpr int kPosterWidth = 960;
 
 struct WebOptions {
     std::string input, site, title;
-    float exposureStops = 0;
+    std::optional<float> exposureStops;  // none: the poster's own
     bool quiet = false;
 };
 
@@ -74,14 +76,25 @@ void fill(std::string& page, const std::string& placeholder, const std::string& 
     page.replace(at, placeholder.size(), value);
 }
 
-void writePoster(const WebOptions& options, const fs::path& site, Progress& progress) {
+// Returns its exposure.
+double writePoster(const WebOptions& options, const fs::path& site, Progress& progress) {
     RenderOptions poster;
     poster.input = options.input;
     poster.output = (site / kPoster).string();
     poster.width = kPosterWidth;
     poster.reflections = Reflections::lookup;  // as the page draws
     poster.exposureStops = options.exposureStops;
-    renderDrawn(poster, progress);
+    return renderDrawn(poster, progress).front().at("exposure").at("stops").get<double>();
+}
+
+// Eye, target and field of view in degrees of a file without a camera; else nothing.
+std::string defaultCameraOf(const std::string& path) {
+    const Scene scene = readBakedFile(path).loaded.scene;
+    if (!scene.cameras.empty()) return "";
+    const DefaultView view = defaultView(RayScene(scene), LightSampler(scene));
+    const glm::vec3 eye(view.camera.worldFromCamera[3]);
+    return fmt::format("{} {} {} {} {} {} {}", eye.x, eye.y, eye.z, view.target.x, view.target.y,
+                       view.target.z, glm::degrees(view.camera.yfovRadians));
 }
 
 void writeSite(const WebOptions& options) {
@@ -96,7 +109,7 @@ void writeSite(const WebOptions& options) {
     const std::string script = readText(built / "viewer.js"), style = readText(built / "viewer.css");
     const std::string name = fs::path(options.input).filename().string();
     fill(page, "@TITLE@", escaped(options.title.empty() ? name.substr(0, name.find('.')) : options.title));
-    fill(page, "@EXPOSURE@", fmt::format("{}", options.exposureStops));
+    fill(page, "@CAMERA@", defaultCameraOf(options.input));
     const WebParts parts = splitForWeb(source, kPartsStem);
 
     std::error_code error;
@@ -104,7 +117,8 @@ void writeSite(const WebOptions& options) {
     if (error) throw FileError(options.site, "cannot be created: " + error.message());
     catchInterrupts();
     ProgressBar progress(progressStyle(options.quiet), {});
-    writePoster(options, site, progress);
+    const double exposure = writePoster(options, site, progress);
+    fill(page, "@EXPOSURE@", fmt::format("{}", exposure));
     for (const WebPart& part : parts.later) replaceFile((site / part.uri).string(), part.bytes);
     replaceFile((site / kRoom).string(), parts.room);
     writeText(site / "viewer.js", script);
@@ -127,9 +141,8 @@ void addWebCommand(CLI::App& app) {
                             ->required();
     CLI::Option* title =
         command->add_option("--title", "Of the page; default: the file's name")->type_name("TEXT");
-    CLI::Option* exposure = command->add_option("--exposure", "Stops at the start")
-                                ->type_name("EV")
-                                ->check(CLI::Range(-4.0, 4.0));
+    const auto exposure = std::make_shared<std::optional<float>>();
+    declareExposure(*command, *exposure);
     CLI::Option* quiet = command->add_flag("--quiet")->description("Say nothing");
     command->footer(
         "The folder is complete: no other site is asked for anything. Browsers load it from a web server\n"
@@ -140,7 +153,7 @@ void addWebCommand(CLI::App& app) {
         options.input = input->as<std::string>();
         options.site = site->as<std::string>();
         if (*title) options.title = title->as<std::string>();
-        if (*exposure) options.exposureStops = exposure->as<float>();
+        options.exposureStops = *exposure;
         options.quiet = quiet->count() > 0;
         writeSite(options);
     });

@@ -7,7 +7,6 @@
 #include "core/scene/animation.h"
 #include "io/phat/bake_record.h"
 #include "io/phat/baked_edits.h"
-#include "io/phat/scene_file.h"
 
 namespace phat {
 namespace {
@@ -36,11 +35,16 @@ void writeBake(const std::string& out, const std::string& source, const Scene& s
 
 }  // namespace
 
-Document::Document(const std::string& file, const std::string& environment)
+Document::Document(const std::string& file, const SceneLighting& asked)
+    : Document(file, asked, readSceneFile(file, asked), lastWrite(file)) {}
+
+Document::Document(const std::string& file, const SceneLighting& asked, SceneFile read,
+                   std::filesystem::file_time_type time)
     : path(file),
-      environmentPath(environment),
-      writeTime(lastWrite(file)),
-      baked(readSceneFile(file, environment)),
+      lighting(asked),
+      added(std::move(read.added)),
+      writeTime(time),
+      baked(std::move(read.baked)),
       posed(std::move(baked.loaded.scene)),
       hasBake(!baked.phatexture.indirect.empty()),
       edits(noEdits(scene())),
@@ -73,7 +77,8 @@ void Document::takeBake(Bake bake, const BakeSettings& settings) {
     baked.atlas = std::move(bake.atlas);
     baked.points = std::move(bake.points);
     baked.phatexture = std::move(bake.phatexture);
-    baked.record = recordOf(settings, path, environmentPath);
+    baked.record = recordOf(settings, path, lighting.environment);
+    baked.record.settings = settingsWithLighting(baked.record.settings, lighting, added.sky);
     hasBake = true;
 }
 

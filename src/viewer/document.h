@@ -7,7 +7,7 @@
 
 #include "core/dynamic/light_update.h"
 #include "core/scene/posed_scene.h"
-#include "io/phat/baked_file.h"
+#include "io/phat/scene_file.h"
 #include "viewer/edit_history.h"
 
 namespace phat {
@@ -22,9 +22,8 @@ struct Playback {
 };
 
 struct Document {
-    /// A baked file, or a scene without its bake. `environmentPath` empty: the file's own sky. Throws
-    /// FileError.
-    Document(const std::string& path, const std::string& environmentPath);
+    /// A baked file, or a scene without its bake, which is lit. Throws FileError.
+    Document(const std::string& path, const SceneLighting& lighting);
     Document(const Document&) = delete;
     Document& operator=(const Document&) = delete;
 
@@ -57,7 +56,8 @@ struct Document {
     std::string save();
 
     std::string path;
-    std::string environmentPath;
+    SceneLighting lighting;
+    AddedLighting added;
     std::filesystem::file_time_type writeTime;  // of the file before it was read, so that no change is missed
     BakedScene baked;  // without its scene, which is in `posed`; PHATexels and covered texels as renewed
     PosedScene posed;
@@ -66,6 +66,8 @@ struct Document {
     Playback playback;
 
   private:
+    Document(const std::string& path, const SceneLighting& lighting, SceneFile file,
+             std::filesystem::file_time_type writeTime);
     struct BakedLight {
         Phatexture phatexture;
         std::vector<TexelState> states;

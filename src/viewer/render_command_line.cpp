@@ -58,7 +58,7 @@ std::string renderCommandLine(const ViewerState& state, glm::ivec2 size) {
     const Component component = view.left == Source::direct ? Component::direct : view.component;
     if (component != Component::all)
         line += fmt::format(" --component {}", nameOf(kComponentNames, component));
-    if (view.exposureStops != 0) line += fmt::format(" --exposure {}", view.exposureStops);
+    line += fmt::format(" --exposure {}", view.exposureStops);
     if (view.toneMap != ToneMap::agx)
         line += fmt::format(" --tonemap {}", nameOf(kToneMapNames, view.toneMap));
     const auto edits = materialEdits(document.edits.original().materials, document.edits.now().materials);

@@ -85,7 +85,8 @@ void drawPicturePanel(ViewerState& state) {
                                                         "diffuse indirect"};
     changed |= choose("Component", view.component, kComponents);
     // Tone and exposure are applied on the way to the window.
-    widgets::sliderFloat("Exposure", &view.exposureStops, -8, 8, "%.1f stops");
+    widgets::sliderFloat("Exposure", &view.exposureStops, -16, 16, "%.1f stops");
+    if (widgets::button("Expose for this view")) meterExposure(state);
     constexpr std::array<const char*, 3> kToneMaps = {"linear", "AgX", "ACES"};
     choose("Tone mapping", view.toneMap, kToneMaps);
     changed |= widgets::checkbox("Trace sharp reflections at rest", &view.raysAtRest);

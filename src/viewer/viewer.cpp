@@ -112,7 +112,7 @@ class Viewer {
 };
 
 void Viewer::open(const std::string& path) {
-    auto document = std::make_unique<Document>(path, options_.environment);
+    auto document = std::make_unique<Document>(path, options_.lighting);
     const bool again = state_.document && state_.document->path == path;
     bake_.reset();
     light_.reset();
@@ -124,8 +124,9 @@ void Viewer::open(const std::string& path) {
     state_.document = std::move(document);
     state_.selectedSurface.reset();
     state_.fileChanged = false;
+    state_.message = noticeOf(*state_.document);
     // Reloading a file keeps the camera.
-    if (!again) showCamera(state_, 0);
+    if (!again) showFirstView(state_);
     state_.touch();
     rememberFile(path);
     state_.recentFiles = recentFiles();
@@ -139,7 +140,6 @@ void Viewer::open(const std::string& path) {
 void Viewer::tryOpen(const std::string& path) {
     try {
         open(path);
-        state_.message.clear();
     } catch (const std::exception& error) {
         state_.message = sentenceOf(error);
     }

@@ -4,11 +4,13 @@
 #include <glm/glm.hpp>
 #include <string>
 
+#include "io/phat/scene_lighting.h"
+
 namespace phat {
 
 struct ViewerOptions {
-    std::string path;         // empty: asks for a file
-    std::string environment;  // of a scene that is not baked; empty: the file's own
+    std::string path;        // empty: asks for a file
+    SceneLighting lighting;  // of a scene that is not baked
     std::string shaderFolder;
     glm::ivec2 size{1280, 720};
     float uiScale = 0;  // 0: the screen's

@@ -71,6 +71,15 @@ struct ViewerState {
 /// Shows one of the file's cameras.
 void showCamera(ViewerState& state, int index);
 
+/// Shows a file that was opened: its first camera, exposed for what it sees.
+void showFirstView(ViewerState& state);
+
+/// What was added to a file's light; empty if nothing was.
+std::string noticeOf(const Document& document);
+
+/// Sets the exposure by what the view shows.
+void meterExposure(ViewerState& state);
+
 /// How the renderer draws what a side shows; the picture's size and its rays are the caller's. pre: not the
 /// path tracer.
 FrameSettings frameSettings(const ViewerState& state, Source source);

@@ -15,7 +15,7 @@ TEST(Document, SavesTheSettingsThatItsBakeWasMadeWith) {
     const TemporaryFolder folder;
     const std::string path = folder.file("room.glb");
     std::filesystem::copy_file(PHAT_SOURCE_DIR "/scenes/furnace.glb", path);
-    Document document(path, "");
+    Document document(path, SceneLighting());
     ASSERT_FALSE(document.hasBake);
     BakeSettings settings;
     settings.atlas.texelBudget = 2000;

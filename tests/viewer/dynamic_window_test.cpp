@@ -9,6 +9,7 @@
 #include "viewer/panels.h"
 #include "viewer/screen_pictures.h"
 #include "viewer/window_driver.h"
+#include "viewer/window_exposure.h"
 
 namespace phat {
 namespace {
@@ -122,7 +123,8 @@ TEST_F(LiveWindow, RefinesAtRest) {
     window.settle();
     const Image plain = pictureOf(window.screenshot());
     const std::string out = folder->file("refined.png");
-    const auto result = runPhat({"render", baked(), "-o", out, "--refine", "7", "--quiet", "--size",
+    const auto result = runPhat({"render", baked(), "-o", out, "--refine", "7", "--quiet", "--exposure",
+                                 windowExposure(baked()), "--size",
                                  std::to_string(kPicture.x) + "x" + std::to_string(kPicture.y)});
     ASSERT_EQ(result.exitCode, 0) << result.err;
     const Image expected = cut(srgb(readPicture(out)), {0, 0}, {kPicture.x, kPicture.y - kLabelLines});

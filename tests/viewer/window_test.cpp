@@ -14,6 +14,7 @@
 #include "viewer/panels.h"
 #include "viewer/screen_pictures.h"
 #include "viewer/window_driver.h"
+#include "viewer/window_exposure.h"
 
 namespace phat {
 namespace {
@@ -49,10 +50,17 @@ struct ViewerWindow : testing::Test {
     // What `phat render` makes of the first camera in the window's shape.
     static Image rendered(const std::string& name, std::vector<std::string> flags = {}) {
         const std::string out = folder->file(name);
-        std::vector<std::string> words = {
-            "render",  baked(),  "-o",
-            out,       "--spp",  "16",
-            "--quiet", "--size", std::to_string(kPicture.x) + "x" + std::to_string(kPicture.y)};
+        std::vector<std::string> words = {"render",
+                                          baked(),
+                                          "-o",
+                                          out,
+                                          "--spp",
+                                          "16",
+                                          "--quiet",
+                                          "--size",
+                                          std::to_string(kPicture.x) + "x" + std::to_string(kPicture.y),
+                                          "--exposure",
+                                          windowExposure(baked())};
         words.insert(words.end(), flags.begin(), flags.end());
         const auto result = runPhat(words);
         EXPECT_EQ(result.exitCode, 0) << result.err;

@@ -11,12 +11,13 @@ export function sphereOf(root) {
     return sphere;
 }
 
-// Where a file has no camera. twin: defaultCamera in src/core/scene/scene.cpp.
-export function defaultCamera({ center, radius }) {
-    const camera = new PerspectiveCamera((0.7 * 180) / Math.PI);
-    const distance = (1.1 * radius) / Math.sin(0.35);
-    camera.position.copy(center).addScaledVector(new Vector3(0.6, 0.45, 1).normalize(), distance);
-    camera.lookAt(center);
+// Of a file that has none, from the numbers that `phat web` writes into the page: eye, target, vertical field of view in
+// degrees.
+export function defaultCamera(numbers) {
+    const [x, y, z, ...rest] = numbers.split(' ').map(Number);
+    const camera = new PerspectiveCamera(rest[3]);
+    camera.position.set(x, y, z);
+    camera.lookAt(...rest.slice(0, 3));
     camera.updateMatrixWorld();
     return camera;
 }

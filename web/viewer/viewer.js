@@ -122,7 +122,7 @@ class Viewer {
             (camera) => this.navigation.goTo(camera),
             () => this.changed(),
         );
-        this.navigation.goTo(cameras[0] ?? defaultCamera(sphere));
+        this.navigation.goTo(cameras[0] ?? defaultCamera(canvas.dataset.camera));
         this.resize();
         new ResizeObserver(() => this.resize()).observe(canvas);
         canvas.addEventListener('webglcontextrestored', () => {

@@ -153,7 +153,4 @@ struct Bounds {
 /// Box around all triangles (unused vertices do not count).
 Bounds boundsOf(const Scene& scene);
 
-/// A three-quarter view of the whole scene, for files without a camera.
-Camera defaultCamera(const Scene& scene);
-
 }  // namespace phat

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <fstream>
@@ -9,6 +11,11 @@
 namespace phat {
 namespace {
 
+// The largest half, at which the writers of suns stop that are brighter.
+constexpr float kLargestHalf = 65504;
+// Brighter than the sun's disc by far. Sums of more than this would leave the range of floats.
+constexpr float kMostRadiance = 1e9f;
+
 bool isExr(const std::string& path) {
     constexpr std::array<char, 4> kMagic = {0x76, 0x2f, 0x31, 0x01};
     std::array<char, 4> first{};
@@ -16,18 +23,39 @@ bool isExr(const std::string& path) {
     return first == kMagic;
 }
 
-// Skies that were filtered or painted hold slightly negative values and the odd NaN; light is neither.
-float asRadiance(float value) {
-    return value > 0 && std::isfinite(value) ? value : 0;
+float brightestFinite(const Image& image) {
+    float brightest = 0;
+    for (const glm::vec3& rgb : image.pixels)
+        for (int c = 0; c < 3; ++c)
+            if (std::isfinite(rgb[c])) brightest = std::max(brightest, rgb[c]);
+    return std::min(brightest, kMostRadiance);
 }
 
 }  // namespace
 
-Environment loadEnvironment(const std::string& path) {
+Environment loadEnvironment(const std::string& path, std::vector<std::string>* notes) {
     Environment environment{isExr(path) ? readExr(path) : readHdr(path)};
+    const float infinite = std::max(kLargestHalf, brightestFinite(environment.radiance));
+    size_t clamped = 0, undefined = 0;
     for (glm::vec3& rgb : environment.radiance.pixels) {
-        rgb = {asRadiance(rgb.x), asRadiance(rgb.y), asRadiance(rgb.z)};
+        const glm::vec3 before = rgb;
+        bool nan = false;
+        for (int c = 0; c < 3; ++c) {
+            nan = nan || std::isnan(before[c]);
+            // Skies that were filtered or painted hold slightly negative values; light is not.
+            rgb[c] = !(before[c] > 0)        ? 0
+                     : std::isinf(before[c]) ? infinite
+                                             : std::min(before[c], kMostRadiance);
+        }
+        undefined += nan;
+        clamped += maxComponent(before) > kMostRadiance;
     }
+    if (notes && clamped > 0)
+        notes->push_back(
+            fmt::format("{}: {} infinite pixels are taken for a radiance of {:g}", path, clamped, infinite));
+    if (notes && undefined > 0)
+        notes->push_back(
+            fmt::format("{}: {} pixels that are no numbers are taken for black", path, undefined));
     return environment;
 }
 

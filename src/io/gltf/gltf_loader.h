@@ -29,7 +29,9 @@ LoadedScene loadGltf(const std::string& path);
 /// of `source` (gltf_plain.h). pre: the buffers are not read yet.
 LoadedScene loadGltf(GltfSource& source, const GltfLoadOptions& options = {});
 
-/// Reads a latitude-longitude .hdr or .exr picture. Throws FileError.
-Environment loadEnvironment(const std::string& path);
+/// Reads a latitude-longitude .hdr or .exr picture. Infinite pixels become the largest half or, if it is
+/// more, the largest finite value; what is no number and what is negative becomes 0. Says so in `notes`, if
+/// given. Throws FileError.
+Environment loadEnvironment(const std::string& path, std::vector<std::string>* notes = nullptr);
 
 }  // namespace phat

@@ -16,6 +16,7 @@
 #include "io/phat/baked_layout.h"
 #include "io/phat/paper_storage.h"
 #include "io/phat/phat_payload.h"
+#include "io/phat/scene_lighting.h"
 
 namespace phat {
 namespace {
@@ -141,6 +142,7 @@ std::vector<uint8_t> bakedBytes(const GltfSource& source, const Scene& scene, co
                                 std::vector<std::string>& notes) {
     RewrittenGltf gltf = rewriteGltf(source, scene, bake.atlas);
     notes = gltf.notes;
+    writeAddedLights(scene, gltf.glb.json);
 
     json extension = {{"version", kBakedFormatVersion}, {"texCoord", gltf.texCoord}};
     if (record.storage != PhatexelStorage::packed) {

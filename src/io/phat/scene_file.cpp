@@ -5,24 +5,29 @@
 
 namespace phat {
 
-BakedScene readSceneFile(const std::string& path, const std::string& environmentPath) {
+SceneFile readSceneFile(const std::string& path, const SceneLighting& lighting) {
     GltfSource source = openGltf(path);
-    return readSceneFile(source, environmentPath);
+    return readSceneFile(source, lighting);
 }
 
-BakedScene readSceneFile(GltfSource& source, const std::string& environmentPath,
-                         const GltfLoadOptions& options) {
-    const std::string& path = source.path;
+SceneFile readSceneFile(GltfSource& source, const SceneLighting& lighting, BakedLighting whenBaked,
+                        const GltfLoadOptions& options) {
+    SceneFile file;
     if (isBakedFile(source)) {
-        if (!environmentPath.empty())
-            throw FileError(path, "has the environment that it was baked in; bake it again to change that");
-        return readBakedFile(source);
+        if (lighting.asked() && whenBaked == BakedLighting::refuse)
+            throw FileError(source.path, "has the light that it was baked in; bake it again to change that");
+        if (lighting.asked()) removeAddedLights(source.json);
+        file.baked = readBakedFile(source);
+        if (!lighting.asked()) return file;
+        file.baked.loaded.scene.environment = {};
+    } else {
+        file.baked.loaded = loadGltf(source, options);
     }
-    BakedScene plain;
-    plain.loaded = loadGltf(source, options);
-    if (!environmentPath.empty()) plain.loaded.scene.environment = loadEnvironment(environmentPath);
-    if (plain.loaded.scene.triangles.empty()) throw FileError(path, "has no triangles to bake");
-    return plain;
+    if (whenBaked == BakedLighting::refuse && file.baked.loaded.scene.triangles.empty())
+        throw FileError(source.path, "has no triangles to bake");
+    file.added = addLighting(lighting, file.baked.loaded.scene);
+    for (const std::string& line : file.added.lines) file.baked.loaded.notes.push_back(line);
+    return file;
 }
 
 }  // namespace phat

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "core/scene/default_camera.h"
 #include "support/moving_room.h"
 
 namespace phat {

@@ -3,6 +3,7 @@
 #include "core/base/octahedral.h"
 #include "core/dynamic/baker_thread.h"
 #include "core/dynamic/incremental_baker.h"
+#include "core/scene/default_camera.h"
 #include "support/moving_room.h"
 
 namespace phat {

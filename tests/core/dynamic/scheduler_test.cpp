@@ -4,6 +4,7 @@
 
 #include "core/dynamic/map_updater.h"
 #include "core/dynamic/urgency.h"
+#include "core/scene/default_camera.h"
 #include "support/moving_room.h"
 
 namespace phat {

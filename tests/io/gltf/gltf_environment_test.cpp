@@ -16,12 +16,35 @@ TEST(Environment, ExrKeepsLightAndLosesWhatIsNone) {
     sky.at(1, 0) = {-0.001f, NAN, 7};
     sky.at(2, 1) = {INFINITY, 0, 1};
     writeExr(folder.file("sky.exr"), sky);
-    const Image loaded = loadEnvironment(folder.file("sky.exr")).radiance;
+    std::vector<std::string> notes;
+    const Image loaded = loadEnvironment(folder.file("sky.exr"), &notes).radiance;
     ASSERT_EQ(loaded.width, 4);
     ASSERT_EQ(loaded.height, 2);
     EXPECT_EQ(loaded.at(0, 0), glm::vec3(0.25f, 0.5f, 3e4f));
     EXPECT_EQ(loaded.at(1, 0), glm::vec3(0, 0, 7));
-    EXPECT_EQ(loaded.at(2, 1), glm::vec3(0, 0, 1));
+    EXPECT_EQ(loaded.at(2, 1), glm::vec3(65504, 0, 1));
+    ASSERT_EQ(notes.size(), 2u);
+    EXPECT_NE(notes[0].find("1 infinite pixels are taken for a radiance of 65504"), std::string::npos)
+        << notes[0];
+    EXPECT_NE(notes[1].find("1 pixels that are no numbers"), std::string::npos) << notes[1];
+}
+
+// An infinite sun is no darker than the rest, and no sum of it leaves the range of floats.
+TEST(Environment, InfiniteIsTheBrightest) {
+    const TemporaryFolder folder;
+    Image sky(4, 2, glm::vec3(1));
+    sky.at(0, 0) = glm::vec3(2e5f);
+    sky.at(1, 0) = glm::vec3(INFINITY);
+    sky.at(3, 1) = {-INFINITY, 1, 1};
+    writeExr(folder.file("sky.exr"), sky);
+    const Image loaded = loadEnvironment(folder.file("sky.exr")).radiance;
+    EXPECT_EQ(loaded.at(1, 0), glm::vec3(2e5f));
+    EXPECT_EQ(loaded.at(3, 1), glm::vec3(0, 1, 1));
+    sky.at(2, 0) = glm::vec3(3e38f);
+    writeExr(folder.file("bright.exr"), sky);
+    std::vector<std::string> notes;
+    EXPECT_EQ(loadEnvironment(folder.file("bright.exr"), &notes).radiance.at(2, 0), glm::vec3(1e9f));
+    EXPECT_EQ(notes.size(), 1u);
 }
 
 TEST(Environment, HdrByItsContentNotItsName) {

@@ -1,0 +1,192 @@
+#include "core/scene/enclosure.h"
+
+#include <tbb/parallel_for.h>
+
+namespace phat {
+namespace {
+
+// A ground lies within this part of the scene's height above its lowest point, ...
+constexpr float kGroundThickness = 0.02f;
+// ... and reaches so many times farther than the rest.
+constexpr float kGroundOverhang = 1.5f;
+
+constexpr int kColumns = 16;        // of the grid, along each side
+constexpr int kMostCrossings = 64;  // surfaces that one vertical line crosses
+constexpr int kDirections = 128;    // that tell whether a point is enclosed
+// Windows, doors and a missing piece of wall leave a room a room; a missing wall or ceiling does not.
+constexpr float kLeastEnclosed = 0.85f;
+// In a room fronts look inward. What mostly backs surround is the inside of a thing, ...
+constexpr float kLeastFronts = 0.5f;
+// ... unless all of the scene is so, it is as high as rooms are and a few fronts are within: many rooms are
+// modelled with their fronts outward.
+constexpr float kLeastFrontsInMeters = 0.05f;
+// Lower spaces than this part of the highest room or, where that is in no known unit, of the scene are
+// hollows of furniture, attics, the space under a bed.
+constexpr float kLeastRoomHeight = 0.5f;
+// Less of the scene's ground plan than this, of kColumns^2 points, is a cavity and no room.
+constexpr size_t kLeastPoints = 8;
+// Rooms within these heights are taken to be in metres.
+constexpr float kLeastRoomMeters = 2, kMostRoomMeters = 12;
+
+// Point `index` of `count` spread evenly over the sphere. source: Swinbank and Purser 2006, "Fibonacci
+// grids".
+glm::vec3 spherePoint(int index, int count) {
+    const double y = 1 - (2 * index + 1.0) / count, radius = std::sqrt(std::max(0.0, 1 - y * y));
+    const double angle = 2.399963229728653 * index;  // the golden one
+    return {radius * std::cos(angle), y, radius * std::sin(angle)};
+}
+
+// Heights at which the vertical line through (x, z) crosses surfaces, downward.
+std::vector<float> crossings(const RayScene& rays, const Bounds& bounds, float x, float z) {
+    const float height = bounds.high.y - bounds.low.y, step = 1e-5f * bounds.diagonal();
+    std::vector<float> found;
+    float y = bounds.high.y + std::max(0.01f * height, step);
+    while (found.size() < kMostCrossings) {
+        const Hit hit = rays.closestHit({x, y, z}, {0, -1, 0});
+        if (!hit) break;
+        const float at = y - hit.distance;
+        // Two faces of a sheet, and triangles side by side, are one crossing.
+        if (found.empty() || found.back() - at > 10 * step) found.push_back(at);
+        y = at - step;
+    }
+    return found;
+}
+
+bool isRoomInMeters(float roomHeight) {
+    return roomHeight >= kLeastRoomMeters && roomHeight <= kMostRoomMeters;
+}
+
+float eyeHeight(float roomHeight) {
+    return isRoomInMeters(roomHeight) ? kEyeMeters : kEyeFraction * roomHeight;
+}
+
+// Whether `point` is enclosed; fills in what is around it.
+bool lookAround(const RayScene& rays, StandPoint& point) {
+    int seen = 0, met = 0, fronts = 0;
+    point.nearest = kFarDistance;
+    for (int i = 0; i < kDirections; ++i) {
+        const glm::vec3 direction = spherePoint(i, kDirections);
+        const Hit first = rays.closestHit(point.eye, direction);
+        if (!first) continue;
+        ++met;
+        fronts += !first.backFace;
+        const Hit hit = isCulled(rays.scene(), first) ? seenFrom(rays, point.eye, direction) : first;
+        if (!hit) continue;
+        ++seen;
+        point.nearest = std::min(point.nearest, hit.distance);
+    }
+    point.frontFraction = met > 0 ? float(fronts) / float(met) : 0.0f;
+    // Nearer to a wall than a shoulder, there is only the wall to see.
+    return float(seen) >= kLeastEnclosed * kDirections && point.nearest > 0.1f * point.roomHeight;
+}
+
+void addColumn(const RayScene& rays, const Bounds& bounds, glm::vec2 at, std::vector<StandPoint>& points) {
+    const std::vector<float> heights = crossings(rays, bounds, at.x, at.y);
+    const float least = 0.05f * (bounds.high.y - bounds.low.y);
+    for (size_t i = 0; i + 1 < heights.size(); ++i) {
+        StandPoint point;
+        point.floorHeight = heights[i + 1];
+        point.roomHeight = heights[i] - heights[i + 1];
+        if (point.roomHeight < least) continue;
+        point.eye = {at.x, point.floorHeight + eyeHeight(point.roomHeight), at.y};
+        if (lookAround(rays, point)) points.push_back(point);
+    }
+}
+
+// The floor on which most points stand: not tables, nor other storeys.
+std::vector<StandPoint> onMainFloor(const std::vector<StandPoint>& points, float tolerance) {
+    size_t most = 0;
+    float floor = 0;
+    for (const StandPoint& candidate : points) {
+        const auto count = size_t(std::count_if(points.begin(), points.end(), [&](const StandPoint& p) {
+            return std::abs(p.floorHeight - candidate.floorHeight) <= tolerance;
+        }));
+        if (count > most || (count == most && candidate.floorHeight < floor)) {
+            most = count;
+            floor = candidate.floorHeight;
+        }
+    }
+    std::vector<StandPoint> kept;
+    for (const StandPoint& p : points)
+        if (std::abs(p.floorHeight - floor) <= tolerance) kept.push_back(p);
+    return kept;
+}
+
+glm::vec3 cornerOf(const Scene& scene, uint32_t triangle, int corner) {
+    return scene.positions[scene.triangles[triangle][corner]];
+}
+
+}  // namespace
+
+bool isCulled(const Scene& scene, const Hit& hit) {
+    return hit.backFace && !scene.materialOf(hit.triangle).doubleSided;
+}
+
+Hit seenFrom(const RayScene& rays, glm::vec3 origin, glm::vec3 direction) {
+    float passed = 0;
+    for (int i = 0; i < kMostCrossings; ++i) {
+        Hit hit = rays.closestHit(origin + passed * direction, direction);
+        if (!hit) return hit;
+        hit.distance += passed;
+        if (!isCulled(rays.scene(), hit)) return hit;
+        passed = hit.distance * (1 + 1e-5f) + 1e-6f * hit.distance;
+    }
+    return {};
+}
+
+std::vector<bool> trianglesWithoutGround(const Scene& scene) {
+    std::vector<bool> counts(scene.triangles.size(), true);
+    const Bounds all = boundsOf(scene);
+    if (all.empty()) return counts;
+    const float top = all.low.y + kGroundThickness * (all.high.y - all.low.y);
+    Bounds rest;
+    for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
+        bool low = true;
+        for (int c = 0; c < 3; ++c) low = low && cornerOf(scene, t, c).y <= top;
+        counts[t] = !low;
+        for (int c = 0; c < 3 && !low; ++c) rest.add(cornerOf(scene, t, c));
+    }
+    const glm::vec3 extent = all.high - all.low, ofRest = rest.high - rest.low;
+    const bool ground =
+        !rest.empty() && std::max(extent.x, extent.z) > kGroundOverhang * std::max(ofRest.x, ofRest.z);
+    if (!ground) counts.assign(counts.size(), true);
+    return counts;
+}
+
+Bounds boundsWithoutGround(const Scene& scene) {
+    const std::vector<bool> counts = trianglesWithoutGround(scene);
+    Bounds bounds;
+    for (uint32_t t = 0; t < scene.triangles.size(); ++t)
+        for (int c = 0; c < 3 && counts[t]; ++c) bounds.add(cornerOf(scene, t, c));
+    return bounds;
+}
+
+std::vector<StandPoint> standPoints(const RayScene& rays) {
+    const Bounds bounds = boundsWithoutGround(rays.scene());
+    if (bounds.empty()) return {};
+    std::vector<std::vector<StandPoint>> columns(size_t(kColumns) * kColumns);
+    tbb::parallel_for(size_t(0), columns.size(), [&](size_t i) {
+        const glm::vec2 unit((float(i % kColumns) + 0.5f) / kColumns,
+                             (float(i / kColumns) + 0.5f) / kColumns);
+        const glm::vec2 low(bounds.low.x, bounds.low.z), high(bounds.high.x, bounds.high.z);
+        addColumn(rays, bounds, glm::mix(low, high, unit), columns[i]);
+    });
+    std::vector<StandPoint> all;
+    for (const auto& column : columns) all.insert(all.end(), column.begin(), column.end());
+    std::vector<StandPoint> points = all;
+    std::erase_if(points, [](const StandPoint& p) { return p.frontFraction < kLeastFronts; });
+    const bool outward = points.size() < kLeastPoints;
+    if (outward) points = all;
+    float highest = 0, fronts = 0;
+    for (const StandPoint& p : points) highest = std::max(highest, p.roomHeight);
+    const float height = bounds.high.y - bounds.low.y;
+    const float leastHeight = kLeastRoomHeight * (isRoomInMeters(highest) ? highest : height);
+    std::erase_if(points, [&](const StandPoint& p) { return p.roomHeight < leastHeight; });
+    points = onMainFloor(points, 0.03f * height);
+    for (const StandPoint& p : points) fronts += p.frontFraction;
+    const float leastFronts = outward && isRoomInMeters(highest) ? kLeastFrontsInMeters : kLeastFronts;
+    if (points.size() < kLeastPoints || fronts < leastFronts * float(points.size())) return {};
+    return points;
+}
+
+}  // namespace phat

@@ -1,0 +1,40 @@
+#pragma once
+// Insides of a scene: where one could stand in a room.
+
+#include <vector>
+
+#include "core/scene/rays.h"
+
+namespace phat {
+
+/// Whether a hit is on the back of a single-sided material, which eyes do not see and light does not pass.
+bool isCulled(const Scene& scene, const Hit& hit);
+
+/// The nearest hit that an eye sees: backs of single-sided materials are skipped, as the rasteriser culls
+/// them. pre: |direction| = 1.
+Hit seenFrom(const RayScene& rays, glm::vec3 origin, glm::vec3 direction);
+
+/// Box around the triangles without a ground: flat triangles beneath all else that reach much farther than
+/// it. Of a scene that is nothing else, all.
+Bounds boundsWithoutGround(const Scene& scene);
+/// Whether each triangle counts for that box.
+std::vector<bool> trianglesWithoutGround(const Scene& scene);
+
+/// An eye between a floor and a ceiling, with surfaces around it nearly everywhere.
+struct StandPoint {
+    glm::vec3 eye{0};
+    float floorHeight = 0;
+    float roomHeight = 0;     // from the floor to the ceiling
+    float nearest = 0;        // to any surface
+    float frontFraction = 0;  // of the surfaces around it
+};
+
+/// Eyes in rooms, on a grid over the scene, at the height of kEyeMeters or, where that says nothing of the
+/// room's unit, of kEyeFraction of the room. Empty where the scene has no inside. The same for any number of
+/// threads.
+std::vector<StandPoint> standPoints(const RayScene& rays);
+
+inline constexpr float kEyeMeters = 1.6f;
+inline constexpr float kEyeFraction = 0.6f;
+
+}  // namespace phat
