@@ -17,27 +17,35 @@ struct Channel {
     std::vector<float> values;
 };
 
-// source: EXT_mesh_gpu_instancing, "Extending nodes": the instance's transform is T * R * S below the node's.
-std::vector<Channel> channelsOf(const GltfSource& source, const json& attributes, MemoryBudget& budget) {
+struct Instances {
+    uint64_t count = 0;
     std::vector<Channel> channels;
-    std::optional<uint64_t> count;
-    const auto read = [&](const char* attribute, const char* key, uint32_t components) {
-        if (!attributes.contains(attribute)) return;
-        const uint64_t accessor = wholeNumber(attributes, attribute);
-        const uint64_t elements = wholeNumber(gltfItem(source.json, "accessors", accessor), "count");
-        if (count && *count != elements) throw Problem("its instances' attributes differ in count");
+};
+
+// source: EXT_mesh_gpu_instancing, "Extending nodes": the instance's transform is T * R * S below the node's.
+// Attributes of the application's own count instances too.
+Instances instancesOf(const GltfSource& source, const json& attributes, MemoryBudget& budget) {
+    Instances instances;
+    bool isFirst = true;
+    for (const auto& [name, accessor] : attributes.items()) {
+        const uint64_t index = wholeNumber(attributes, name.c_str());
+        const uint64_t count = wholeNumber(gltfItem(source.json, "accessors", index), "count");
         // A node of the file, a node of the scene and their surfaces, at least.
         constexpr uint64_t kInstanceBytes = 1024;
-        if (!count && elements > budget.left() / kInstanceBytes) budget.charge(~0ull, "its instances");
-        if (!count) budget.charge(elements * kInstanceBytes, "its instances");
-        count = elements;
-        channels.push_back(
-            {key, components, accessorFloats(source, accessor, components, components == 4, elements)});
-    };
-    read("TRANSLATION", "translation", 3);
-    read("ROTATION", "rotation", 4);
-    read("SCALE", "scale", 3);
-    return channels;
+        if (isFirst) budget.charge(count > budget.left() ? count : count * kInstanceBytes, "its instances");
+        if (!isFirst && instances.count != count) throw Problem("its instances' attributes differ in count");
+        isFirst = false;
+        instances.count = count;
+        const char* key = name == "TRANSLATION" ? "translation"
+                          : name == "ROTATION"  ? "rotation"
+                          : name == "SCALE"     ? "scale"
+                                                : nullptr;
+        if (!key) continue;
+        const uint32_t components = name == "ROTATION" ? 4 : 3;
+        instances.channels.push_back(
+            {key, components, accessorFloats(source, index, components, components == 4, count)});
+    }
+    return instances;
 }
 
 }  // namespace
@@ -49,14 +57,13 @@ void expandInstances(GltfSource& source, MemoryBudget& budget) {
         const json* instancing = findExtension(node, kInstancing);
         if (!instancing) continue;
         if (node.contains("mesh") && instancing->contains("attributes")) {
-            const std::vector<Channel> channels = channelsOf(source, instancing->at("attributes"), budget);
-            const size_t count = channels.empty() ? 0 : channels[0].values.size() / channels[0].components;
+            const Instances instances = instancesOf(source, instancing->at("attributes"), budget);
             json& nodes = source.json["nodes"];
-            for (size_t i = 0; i < count; ++i) {
+            for (size_t i = 0; i < instances.count; ++i) {
                 json instance = {{"mesh", node["mesh"]}};
                 for (const char* key : {"name", "weights"})
                     if (node.contains(key)) instance[key] = node[key];
-                for (const Channel& channel : channels)
+                for (const Channel& channel : instances.channels)
                     for (uint32_t c = 0; c < channel.components; ++c)
                         instance[channel.key].push_back(channel.values[i * channel.components + c]);
                 nodes[n]["children"].push_back(nodes.size());

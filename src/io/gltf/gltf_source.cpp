@@ -4,7 +4,6 @@
 
 #include <cassert>
 #include <cstring>
-#include <map>
 #include <numeric>
 #include <string_view>
 #include <utility>
@@ -169,16 +168,11 @@ int determinantSign(const json& node) {
 }
 
 // The sign of a product of matrices' determinants is the product of the signs.
-bool isMirrored(const json& gltf, uint64_t node) {
+bool isMirrored(const json& gltf, const Scene& scene, uint64_t node) {
     const json& nodes = gltf.at("nodes");
-    std::map<uint64_t, uint64_t> parent;
-    for (size_t i = 0; i < nodes.size(); ++i)
-        for (const json& child : nodes[i].value("children", json::array())) parent[child.get<uint64_t>()] = i;
     int sign = determinantSign(nodes.at(node));
-    for (size_t depth = 0; parent.contains(node) && depth < nodes.size(); ++depth) {
-        node = parent[node];
-        sign *= determinantSign(nodes.at(node));
-    }
+    for (int32_t up = scene.nodes.at(node).parent; up >= 0; up = scene.nodes[size_t(up)].parent)
+        sign *= determinantSign(nodes.at(size_t(up)));
     return sign < 0;
 }
 
@@ -300,7 +294,7 @@ SurfaceCorners surfaceCorners(const GltfSource& source, const Scene& scene, cons
     const json& positions = gltfItem(source.json, "accessors", wholeNumber(attributes, "POSITION"));
     SurfaceCorners corners;
     corners.vertexCount = uint32_t(wholeNumber(positions, "count"));
-    corners.swapped = isMirrored(source.json, surface.node);
+    corners.swapped = isMirrored(source.json, scene, surface.node);
     const std::vector<Corners> listed = listedTriangles(source, primitive, corners.vertexCount);
 
     // Without normals every corner has a vertex of its own, in the order of the file.

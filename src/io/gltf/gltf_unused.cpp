@@ -55,8 +55,8 @@ class Walk {
         follow(node, "camera", "cameras");
         if (const json* instancing = findExtension(node, "EXT_mesh_gpu_instancing"))
             if (instancing->contains("attributes"))
-                for (const char* name : {"TRANSLATION", "ROTATION", "SCALE"})
-                    visitAccessor(instancing->at("attributes"), name);
+                for (const auto& item : instancing->at("attributes").items())
+                    visitAccessor(instancing->at("attributes"), item.key().c_str());
     }
 
     // Joints may stand outside the scene; their transforms count all the same.

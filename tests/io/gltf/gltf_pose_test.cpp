@@ -195,6 +195,11 @@ TEST(GltfInstances, EachIsASurfaceBelowItsNode) {
     EXPECT_NE(loaded.scene.surfaces[0].node, loaded.scene.surfaces[1].node);
     expectPositions(loaded.scene, {{1, 0, 5}, {2, 0, 5}, {1, 1, 5}, {2, 0, 5}, {0, 0, 5}, {2, 3, 5}});
 
+    GltfBuilder counted = builder;
+    Json& own = counted.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+    own = {{"_ID", own["_ID"]}};
+    expectPositions(load(counted).scene, {{0, 0, 5}, {1, 0, 5}, {0, 1, 5}, {0, 0, 5}, {1, 0, 5}, {0, 1, 5}});
+
     builder.json["accessors"][1]["count"] = 1;
     EXPECT_THROW(load(builder), FileError);  // the attributes differ in count
 }
