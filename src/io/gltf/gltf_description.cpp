@@ -21,8 +21,9 @@ constexpr const char* kBakedExtension = "PHAT_photon_accumulation_texture";
 
 constexpr std::array kSupported = {
     "KHR_lights_punctual",   "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
-    "KHR_materials_ior",     "KHR_materials_specular",  "KHR_materials_unlit",
-    "KHR_mesh_quantization", "KHR_texture_transform",   kBakedExtension,
+    "KHR_materials_ior",     "KHR_materials_specular",  "KHR_materials_transmission",
+    "KHR_materials_unlit",   "KHR_materials_volume",    "KHR_mesh_quantization",
+    "KHR_texture_transform", kBakedExtension,
 };
 
 bool isSupported(const std::string& extension) {
