@@ -8,6 +8,9 @@
 #include "lib/paper_cone.glsl"
 #include "lib/visible_surface.glsl"
 #include "lib/lights.glsl"
+#ifdef GLASS
+#include "lib/glass.glsl"
+#endif
 
 #ifdef LOOKUP
 // The layers of lib/sums_out.glsl; then, as the bits of floats, the radiance that rays brought, two layers a lobe.
@@ -22,7 +25,12 @@ uniform sampler2DArray irradiance;  // 0 indirect, 1 area lights
 uniform vec3 show;                  // direct, glossy indirect, diffuse indirect: 0 or 1
 uniform int alphaMode;
 
+#ifdef GLASS
+layout(location = 0, index = 0) out vec4 radiance;
+layout(location = 0, index = 1) out vec4 transmittance;  // of what is behind
+#else
 layout(location = 0) out vec4 radiance;  // premultiplied by opacity
+#endif
 
 #ifdef AREA
 const int kSources = 2;
@@ -208,6 +216,9 @@ void main() {
     }
 
     VisibleSurface s = visibleSurface(factors);
+#ifdef GLASS
+    transmittance = vec4(1.0 - alpha + alpha * glassTransmittance(factors, s), 1.0);
+#endif
     Components c = Components(emission, vec3(0.0), vec3(0.0));
     addPunctualLights(s, c.direct);
     if (s.chart != kNoChart) addBakedLight(s, c);
@@ -215,6 +226,9 @@ void main() {
     // A broken vertex or texel must not spread over the picture.
     if (any(isnan(sum)) || any(isinf(sum))) sum = vec3(0.0);
     radiance = vec4(sum * alpha, alpha);
+#ifdef GLASS
+    radiance.a = 0.0;
+#endif
 #if defined(COUNT_READS) && defined(LOOKUP)
     radiance = vec4(0.0, 0.0, 0.0, 1.0);
     for (int i = 0; i < kSources; ++i)

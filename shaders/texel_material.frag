@@ -17,7 +17,7 @@ void main() {
         rows[i] = texelFetch(materialTable, tableTexel(material * kFactorRows + i), 0);
     vec4 a = texelFetch(texelTexturesA, texel, 0);
     vec4 b = texelFetch(texelTexturesB, texel, 0);
-    MaterialTexels texels = MaterialTexels(a.rrr, a.g, a.b, a.a, b.rrr, b.g, b.b);
+    MaterialTexels texels = MaterialTexels(a.rrr, a.g, a.b, a.a, b.rrr, b.g, b.b, 1.0);
     Brdf brdf = brdfFrom(unpackFactors(rows), texels, vec3(0.0, 0.0, 1.0));
     base = vec4(dot(brdf.f0, vec3(1.0 / 3.0)), brdf.f90, brdf.alpha,
                 brdf.clearcoat > 0.0 ? brdf.clearcoatAlpha : 0.0);

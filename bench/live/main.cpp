@@ -14,6 +14,7 @@
 
 #include "core/base/stopwatch.h"
 #include "core/dynamic/baker_thread.h"
+#include "core/scene/default_camera.h"
 #include "core/transport/photon_map.h"
 #include "gl/gl_context.h"
 #include "gl/picture_sum.h"

@@ -14,6 +14,8 @@ struct Brdf {
     float clearcoat;
     float clearcoatAlpha;
     vec3 clearcoatNormal;  // local
+    float transmission;
+    vec3 transmissionColor;
 };
 
 struct LobeValues {
@@ -77,6 +79,7 @@ vec3 specularAlbedo(vec3 f0, float f90, float alpha, float nDotV) {
 float diffuseWeight(Brdf brdf, float nDotV) {
     float brightest = maxComponent(brdf.diffuseColor);
     if (brightest <= 0.0) return 1.0;
+    if (brdf.transmission > 0.0 && brdf.transmission < 1.0) brightest /= 1.0 - brdf.transmission;
     float left = 1.0 - maxComponent(specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, nDotV));
     return clamp(left / brightest, 0.0, 1.0);
 }
@@ -86,6 +89,11 @@ float clearcoatTransmission(Brdf brdf, vec3 towardEye) {
     float cosine = max(dot(towardEye, brdf.clearcoatNormal), 0.0);
     vec2 ab = splitSum(cosine, brdf.clearcoatAlpha);
     return 1.0 - brdf.clearcoat * (kClearcoatF0 * ab.x + ab.y);
+}
+
+vec3 interfaceTransmittance(Brdf brdf, vec3 towardEye) {
+    float reflected = maxComponent(specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, towardEye.z));
+    return clearcoatTransmission(brdf, towardEye) * max(1.0 - reflected, 0.0) * brdf.transmissionColor;
 }
 
 // BRDF * cos by lobe: Lambert, and GGX with the coat.

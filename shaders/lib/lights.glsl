@@ -13,6 +13,9 @@ const int kLightDirectional = 2;
 uniform sampler2D lightTable;
 uniform sampler2DArrayShadow shadowMaps;
 uniform int lightCount;
+#ifdef SHADOW_TINTS
+uniform sampler2DArray shadowTints;  // rgb: what all glass on the way lets through; a: the depth of the nearest
+#endif
 
 struct PunctualSample {
     vec3 towardLight;
@@ -99,7 +102,34 @@ float shadowLayerVisibility(int layer, int firstRow, vec3 point, vec3 normalGeom
     return lit / 9.0;
 }
 
-float shadowVisibility(int light, vec3 point, vec3 normalGeometric) {
+#ifdef SHADOW_TINTS
+// Where there is more than one glass, also a point between them receives what all of them let through.
+vec3 shadowTint(int layer, int firstRow, vec3 point) {
+    int row = firstRow + layer * kShadowRows;
+    mat4 clipFromWorld = mat4(texelFetch(lightTable, tableTexel(row), 0),
+                              texelFetch(lightTable, tableTexel(row + 1), 0),
+                              texelFetch(lightTable, tableTexel(row + 2), 0),
+                              texelFetch(lightTable, tableTexel(row + 3), 0));
+    vec4 clip = clipFromWorld * vec4(point, 1.0);
+    vec3 ndc = clip.xyz / clip.w;
+    if (clip.w <= 0.0 || any(greaterThan(abs(ndc), vec3(1.0)))) return vec3(1.0);
+    ivec2 last = textureSize(shadowTints, 0).xy - 1;
+    vec2 texel = (0.5 * ndc.xy + 0.5) * vec2(last + 1) - 0.5;
+    vec2 corner = floor(texel), t = texel - corner;
+    // A glass does not lie before itself.
+    float depth = 0.5 * ndc.z + 0.5 - 1e-5;
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < 4; ++i) {
+        ivec2 side = ivec2(i & 1, i >> 1);
+        vec4 tap = texelFetch(shadowTints, ivec3(clamp(ivec2(corner) + side, ivec2(0), last), layer), 0);
+        float weight = (side.x == 1 ? t.x : 1.0 - t.x) * (side.y == 1 ? t.y : 1.0 - t.y);
+        sum += weight * (tap.a < depth ? tap.rgb : vec3(1.0));
+    }
+    return sum;
+}
+#endif
+
+vec3 shadowVisibility(int light, vec3 point, vec3 normalGeometric) {
     vec4 row = lightRow(light, 3);
     int layer = int(row.y);
     if (row.z > 1.5) {
@@ -110,5 +140,9 @@ float shadowVisibility(int light, vec3 point, vec3 normalGeometric) {
         else if (a.y >= a.z) layer += d.y > 0.0 ? 2 : 3;
         else layer += d.z > 0.0 ? 4 : 5;
     }
-    return shadowLayerVisibility(layer, lightCount * kLightRows, point, normalGeometric);
+    vec3 visibility = vec3(shadowLayerVisibility(layer, lightCount * kLightRows, point, normalGeometric));
+#ifdef SHADOW_TINTS
+    if (visibility.x > 0.0) visibility *= shadowTint(layer, lightCount * kLightRows, point);
+#endif
+    return visibility;
 }

@@ -4,17 +4,19 @@
 
 // Rows of a material, in this order. Slots follow, two rows each:
 // (m00 m10 m20 uvSet) and (m01 m11 m21 bound) of the texture transform.
-const int kFactorRows = 5;
-const int kSlotBaseColor = 5;
-const int kSlotMetallicRoughness = 7;
-const int kSlotNormal = 9;
-const int kSlotEmission = 11;
-const int kSlotSpecular = 13;
-const int kSlotSpecularColor = 15;
-const int kSlotClearcoat = 17;
-const int kSlotClearcoatRoughness = 19;
-const int kSlotClearcoatNormal = 21;
-const int kMaterialRows = 23;
+const int kFactorRows = 7;
+const int kSlotBaseColor = 7;
+const int kSlotMetallicRoughness = 9;
+const int kSlotNormal = 11;
+const int kSlotEmission = 13;
+const int kSlotSpecular = 15;
+const int kSlotSpecularColor = 17;
+const int kSlotClearcoat = 19;
+const int kSlotClearcoatRoughness = 21;
+const int kSlotClearcoatNormal = 23;
+const int kSlotTransmission = 25;
+const int kSlotThickness = 27;
+const int kMaterialRows = 29;
 
 struct MaterialFactors {
     vec4 baseColor;
@@ -30,11 +32,16 @@ struct MaterialFactors {
     float clearcoatRoughness;
     float clearcoatNormalScale;
     bool unlit;
+    float transmission;
+    float thickness;
+    float inverseAttenuationDistance;
+    vec3 attenuationColor;
 };
 
 MaterialFactors unpackFactors(vec4 rows[kFactorRows]) {
     return MaterialFactors(rows[0], rows[1].rgb, rows[1].a, rows[2].x, rows[2].y, rows[2].z, rows[2].w,
-                           rows[3].rgb, rows[3].a, rows[4].x, rows[4].y, rows[4].z, rows[4].w > 0.5);
+                           rows[3].rgb, rows[3].a, rows[4].x, rows[4].y, rows[4].z, rows[4].w > 0.5,
+                           rows[5].x, rows[5].y, rows[5].z, rows[6].rgb);
 }
 
 // The values of the textures at one point; white where there are none.
@@ -46,10 +53,11 @@ struct MaterialTexels {
     vec3 specularColor;
     float clearcoat;
     float clearcoatRoughness;
+    float transmission;
 };
 
 Brdf brdfFrom(MaterialFactors m, MaterialTexels t, vec3 clearcoatNormal) {
-    Brdf brdf = Brdf(vec3(0.0), vec3(0.0), 0.0, 1.0, 0.0, kMinAlpha, vec3(0.0, 0.0, 1.0));
+    Brdf brdf = Brdf(vec3(0.0), vec3(0.0), 0.0, 1.0, 0.0, kMinAlpha, vec3(0.0, 0.0, 1.0), 0.0, vec3(0.0));
     if (m.unlit) return brdf;
     vec3 base = clamp(m.baseColor.rgb * t.baseColor, 0.0, 1.0);
     float metallic = clamp(m.metallic * t.metallic, 0.0, 1.0);
@@ -62,6 +70,11 @@ Brdf brdfFrom(MaterialFactors m, MaterialTexels t, vec3 clearcoatNormal) {
     float dielectricF90 = specular * min(maxComponent(dielectricF0) / 0.02, 1.0);
 
     brdf.diffuseColor = base * (1.0 - metallic) * (1.0 - meanFresnel(maxComponent(dielectricF0), dielectricF90));
+    if (m.transmission > 0.0) {
+        brdf.transmission = clamp(m.transmission * t.transmission, 0.0, 1.0);
+        brdf.diffuseColor *= 1.0 - brdf.transmission;
+        brdf.transmissionColor = brdf.transmission * (1.0 - metallic) * base;
+    }
     brdf.f0 = mix(dielectricF0, base, metallic);
     brdf.f90 = mix(dielectricF90, 1.0, metallic);
     brdf.alpha = max(roughness * roughness, kMinAlpha);

@@ -17,6 +17,11 @@ uniform sampler2D clearcoatTexture;
 uniform sampler2D clearcoatRoughnessTexture;
 uniform sampler2D clearcoatNormalTexture;
 
+#ifdef GLASS_TEXTURES
+uniform sampler2D transmissionTexture;
+uniform sampler2D thicknessTexture;
+#endif
+
 uniform vec3 eyeWorld;
 uniform float eyeAtInfinity;
 
@@ -39,6 +44,14 @@ vec3 mappedNormal(sampler2D map, int slot, float scale, vec3 normal) {
     return size > 1e-6 ? mapped / size : normal;
 }
 
+float transmissionTexel() {
+#ifdef GLASS_TEXTURES
+    return texture(transmissionTexture, slotUv(kSlotTransmission)).r;
+#else
+    return 1.0;
+#endif
+}
+
 VisibleSurface visibleSurface(MaterialFactors factors) {
     VisibleSurface s;
     float side = gl_FrontFacing ? 1.0 : -1.0;
@@ -56,7 +69,7 @@ VisibleSurface visibleSurface(MaterialFactors factors) {
         metallicRoughness.b, texture(specularTexture, slotUv(kSlotSpecular)).a,
         texture(specularColorTexture, slotUv(kSlotSpecularColor)).rgb,
         texture(clearcoatTexture, slotUv(kSlotClearcoat)).r,
-        texture(clearcoatRoughnessTexture, slotUv(kSlotClearcoatRoughness)).g);
+        texture(clearcoatRoughnessTexture, slotUv(kSlotClearcoatRoughness)).g, transmissionTexel());
     s.worldFromLocal = frameFromNormal(normal);
     vec3 coatNormal =
         mappedNormal(clearcoatNormalTexture, kSlotClearcoatNormal, factors.clearcoatNormalScale, vertexNormal);

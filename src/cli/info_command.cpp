@@ -11,6 +11,7 @@
 #include "cli/commands.h"
 #include "core/scene/default_camera.h"
 #include "core/scene/scene.h"
+#include "core/scene/transparency.h"
 #include "io/gltf/gltf_source.h"
 #include "io/gltf/gltf_variants.h"
 #include "io/phat/bake_record.h"
@@ -47,14 +48,18 @@ Json describeScene(const LoadedScene& loaded, const Scene& lit) {
     Json lights = Json::array();
     for (const PunctualLight& light : scene.lights)
         lights.push_back({{"name", light.name}, {"type", kLightTypes[size_t(light.type)]}});
-    size_t emissive = 0;
-    for (const Material& material : scene.materials) emissive += maxComponent(material.emission) > 0;
+    size_t emissive = 0, transmissive = 0;
+    for (const Material& material : scene.materials) {
+        emissive += maxComponent(material.emission) > 0;
+        transmissive += isGlass(material);
+    }
 
     Json report{{"triangles", scene.triangles.size()},
                 {"vertices", scene.positions.size()},
                 {"surfaces", scene.surfaces.size()},
                 {"materials", namesOf(scene.materials)},
                 {"emissiveMaterials", emissive},
+                {"transmissiveMaterials", transmissive},
                 {"textures", scene.images.size()},
                 {"lights", lights},
                 {"cameras", namesOf(scene.cameras)},
@@ -149,8 +154,9 @@ void printScene(const Json& scene) {
     printLine("triangles", fmt::format("{} in {} surfaces", scene["triangles"].get<size_t>(),
                                        scene["surfaces"].get<size_t>()));
     printLine("materials",
-              fmt::format("{} ({} emissive), {} textures", scene["materials"].size(),
-                          scene["emissiveMaterials"].get<size_t>(), scene["textures"].get<size_t>()));
+              fmt::format("{} ({} emissive, {} transmissive), {} textures", scene["materials"].size(),
+                          scene["emissiveMaterials"].get<size_t>(),
+                          scene["transmissiveMaterials"].get<size_t>(), scene["textures"].get<size_t>()));
     std::string lights;
     for (const auto& light : scene["lights"])
         lights += fmt::format("{}{} ({})", lights.empty() ? "" : ", ", light["name"].get<std::string>(),

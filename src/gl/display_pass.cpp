@@ -4,7 +4,9 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "core/base/random.h"
+#include "gl/draw_order.h"
 #include "gl/inspect_pass.h"
+#include "gl/material_table.h"
 #include "gl/textures.h"
 
 namespace phat {
@@ -12,6 +14,8 @@ namespace {
 
 // Texture units 0-6 are common to all materials, 7-15 a material's nine slots: the 16 that every GPU has.
 constexpr int kFirstMaterialUnit = 7;
+// And more where there is glass: its own slots, and the shadows that it casts. Most GPUs have 32.
+constexpr int kTintUnit = kFirstMaterialUnit + kSlotCount, kGlassUnits = kTintUnit + 1;
 
 struct CameraMatrices {
     glm::mat4 clipFromWorld{1};
@@ -69,7 +73,7 @@ void drawBackground(const DisplayPass& pass, const DisplayInput& input, const Ca
 }
 
 void drawDepth(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& camera) {
-    const ShaderProgram& program = pass.depthProgram;
+    const ShaderProgram& program = pass.shadows.depth;
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LESS);
     glDepthMask(GL_TRUE);
@@ -77,11 +81,11 @@ void drawDepth(const DisplayPass& pass, const DisplayInput& input, const CameraM
     program.set("clipFromWorld", camera.clipFromWorld);
     program.use();
     for (const DrawRange& draw : input.scene.drawRanges) {
-        const Material& material = input.materials[draw.material];
-        if (material.alphaMode == AlphaMode::blend) continue;
+        const Material& material = input.materials.of(draw);
+        if (isSeenThrough(input.materials, draw)) continue;
         setCulling(material);
         program.set("alphaMode", int(material.alphaMode));
-        bindMaterial(input.scene, program, material, 0, false);
+        bindMaterial(input.scene, program, material, 0, BoundSlots::baseColor);
         glDrawArrays(GL_TRIANGLES, draw.firstVertex, draw.vertexCount);
     }
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -110,6 +114,7 @@ void bindShared(const ShaderProgram& program, const DisplayInput& input, const C
     program.bind("splitSumTable", 4, input.scene.splitSum.name());
     program.bind("lightTable", 5, input.shadows.lightTable.name());
     program.bind("shadowMaps", 6, input.shadows.depth.name());
+    if (input.shadows.tints) program.bind("shadowTints", kTintUnit, input.shadows.tints.name());
     program.set("lightCount", input.shadows.lightCount);
     program.set("show", shownParts(settings.component));
     bindCamera(program, camera, settings);
@@ -117,43 +122,40 @@ void bindShared(const ShaderProgram& program, const DisplayInput& input, const C
 }
 
 void drawSurface(const ShaderProgram& program, const DisplayInput& input, const DrawRange& draw) {
-    const Material& material = input.materials[draw.material];
+    const Material& material = input.materials.of(draw);
+    const bool glass = input.materials.glassOf(draw) != Glass::none;
     program.set("alphaMode", int(material.alphaMode));
-    bindMaterial(input.scene, program, material, kFirstMaterialUnit, true);
+    bindMaterial(input.scene, program, material, kFirstMaterialUnit,
+                 glass ? BoundSlots::glass : BoundSlots::opaque);
     glDrawArrays(GL_TRIANGLES, draw.firstVertex, draw.vertexCount);
 }
 
-// Behind what was drawn already: back to front, by the surfaces' middles; a surface's own back before its
-// front.
+// Blended surfaces and glass over what was drawn already: back to front; a surface's own back before its
+// front. Glass multiplies what is behind it by its transmittance in colour. Of a volume only the front is
+// drawn, with the light of both of its sides.
 void drawBlended(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& matrices,
                  const FrameSettings& settings) {
-    std::vector<uint32_t> order;
-    for (uint32_t i = 0; i < input.scene.drawRanges.size(); ++i)
-        if (input.materials[input.scene.drawRanges[i].material].alphaMode == AlphaMode::blend)
-            order.push_back(i);
+    const std::vector<uint32_t> order = farToNear(input.scene.drawRanges, input.materials, settings.camera);
     if (order.empty()) return;
-    const Camera& camera = settings.camera;
-    const glm::vec3 eye(camera.worldFromCamera[3]), backward(camera.worldFromCamera[2]);
-    const auto depth = [&](uint32_t i) {
-        const glm::vec3 toward = eye - input.scene.drawRanges[i].center;
-        return camera.perspective ? glm::dot(toward, toward) : glm::dot(toward, backward);
-    };
-    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return depth(a) > depth(b); });
-
+    if (!input.materials.glass.empty()) bindShared(pass.glassProgram, input, matrices, settings, nullptr);
     bindShared(pass.displayProgram, input, matrices, settings, nullptr);
     glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     glDepthFunc(GL_LESS);
     glDepthMask(GL_FALSE);
     glEnable(GL_CULL_FACE);
     for (uint32_t i : order) {
         const DrawRange& draw = input.scene.drawRanges[i];
-        if (input.materials[draw.material].doubleSided) {
+        const Glass glass = input.materials.glassOf(draw);
+        const ShaderProgram& program = glass == Glass::none ? pass.displayProgram : pass.glassProgram;
+        if (glass != Glass::none) program.set("glassInterfaces", int(glass));
+        program.use();
+        glBlendFunc(GL_ONE, glass == Glass::none ? GL_ONE_MINUS_SRC_ALPHA : GL_SRC1_COLOR);
+        if (input.materials.of(draw).doubleSided && glass != Glass::volume) {
             glCullFace(GL_FRONT);
-            drawSurface(pass.displayProgram, input, draw);
+            drawSurface(program, input, draw);
         }
         glCullFace(GL_BACK);
-        drawSurface(pass.displayProgram, input, draw);
+        drawSurface(program, input, draw);
     }
     glDisable(GL_BLEND);
 }
@@ -165,11 +167,11 @@ void drawOpaque(const ShaderProgram& program, const DisplayInput& input) {
     glBindVertexArray(input.scene.vertexArray.name());
     program.use();
     for (size_t i = 0; i < input.scene.drawRanges.size(); ++i) {
-        const Material& material = input.materials[input.scene.drawRanges[i].material];
-        if (material.alphaMode == AlphaMode::blend) continue;
-        setCulling(material);
+        const DrawRange& draw = input.scene.drawRanges[i];
+        if (isSeenThrough(input.materials, draw)) continue;
+        setCulling(input.materials.of(draw));
         program.set("surfaceIndex", int(i));
-        drawSurface(program, input, input.scene.drawRanges[i]);
+        drawSurface(program, input, draw);
     }
 }
 
@@ -218,11 +220,16 @@ FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool 
     return targets;
 }
 
-DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat, bool paper,
-                              bool countReads) {
+DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat, bool glass,
+                              bool paper, bool countReads) {
     std::vector<std::string> defines;
     if (atlas.sources.size() > 1) defines.push_back("AREA");
     if (clearcoat) defines.push_back("CLEARCOAT");
+    // Where the units do not suffice, glass is without its own textures and casts no shadows.
+    GLint units = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
+    const bool shadowTints = glass && units >= kGlassUnits;
+    if (shadowTints) defines.push_back("SHADOW_TINTS");
     DisplayPass pass;
     const auto display = [&](std::vector<std::string> indirect) {
         indirect.insert(indirect.end(), defines.begin(), defines.end());
@@ -230,7 +237,14 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, 
     };
     pass.displayProgram = paper ? display({"PAPER"}) : display({});
     pass.lookedUpProgram = countReads ? display({"LOOKUP", "COUNT_READS"}) : display({"LOOKUP"});
-    pass.depthProgram = ShaderProgram(folder, "surface.vert", "depth.frag");
+    if (glass) {
+        std::vector<std::string> ofGlass{"GLASS"};
+        if (paper) ofGlass.push_back("PAPER");
+        if (shadowTints) ofGlass.push_back("GLASS_TEXTURES");
+        pass.glassProgram = display(std::move(ofGlass));
+        pass.shadows.tints = ShaderProgram(folder, "surface.vert", "shadow_tint.frag");
+    }
+    pass.shadows.depth = ShaderProgram(folder, "surface.vert", "depth.frag");
     pass.background = FullscreenProgram(folder, "background.frag");
     pass.accumulate = FullscreenProgram(folder, "accumulate.frag");
     return pass;

@@ -27,20 +27,22 @@ struct FrameTargets {
 FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool traced);
 
 struct DisplayPass {
-    ShaderProgram displayProgram, lookedUpProgram, depthProgram;
+    ShaderProgram displayProgram, lookedUpProgram, glassProgram;
+    ShadowPrograms shadows;
     FullscreenProgram background, accumulate;
 };
 
-/// `paper`: as of the RelightPass whose pyramid is displayed; `countReads`: see createLookupPass.
+/// `glass`: whether there is any; `paper`: as of the RelightPass whose pyramid is displayed; `countReads`:
+/// see createLookupPass.
 DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat,
-                              bool paper, bool countReads);
+                              bool glass, bool paper, bool countReads);
 
 struct DisplayInput {
     const GpuScene& scene;
     const GpuAtlas& atlas;
     const ShadowMaps& shadows;
     const GpuLookup& lookup;
-    const std::vector<Material>& materials;
+    const DrawnMaterials materials;
     // Null where the picture does not need them.
     const RelightPass* relit;
     const LookupPass* lookupPass;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/scene/transparency.h"
+
 namespace phat {
 
 std::array<glm::vec4, kMaterialRows> packMaterial(const Material& m) {
@@ -11,6 +13,8 @@ std::array<glm::vec4, kMaterialRows> packMaterial(const Material& m) {
     rows[2] = {m.metallic, m.roughness, m.specular, m.ior};
     rows[3] = {m.specularColor, m.alphaCutoff};
     rows[4] = {m.clearcoat, m.clearcoatRoughness, m.clearcoatNormalScale, m.unlit ? 1.0f : 0.0f};
+    rows[5] = {isGlass(m) ? m.transmission : 0.0f, m.thickness, 1.0f / m.attenuationDistance, 0.0f};
+    rows[6] = {m.attenuationColor, 0.0f};
     for (int i = 0; i < kSlotCount; ++i) {
         const TextureSlot& slot = m.*kSlots[i].slot;
         const glm::mat3x2& t = slot.uvTransform;

@@ -8,8 +8,10 @@
 
 namespace phat {
 
-inline constexpr int kFactorRows = 5;
-inline constexpr int kSlotCount = 9;
+inline constexpr int kFactorRows = 7;
+inline constexpr int kSlotCount = 11;
+/// The first slots, which all surfaces have; the others are those of glass.
+inline constexpr int kOpaqueSlots = 9;
 inline constexpr int kMaterialRows = kFactorRows + 2 * kSlotCount;
 
 /// The texture slots in the order of the rows, with the sampler each feeds.
@@ -28,6 +30,8 @@ inline constexpr std::array<NamedSlot, kSlotCount> kSlots = {{
     {"clearcoatTexture", &Material::clearcoatTexture, false},
     {"clearcoatRoughnessTexture", &Material::clearcoatRoughnessTexture, false},
     {"clearcoatNormalTexture", &Material::clearcoatNormalTexture, false},
+    {"transmissionTexture", &Material::transmissionTexture, false},
+    {"thicknessTexture", &Material::thicknessTexture, false},
 }};
 
 std::array<glm::vec4, kMaterialRows> packMaterial(const Material& material);

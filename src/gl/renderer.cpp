@@ -15,8 +15,10 @@
 namespace phat {
 namespace {
 
-// Whether shadow maps of two versions of a material are the same: depth.frag reads no more of it.
+// Whether shadow maps of two versions of a material are the same: depth.frag reads no more of it
+// but where it is glass.
 bool castSameShadow(const Material& a, const Material& b) {
+    if (isGlass(a) || isGlass(b)) return a == b;
     return a.alphaMode == b.alphaMode && a.alphaCutoff == b.alphaCutoff && a.baseColor.a == b.baseColor.a;
 }
 
@@ -42,6 +44,7 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->shaderFolder = shaderFolder;
     state_->show(input.scene, input.atlas, input.points);
     state_->materials = input.scene.materials;
+    state_->findGlass();
     state_->lights = input.scene.lights;
     state_->scene = uploadScene(input.scene, input.atlas);
     state_->atlas = uploadAtlas(input.scene, input.atlas, input.phatexture);
@@ -132,6 +135,7 @@ void Renderer::setMaterials(const std::vector<Material>& materials) {
     const bool coatAppears = anyClearcoat(materials) && !anyClearcoat(s.materials);
     if (!std::equal(materials.begin(), materials.end(), s.materials.begin(), castSameShadow)) s.shadows = {};
     s.materials = materials;
+    s.findGlass();
     s.texelsChanged();
     if (coatAppears) s.dropPasses();
 }

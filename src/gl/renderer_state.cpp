@@ -34,16 +34,26 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
     if (std::exchange(clockRestarts, false)) clock.restart();
     glDisable(GL_BLEND);
     if (!shadows.depth) {
-        shadows = renderShadowMaps(lights, scene, materials, displayPass.depthProgram);
+        shadows = renderShadowMaps(lights, scene, {materials, glass}, displayPass.shadows);
         clock.ended(Pass::shadows);
     }
     const RelightPass* pyramid = nullptr;
-    if (!lookedUp || anyBlended(materials)) pyramid = &pyramidFrom(eyeOf(settings.camera), paper);
+    if (!lookedUp || anyBlended(materials) || !glass.empty())
+        pyramid = &pyramidFrom(eyeOf(settings.camera), paper);
     const bool texelsShown = what != Inspected::nothing && what != Inspected::reads;
     filterTextures(scene, settings.filter);
     return {displayPass,
-            {scene, atlas, shadows, lookup, materials, pyramid, lookups, tracedPass,
-             texelsShown ? &inspecting() : nullptr, clock, environmentTurn}};
+            {scene,
+             atlas,
+             shadows,
+             lookup,
+             {materials, glass},
+             pyramid,
+             lookups,
+             tracedPass,
+             texelsShown ? &inspecting() : nullptr,
+             clock,
+             environmentTurn}};
 }
 
 FrameSettings Renderer::State::possible(FrameSettings settings) const {
@@ -61,6 +71,10 @@ void Renderer::State::show(const Scene& now, const Atlas& itsAtlas, const TexelP
     shownScene = &now;
     shownAtlas = &itsAtlas;
     shownPoints = &points;
+}
+
+void Renderer::State::findGlass() {
+    glass = glassOfSurfaces(*shownScene, materials);
 }
 
 void Renderer::State::texelsChanged() {
@@ -84,7 +98,10 @@ const LookupPass& Renderer::State::lookupFor(bool counting) {
 
 const DisplayPass& Renderer::State::displayFor(bool paper, bool counting) {
     std::optional<DisplayPass>& made = paper ? displayPaper : counting ? countingDisplay : display;
-    if (!made) made = createDisplayPass(shaderFolder, atlas, anyClearcoat(materials), paper, counting);
+    const bool glassAppears = made && !glass.empty() && made->glassProgram.name() == 0;
+    if (!made || glassAppears)
+        made =
+            createDisplayPass(shaderFolder, atlas, anyClearcoat(materials), !glass.empty(), paper, counting);
     return *made;
 }
 

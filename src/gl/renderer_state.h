@@ -32,6 +32,8 @@ struct Renderer::State {
     FrameSettings possible(FrameSettings settings) const;
     /// The surfaces are those of `now`, for what is made of them later.
     void show(const Scene& now, const Atlas& itsAtlas, const TexelPoints& points);
+    /// What is glass, when the surfaces or the materials are other ones.
+    void findGlass();
     /// The inputs of the pyramids have changed.
     void texelsChanged();
     /// A clear coat changes the variants of the shaders.
@@ -46,6 +48,7 @@ struct Renderer::State {
     const Atlas* shownAtlas = nullptr;
     const TexelPoints* shownPoints = nullptr;
     std::vector<Material> materials;
+    std::vector<Glass> glass;  // [surface] or nothing
     std::vector<PunctualLight> lights;
     float environmentTurn = 0;
     int environmentWidth = 1;

@@ -33,7 +33,7 @@ ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, cons
     bytes.lookup = bytesOf(lookup.inverseCdfs, lookup.probes, lookup.scrambles, atlas.tilePatches,
                            atlas.charts, atlas.tileTable, atlas.tileLight);
     bytes.irradiance = textureBytes(atlas.irradiance);
-    bytes.shadows = bytesOf(shadows.depth, shadows.lightTable);
+    bytes.shadows = bytesOf(shadows.depth, shadows.tints, shadows.lightTable);
     const ReflectionTargets& traced = targets.reflections;
     bytes.frame = bytesOf(targets.picture, targets.depth, targets.lookup.incident, targets.lookup.pooled,
                           traced.base, traced.coat, traced.surface);

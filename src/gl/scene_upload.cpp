@@ -148,7 +148,7 @@ std::vector<DrawRange> drawRanges(const Scene& scene) {
             for (int corner = 0; corner < 3; ++corner)
                 bounds.add(scene.positions[scene.triangles[surface.firstTriangle + t][corner]]);
         ranges.push_back({GLint(surface.firstTriangle * 3), GLsizei(surface.triangleCount * 3),
-                          surface.material, bounds.center()});
+                          surface.material, uint32_t(&surface - scene.surfaces.data()), bounds.center()});
     }
     return ranges;
 }
@@ -212,9 +212,12 @@ void moveScene(GpuScene& gpu, const Scene& scene, const Atlas& atlas) {
 }
 
 void bindMaterial(const GpuScene& gpu, const ShaderProgram& program, const Material& material, int firstUnit,
-                  bool allSlots) {
+                  BoundSlots slots) {
     program.set("material", packMaterial(material));
-    for (int i = 0; i < (allSlots ? kSlotCount : 1); ++i) {
+    const int count = slots == BoundSlots::baseColor ? 1
+                      : slots == BoundSlots::opaque  ? kOpaqueSlots
+                                                     : kSlotCount;
+    for (int i = 0; i < count; ++i) {
         const TextureSlot& slot = material.*kSlots[i].slot;
         const auto& images = kSlots[i].srgb ? gpu.imagesSrgb : gpu.imagesLinear;
         const bool bound = slot.image >= 0 && images[slot.image];

@@ -7,6 +7,7 @@
 #include "core/atlas/atlas.h"
 #include "core/render/picture.h"
 #include "core/scene/scene.h"
+#include "core/scene/transparency.h"
 #include "gl/gl_objects.h"
 #include "gl/shader_loader.h"
 
@@ -17,7 +18,17 @@ struct DrawRange {
     GLint firstVertex = 0;
     GLsizei vertexCount = 0;
     uint32_t material = 0;
+    uint32_t surface = 0;
     glm::vec3 center{0};  // by which blended surfaces are sorted
+};
+
+/// Materials of the drawn surfaces.
+struct DrawnMaterials {
+    const std::vector<Material>& materials;
+    const std::vector<Glass>& glass;  // [surface] or nothing: glassOfSurfaces()
+
+    const Material& of(const DrawRange& draw) const { return materials[draw.material]; }
+    Glass glassOf(const DrawRange& draw) const { return glass.empty() ? Glass::none : glass[draw.surface]; }
 };
 
 struct GpuScene {
@@ -45,9 +56,10 @@ void moveScene(GpuScene& gpu, const Scene& scene, const Atlas& atlas);
 /// pictures of half their size and so on; `center` at the very point, as the path tracer reads them.
 void filterTextures(GpuScene& gpu, PixelFilter filter);
 
-/// Binds a material's uniforms; textures from unit `firstUnit` on when `allSlots`, else the base colour
-/// alone.
+/// Which of a material's texture slots a program reads.
+enum class BoundSlots : uint8_t { baseColor, opaque, glass };
+/// Binds a material's uniforms, and the textures of its slots from unit `firstUnit` on.
 void bindMaterial(const GpuScene& gpu, const ShaderProgram& program, const Material& material, int firstUnit,
-                  bool allSlots);
+                  BoundSlots slots);
 
 }  // namespace phat

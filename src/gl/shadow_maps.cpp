@@ -9,6 +9,8 @@ namespace {
 
 // Taps reach two texels past a face; with this border they never leave it.
 constexpr float kBorderTexels = 3;
+// Glass seldom has an edge that is not a frame's, too.
+constexpr int kSizeOverTints = 4;
 // Spots beyond 60 degrees from their axis waste a single perspective map; they get the point light's six.
 constexpr float kWidestSingleSpotCosine = 0.5f;
 
@@ -72,26 +74,66 @@ GlTexture createDepthArray(int size, int layers) {
 }
 
 // Binds a layer to be drawn to while what it returns lives.
-GlFramebuffer bindLayer(const GlTexture& depth, int layer, int size) {
+GlFramebuffer bindLayer(const GlTexture& texture, GLenum attachment, int layer, int size) {
     GLuint name = 0;
     glCreateFramebuffers(1, &name);
     GlFramebuffer framebuffer(name);
-    glNamedFramebufferTextureLayer(name, GL_DEPTH_ATTACHMENT, depth.name(), 0, layer);
+    glNamedFramebufferTextureLayer(name, attachment, texture.name(), 0, layer);
     glBindFramebuffer(GL_FRAMEBUFFER, name);
     glViewport(0, 0, size, size);
-    glClear(GL_DEPTH_BUFFER_BIT);
+    const GLfloat one[4] = {1, 1, 1, 1};
+    glClearBufferfv(attachment == GL_DEPTH_ATTACHMENT ? GL_DEPTH : GL_COLOR, 0, one);
     return framebuffer;
 }
 
-void drawView(const glm::mat4& clipFromWorld, const GpuScene& gpu, const std::vector<Material>& materials,
-              const ShaderProgram& program) {
+// Opaque and blended surfaces.
+void drawDepths(const glm::mat4& clipFromWorld, const GpuScene& gpu, const DrawnMaterials& materials,
+                const ShaderProgram& program) {
     program.set("clipFromWorld", clipFromWorld);
     for (const DrawRange& draw : gpu.drawRanges) {
-        const Material& material = materials[draw.material];
-        bindMaterial(gpu, program, material, 0, false);
+        if (materials.glassOf(draw) != Glass::none) continue;
+        const Material& material = materials.of(draw);
+        bindMaterial(gpu, program, material, 0, BoundSlots::baseColor);
         program.set("alphaMode", int(material.alphaMode));
         glDrawArrays(GL_TRIANGLES, draw.firstVertex, draw.vertexCount);
     }
+}
+
+// The product of what the glass before each other lets through, and the depth of the nearest.
+void drawTints(const glm::mat4& clipFromWorld, const GpuScene& gpu, const DrawnMaterials& materials,
+               const ShaderProgram& program) {
+    program.set("clipFromWorld", clipFromWorld);
+    for (const DrawRange& draw : gpu.drawRanges) {
+        const Glass glass = materials.glassOf(draw);
+        if (glass == Glass::none) continue;
+        bindMaterial(gpu, program, materials.of(draw), 0, BoundSlots::baseColor);
+        program.set("alphaMode", int(materials.of(draw).alphaMode));
+        program.set("glassInterfaces", int(glass));
+        glDrawArrays(GL_TRIANGLES, draw.firstVertex, draw.vertexCount);
+    }
+}
+
+GlTexture drawAllTints(const std::vector<PunctualLight>& lights, const std::vector<glm::mat4>& views,
+                       int size, const GpuScene& gpu, const DrawnMaterials& materials,
+                       const ShaderProgram& program) {
+    GlTexture tints = createTextureArray(GL_RGBA32F, glm::uvec2(size), std::max(1, int(views.size())));
+    program.use();
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ZERO, GL_SRC_COLOR);
+    glBlendEquationSeparate(GL_FUNC_ADD, GL_MIN);
+    size_t view = 0;
+    for (const PunctualLight& light : lights)
+        for (int i = 0; i < layersOf(light); ++i, ++view) {
+            const bool far = light.type == PunctualLight::Type::directional;
+            program.set("lightWorld", far ? -light.direction : light.position);
+            program.set("lightAtInfinity", far ? 1.0f : 0.0f);
+            const GlFramebuffer target = bindLayer(tints, GL_COLOR_ATTACHMENT0, int(view), size);
+            drawTints(views[view], gpu, materials, program);
+        }
+    glBlendEquation(GL_FUNC_ADD);
+    glDisable(GL_BLEND);
+    return tints;
 }
 
 GlTexture createLightTable(const std::vector<PunctualLight>& lights, const std::vector<glm::mat4>& views) {
@@ -112,7 +154,7 @@ GlTexture createLightTable(const std::vector<PunctualLight>& lights, const std::
 }  // namespace
 
 ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, const GpuScene& gpu,
-                            const std::vector<Material>& materials, const ShaderProgram& depthProgram) {
+                            const DrawnMaterials& materials, const ShadowPrograms& programs) {
     size_t layers = 0;
     for (const PunctualLight& light : lights) layers += size_t(layersOf(light));
     const int size = lights.empty() ? 1 : mapSize(layers);
@@ -130,14 +172,16 @@ ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, const GpuS
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LESS);
     glDepthMask(GL_TRUE);
-    glClearDepth(1);
     glBindVertexArray(gpu.vertexArray.name());
-    depthProgram.use();
+    programs.depth.use();
     for (size_t i = 0; i < views.size(); ++i) {
-        const GlFramebuffer target = bindLayer(maps.depth, int(i), size);
-        drawView(views[i], gpu, materials, depthProgram);
+        const GlFramebuffer target = bindLayer(maps.depth, GL_DEPTH_ATTACHMENT, int(i), size);
+        drawDepths(views[i], gpu, materials, programs.depth);
     }
     glDisable(GL_DEPTH_TEST);
+    if (programs.tints.name() != 0 && !materials.glass.empty())
+        maps.tints =
+            drawAllTints(lights, views, std::max(size / kSizeOverTints, 1), gpu, materials, programs.tints);
     checkGl("drawing the shadow maps");
     return maps;
 }

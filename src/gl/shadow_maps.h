@@ -11,12 +11,18 @@ namespace phat {
 
 struct ShadowMaps {
     GlTexture depth;       // DEPTH32F array with comparison; one layer even without lights
+    GlTexture tints;       // RGBA32F array, a quarter of the size: of glass; empty where there is none
     GlTexture lightTable;  // see shaders/lib/lights.glsl
     int lightCount = 0;
 };
 
+struct ShadowPrograms {
+    ShaderProgram depth;
+    ShaderProgram tints;  // empty where there is no glass
+};
+
 /// Six layers for a point light or a wide spot, one for a spot or a directional light. Throws GlError.
 ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, const GpuScene& gpu,
-                            const std::vector<Material>& materials, const ShaderProgram& depthProgram);
+                            const DrawnMaterials& materials, const ShadowPrograms& programs);
 
 }  // namespace phat

@@ -29,6 +29,7 @@ void drawMaterial(Edit& edit, Material& m, bool glows) {
     slider("Specular", m.specular, 1);
     drawEmission(edit, m, glows);
     if (m.normalTexture.image >= 0) slider("Normal strength", m.normalScale, 3);
+    if (m.transmission > 0) slider("Transmission", m.transmission, 1);
     if (m.clearcoat > 0) {
         slider("Clear coat", m.clearcoat, 1);
         slider("Coat roughness", m.clearcoatRoughness, 1);

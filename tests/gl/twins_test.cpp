@@ -177,6 +177,8 @@ BrdfCase caseOf(const Row& row) {
     made.brdf.clearcoat = row[3].x > 0.5f ? row[3].y : 0.0f;
     made.brdf.clearcoatAlpha = 0.01f + 0.5f * row[3].z;
     made.brdf.clearcoatNormal = glm::normalize(glm::vec3(0.3f * row[3].w, 0.1f, 1));
+    made.brdf.transmission = row[3].y > 0.5f ? 0.7f * row[3].z : 0.0f;
+    made.brdf.transmissionColor = {row[0].z, row[0].y, row[0].x};
     made.towardEye = squareToHemisphere({row[2].x, row[2].y});
     made.towardLight = squareToHemisphere({row[2].z, row[2].w});
     return made;
@@ -184,7 +186,8 @@ BrdfCase caseOf(const Row& row) {
 
 const std::string kBrdfCase = R"(
     Brdf brdf = Brdf(0.9 * a.xyz, b.xyz, b.w, max(a.w * a.w, kMinAlpha), d.x > 0.5 ? d.y : 0.0,
-                     0.01 + 0.5 * d.z, normalize(vec3(0.3 * d.w, 0.1, 1.0)));
+                     0.01 + 0.5 * d.z, normalize(vec3(0.3 * d.w, 0.1, 1.0)), d.y > 0.5 ? 0.7 * d.z : 0.0,
+                     a.zyx);
     vec3 eye = squareToHemisphere(c.xy), light = squareToHemisphere(c.zw);)";
 
 TEST_P(Twins, SplitSum) {
@@ -199,6 +202,18 @@ TEST_P(Twins, SplitSum) {
         const glm::vec2 want = splitSumTable()[size_t(at.y) * kSplitSumSize + size_t(at.x)];
         // Sums of 1,024 floats.
         expectNear(glm::vec3(glm::vec2(entries[i]), 0), glm::vec3(want, 0), 1e-4f, 1e-5f, i);
+    }
+}
+
+TEST_P(Twins, InterfaceTransmittance) {
+    const GlTexture table = splitSumTexture();
+    const auto rows = randomRows(15);
+    const auto results =
+        run("lib/brdf.glsl", kBrdfCase + "result = vec4(interfaceTransmittance(brdf, eye), 0);", rows,
+            table.name());
+    for (int i = 0; i < kRows; ++i) {
+        const BrdfCase made = caseOf(rows[i]);
+        expectNear(glm::vec3(results[i]), interfaceTransmittance(made.brdf, made.towardEye), 1e-4f, 1e-5f, i);
     }
 }
 

@@ -1,8 +1,8 @@
 // A three.js material as the rows that the shaders read.
 // twin: src/gl/material_table.cpp, shaders/lib/material.glsl.
 
-export const kMaterialRows = 23;
-const kFactorRows = 5;
+export const kMaterialRows = 29;
+const kFactorRows = 7;
 
 // The texture slots in the order of the rows, with the sampler that each feeds. three.js may hold the two
 // channels of metallicRoughness apart; glTF does not.
@@ -22,6 +22,12 @@ export function hasClearcoat(material) {
     return material.clearcoat > 0;
 }
 
+// twin: isGlass in src/core/scene/transparency.h
+export function isGlass(material) {
+    const shines = material.emissiveIntensity > 0 && material.emissive?.getHex() > 0;
+    return material.transmission > 0 && !shines;
+}
+
 export const kOpaque = 0,
     kMask = 1,
     kBlend = 2;
@@ -29,8 +35,9 @@ export function alphaMode(material) {
     return material.transparent ? kBlend : material.alphaTest > 0 ? kMask : kOpaque;
 }
 
+// Whether it is drawn in the picture of the surfaces that others are seen through.
 export function isBlended(material) {
-    return alphaMode(material) === kBlend;
+    return alphaMode(material) === kBlend || isGlass(material);
 }
 
 export function packMaterial(m, rows = new Float32Array(4 * kMaterialRows)) {
@@ -48,6 +55,8 @@ export function packMaterial(m, rows = new Float32Array(4 * kMaterialRows)) {
         ],
         16,
     );
+    // three.js draws what is seen through glass; the shaders leave out what is not reflected then.
+    rows.set([isGlass(m) ? m.transmission : 0, 0, 0, 0, 1, 1, 1, 0], 20);
     kSlots.forEach(([, textureOf], i) => {
         const texture = textureOf(m);
         const at = 4 * (kFactorRows + 2 * i);

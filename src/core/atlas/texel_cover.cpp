@@ -8,6 +8,7 @@
 #include "core/atlas/atlas.h"
 #include "core/base/hemisphere_map.h"
 #include "core/base/random.h"
+#include "core/scene/glass.h"
 
 namespace phat {
 namespace {
@@ -41,11 +42,14 @@ bool surroundedByDark(const TexelPoints& points, const Atlas& atlas, float texel
     const glm::vec2 shift = rng.uniform2();
     int dead = 0;
     float blocked = 0, sky = 0;
+    uint64_t rayCount = 0;
     for (int ray = 0; ray < kRays; ++ray) {
         const glm::vec2 stratum(float(ray % kStrata), float(ray / kStrata));
         const glm::vec2 square = glm::fract((stratum + shift) / float(kStrata));
         const glm::vec3 local = squareToHemisphere(square);
-        const Hit hit = rays.closestHit(origin, glm::normalize(frame.toWorld(local)));
+        // What lies under or in glass is lit through it.
+        const Ray toward{origin, glm::normalize(frame.toWorld(local))};
+        const Hit hit = seeStraight(rays, toward, kFarDistance, rayCount).hit;
         sky += local.z;
         if (!hit) continue;
         dead += !sideLit(atlas, hit.triangle, hit.backFace);

@@ -4,6 +4,7 @@
 
 #include "core/bake/gather_parts.h"
 #include "core/bake/irradiance_ray.h"
+#include "core/scene/glass.h"
 
 namespace phat {
 namespace {
@@ -34,12 +35,13 @@ std::optional<Ray> texelRay(const GatherInput& input, const TexelDirection& chos
 IncidentRadiance photonIncident(const GatherInput& input, const Ray& ray, const DensityEstimate& density) {
     IncidentRadiance incident;
     incident.rays = 1;
-    const Hit hit = input.rays.closestHit(ray.origin, ray.direction);
-    if (!hit) return incident;
-    incident.distance = hit.distance;
-    const SurfacePoint point = surfaceAt(input.rays.scene(), hit, ray.direction);
-    incident.reflected = photonRadiance({input.photons, input.index}, point, -ray.direction, density,
-                                        [](const Photon&) { return true; });
+    const SeenThrough seen = seeThrough(input.rays, ray, 0, incident.rays);
+    if (!seen.hit) return incident;
+    incident.distance = seen.hit.distance;
+    const SurfacePoint point = surfaceAt(input.rays.scene(), seen.hit, seen.ray.direction);
+    incident.reflected =
+        seen.throughput * photonRadiance({input.photons, input.index}, point, -seen.ray.direction, density,
+                                         [](const Photon&) { return true; });
     return incident;
 }
 

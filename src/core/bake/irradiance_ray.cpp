@@ -5,6 +5,7 @@
 
 #include "core/atlas/atlas_position.h"
 #include "core/base/sobol.h"
+#include "core/scene/glass.h"
 #include "core/transport/path.h"
 #include "core/transport/path_vertex.h"
 
@@ -125,16 +126,20 @@ bool Walk::reflectsGlossily(int bounce, const StepNumbers& numbers) {
     throughput /= survival;
 
     ++rayCount;
-    hit = world.scene.rays.closestHit(originOn(point, direction), direction);
+    const SeenThrough seen =
+        seeThrough(world.scene.rays, {originOn(point, direction), direction}, 0, rayCount);
+    const glm::vec3 arriving = seen.ray.direction;
+    hit = seen.hit;
+    throughput *= seen.throughput;
     const float weight =
-        sample.pdf / (sample.pdf + areaPdf(world.scene.lights, point.position, hit, direction));
+        sample.pdf / (sample.pdf + areaPdf(world.scene.lights, point.position, hit, arriving));
     if (!hit) {
-        found.light += throughput * weight * world.scene.lights.environmentRadiance(direction);
+        found.light += throughput * weight * world.scene.lights.environmentRadiance(arriving);
         return false;
     }
-    point = surfaceAt(world.scene.rays.scene(), hit, direction);
+    point = surfaceAt(world.scene.rays.scene(), hit, arriving);
     found.light += throughput * weight * point.emission;
-    towardEye = -direction;
+    towardEye = -arriving;
     return true;
 }
 
@@ -143,13 +148,13 @@ bool Walk::reflectsGlossily(int bounce, const StepNumbers& numbers) {
 IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
                             const Ray& ray, int maxBounces, Rng& rng, uint64_t& rayCount) {
     ++rayCount;
-    const Hit hit = input.rays.closestHit(ray.origin, ray.direction);
-    if (!hit) return {};
+    const SeenThrough seen = seeThrough(input.rays, ray, 0, rayCount);
+    if (!seen.hit) return {};
     const TexelWorld world = texelWorldOf(input);
-    Walk walk{
-        world,          areaIrradiance, rng, rayCount, hit, surfaceAt(input.rays.scene(), hit, ray.direction),
-        -ray.direction, glm::vec3(1),   {}};
-    walk.found.distance = hit.distance;
+    const glm::vec3 arriving = seen.ray.direction;
+    const SurfacePoint point = surfaceAt(input.rays.scene(), seen.hit, arriving);
+    Walk walk{world, areaIrradiance, rng, rayCount, seen.hit, point, -arriving, seen.throughput, {}};
+    walk.found.distance = seen.hit.distance;
     for (int bounce = 0; bounce < maxBounces; ++bounce)
         if (walk.ends(maxBounces - bounce) || !walk.reflectsGlossily(bounce, stepNumbers(rng))) break;
     return walk.found;
@@ -204,15 +209,17 @@ IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradia
                                     const Ray& ray, const PathSettings& settings, float nearMeters, Rng rng) {
     IncidentRadiance incident;
     incident.rays = 1;
-    const Hit hit = input.rays.closestHit(ray.origin, ray.direction);
-    if (!hit) return incident;
-    incident.distance = hit.distance;
+    const SeenThrough seen = seeThrough(input.rays, ray, 0, incident.rays);
+    if (!seen.hit) return incident;
+    incident.distance = seen.hit.distance;
     const TexelWorld world = texelWorldOf(input);
     PathSettings paths = settings;
-    paths.pathsPerHit *= int(std::clamp(nearMeters / hit.distance, 1.0f, kMaxNearFactor));
-    incident.reflected = reflectedFromTexels(
-        world, irradiance, {hit, surfaceAt(input.rays.scene(), hit, ray.direction), -ray.direction}, paths,
-        rng, incident.rays);
+    paths.pathsPerHit *= int(std::clamp(nearMeters / seen.hit.distance, 1.0f, kMaxNearFactor));
+    const glm::vec3 arriving = seen.ray.direction;
+    const SurfacePoint point = surfaceAt(input.rays.scene(), seen.hit, arriving);
+    incident.reflected =
+        seen.throughput *
+        reflectedFromTexels(world, irradiance, {seen.hit, point, -arriving}, paths, rng, incident.rays);
     return incident;
 }
 

@@ -47,13 +47,18 @@ Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Componen
     const bool showsLights = component == Component::all || component == Component::direct;
     const int maxBounces = component == Component::direct ? 1 : kMaxPathBounces;
     const FirstReflection first = firstReflectionOf(component);
-    return [&, component, showsLights, maxBounces, first, guide](const CameraRay& ray, PixelSample& sample) {
-        const Hit hit = visibleHit(rays, ray, sample.rays);
-        if (!hit) return showsLights ? lights.environmentRadiance(ray.direction) : glm::vec3(0);
-        const SurfacePoint point = surfaceAt(viewedScene, hit, ray.direction);
-        const ReflectedRadiance reflected = tracePath({rays, lights}, {point, -ray.direction, first, guide},
+    const RayScene viewed(viewedScene, rays.bvh());
+    return [&, component, showsLights, maxBounces, first, guide, viewed](const CameraRay& ray,
+                                                                         PixelSample& sample) {
+        const SeenThrough seen = visibleThrough(viewed, ray, sample);
+        const glm::vec3 direction = seen.ray.direction;
+        if (!seen.hit)
+            return showsLights ? seen.throughput * lights.environmentRadiance(direction) : glm::vec3(0);
+        const SurfacePoint point = surfaceAt(viewed.scene(), seen.hit, direction);
+        const ReflectedRadiance reflected = tracePath({rays, lights}, {point, -direction, first, guide},
                                                       maxBounces, sample.numbers, sample.rays);
-        return (showsLights ? point.emission : glm::vec3(0)) + partOf(reflected, component);
+        return seen.throughput *
+               ((showsLights ? point.emission : glm::vec3(0)) + partOf(reflected, component));
     };
 }
 

@@ -123,9 +123,13 @@ LobeSums PhatGather::sumOver(const Visible& visible, const TiledPhatexels& sourc
         if (a > 0.0f && reconnects()) {
             if (settings_.traceVisibility) {
                 ++visible.rayCount;
-                a *= scene_.rays.anyHit(origin, reconnected.direction, kShortOfEnd * reconnected.distance)
-                         ? 0.0f
-                         : 1.0f;
+                const float distance = kShortOfEnd * reconnected.distance;
+                const bool occluded = scene_.rays.hasGlass()
+                                          ? bool(seeStraight(scene_.rays, {origin, reconnected.direction},
+                                                             distance, visible.rayCount)
+                                                     .hit)
+                                          : scene_.rays.anyHit(origin, reconnected.direction, distance);
+                a *= occluded ? 0.0f : 1.0f;
             } else {
                 a *= depth.visibility(reconnected.direction, reconnected.distance);
             }
@@ -206,16 +210,19 @@ glm::vec3 PhatGather::diffuse(const Visible& visible) const {
 }
 
 glm::vec3 PhatGather::radianceAlong(const CameraRay& ray, PixelSample& sample) const {
-    const Hit hit = visibleHit(scene_.rays, ray, sample.rays);
-    if (!hit) return showsDirect() ? scene_.lights.environmentRadiance(ray.direction) : glm::vec3(0);
-    const SurfacePoint point = surfaceAt(scene_.rays.scene(), hit, ray.direction);
+    const SeenThrough seen = visibleThrough(scene_.rays, ray, sample);
+    const glm::vec3 direction = seen.ray.direction;
+    if (!seen.hit)
+        return showsDirect() ? seen.throughput * scene_.lights.environmentRadiance(direction) : glm::vec3(0);
+    const SurfacePoint point = surfaceAt(scene_.rays.scene(), seen.hit, direction);
     glm::vec3 radiance(0);
     if (showsDirect())
-        radiance += point.emission + punctualLight({scene_.rays, scene_.lights}, point, -ray.direction,
-                                                   sample.rng, sample.rays);
-    Visible visible{point, -ray.direction, atlasPositionOf(scene_.atlas, hit), sample.rays, {}};
-    if (visible.atlasPosition.chart == kNoChart || !reflects(point.brdf)) return radiance;
-    return radiance + diffuse(visible) + glossy(visible);
+        radiance += point.emission +
+                    punctualLight({scene_.rays, scene_.lights}, point, -direction, sample.rng, sample.rays);
+    Visible visible{point, -direction, atlasPositionOf(scene_.atlas, seen.hit), sample.rays, {}};
+    if (visible.atlasPosition.chart != kNoChart && reflects(point.brdf))
+        radiance += diffuse(visible) + glossy(visible);
+    return seen.throughput * radiance;
 }
 
 }  // namespace

@@ -27,12 +27,13 @@ glm::vec3 gatheredLight(const PhotonScene& scene, const PhotonRendererSettings& 
                         const SurfacePoint& from, glm::vec3 direction, PixelSample& sample) {
     const glm::vec3 origin = offsetOrigin(from.position, from.normalGeometric);
     ++sample.rays;
-    const Hit hit = scene.rays.closestHit(origin, direction);
-    if (!hit) return glm::vec3(0);
-    const SurfacePoint point = surfaceAt(scene.rays.scene(), hit, direction);
+    const SeenThrough seen = seeThrough(scene.rays, {origin, direction}, 0, sample.rays);
+    if (!seen.hit) return glm::vec3(0);
+    const glm::vec3 arriving = seen.ray.direction;
+    const SurfacePoint point = surfaceAt(scene.rays.scene(), seen.hit, arriving);
     if (!reflects(point.brdf)) return glm::vec3(0);
-    return directLight(scene, point, -direction, sample) +
-           indirectByPhotons(scene, settings, point, -direction, sample);
+    return seen.throughput * (directLight(scene, point, -arriving, sample) +
+                              indirectByPhotons(scene, settings, point, -arriving, sample));
 }
 
 glm::vec3 indirectByGathering(const PhotonScene& scene, const PhotonRendererSettings& settings,
@@ -59,17 +60,19 @@ glm::vec3 indirectByGathering(const PhotonScene& scene, const PhotonRendererSett
 
 Integrator photonRenderer(const PhotonScene& scene, const PhotonRendererSettings& settings,
                           IndirectLight indirectLight) {
-    return [=](const CameraRay& ray, PixelSample& sample) {
+    const Scene& viewedScene = scene.viewedScene ? *scene.viewedScene : scene.rays.scene();
+    return [=, viewed = RayScene(viewedScene, scene.rays.bvh())](const CameraRay& ray, PixelSample& sample) {
         const bool direct = showsDirect(settings.component);
-        const Hit hit = visibleHit(scene.rays, ray, sample.rays);
-        if (!hit) return direct ? scene.lights.environmentRadiance(ray.direction) : glm::vec3(0);
-        const Scene& viewedScene = scene.viewedScene ? *scene.viewedScene : scene.rays.scene();
-        SurfacePoint point = surfaceAt(viewedScene, hit, ray.direction);
+        const SeenThrough seen = visibleThrough(viewed, ray, sample);
+        const glm::vec3 direction = seen.ray.direction;
+        if (!seen.hit)
+            return direct ? seen.throughput * scene.lights.environmentRadiance(direction) : glm::vec3(0);
+        SurfacePoint point = surfaceAt(viewed.scene(), seen.hit, direction);
         glm::vec3 radiance(0);
-        if (direct) radiance += point.emission + directLight(scene, point, -ray.direction, sample);
-        point.brdf = indirectLobes(point.brdf, point.shading.toLocal(-ray.direction), settings.component);
-        if (reflects(point.brdf)) radiance += indirectLight(scene, settings, point, -ray.direction, sample);
-        return radiance;
+        if (direct) radiance += point.emission + directLight(scene, point, -direction, sample);
+        point.brdf = indirectLobes(point.brdf, point.shading.toLocal(-direction), settings.component);
+        if (reflects(point.brdf)) radiance += indirectLight(scene, settings, point, -direction, sample);
+        return seen.throughput * radiance;
     };
 }
 

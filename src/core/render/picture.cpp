@@ -119,6 +119,14 @@ Hit visibleHit(const RayScene& rays, const CameraRay& ray, uint64_t& rayCount) {
     }
 }
 
+SeenThrough visibleThrough(const RayScene& rays, const CameraRay& ray, PixelSample& sample) {
+    const Ray seen{ray.origin, ray.direction};
+    if (!rays.hasGlass()) return {visibleHit(rays, ray, sample.rays), seen};
+    ++sample.rays;
+    // Samples of one pixel may have the same ray.
+    return seeThrough(rays, seen, sample.rng.bits64(), sample.rays, SeenSides::visible);
+}
+
 TracedPicture tracePicture(const PictureSettings& settings, const Integrator& integrator,
                            Progress& callersProgress) {
     const Stopwatch start;

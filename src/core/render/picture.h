@@ -6,6 +6,7 @@
 #include "core/base/image.h"
 #include "core/base/progress.h"
 #include "core/base/random.h"
+#include "core/scene/glass.h"
 #include "core/scene/rays.h"
 #include "core/scene/scene.h"
 #include "core/transport/path_numbers.h"
@@ -36,6 +37,9 @@ struct PixelSample {
     PathNumbers numbers{Rng(Rng(rng).bits64())};
     uint64_t rays = 0;  // traced for it; the integrator counts
 };
+
+/// The same behind glass: one of the ways that light goes there (seeThrough), chosen by the sample's numbers.
+SeenThrough visibleThrough(const RayScene& rays, const CameraRay& ray, PixelSample& sample);
 
 enum class PixelFilter : uint8_t { box, center };
 

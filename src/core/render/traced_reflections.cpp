@@ -8,6 +8,7 @@
 #include "core/base/sobol.h"
 #include "core/render/reflection_pool.h"
 #include "core/scene/brdf.h"
+#include "core/scene/glass.h"
 #include "core/transport/path_vertex.h"
 
 namespace phat {
@@ -82,10 +83,9 @@ glm::vec3 LobeRays::estimateByLightSample(Rng& rng) const {
     // Below this weight no emitter is bright enough to be visible, and the shadow ray is saved.
     constexpr float kMinWeight = 1e-6f;
     if (weight < kMinWeight) return glm::vec3(0);
-    ++rayCount;
-    if (!seesLight(scene.rays, point.position, originOn(point, light.towardLight), light))
-        return glm::vec3(0);
-    return value * weight / light.pdf / albedo * light.radiance;
+    const glm::vec3 transmittance =
+        transmittanceToLight(scene.rays, point.position, originOn(point, light.towardLight), light, rayCount);
+    return transmittance * (value * weight / light.pdf / albedo * light.radiance);
 }
 
 PooledLight LobeRays::trace(int count, int walks, const RayNumbers& numbers, uint64_t stream) const {
@@ -106,18 +106,21 @@ PooledLight LobeRays::trace(int count, int walks, const RayNumbers& numbers, uin
         incident.weight += weight;
 
         ++rayCount;
-        const Hit hit = scene.rays.closestHit(originOn(point, direction), direction);
-        const float lightPdf = areaPdf(scene.lights, point.position, hit, direction);
-        const float emissionWeight = weight * powerWeight(sample.pdf, lightPdf);
-        if (!hit) {
-            incident.area += emissionWeight * scene.lights.environmentRadiance(direction);
+        const SeenThrough seen =
+            seeThrough(scene.rays, {originOn(point, direction), direction}, stream, rayCount);
+        const glm::vec3 arriving = seen.ray.direction;
+        const float lightPdf = areaPdf(scene.lights, point.position, seen.hit, arriving);
+        const glm::vec3 emissionWeight = weight * powerWeight(sample.pdf, lightPdf) * seen.throughput;
+        if (!seen.hit) {
+            incident.area += emissionWeight * scene.lights.environmentRadiance(arriving);
             continue;
         }
-        const SurfacePoint far = surfaceAt(scene.rays.scene(), hit, direction);
+        const SurfacePoint far = surfaceAt(scene.rays.scene(), seen.hit, arriving);
         incident.area += emissionWeight * far.emission;
         if (view.indirect)
-            incident.indirect += weight * reflectedFromTexels(world, irradiance, {hit, far, -direction},
-                                                              atHits, rng, rayCount);
+            incident.indirect +=
+                weight * seen.throughput *
+                reflectedFromTexels(world, irradiance, {seen.hit, far, -arriving}, atHits, rng, rayCount);
     }
     if (incident.weight <= 0.0f) return {};
     incident.indirect /= incident.weight;

@@ -45,16 +45,17 @@ struct LobeAlbedos {
 };
 
 // As diffuseWeight, where the specular albedo is known.
-float weightOfDiffuse(glm::vec3 diffuseColor, glm::vec3 specular) {
-    const float brightest = maxComponent(diffuseColor);
+float weightOfDiffuse(const Brdf& brdf, glm::vec3 specular) {
+    float brightest = maxComponent(brdf.diffuseColor);
+    if (brdf.transmission > 0.0f && brdf.transmission < 1.0f) brightest /= 1.0f - brdf.transmission;
     return brightest <= 0.0f ? 1.0f : std::clamp((1.0f - maxComponent(specular)) / brightest, 0.0f, 1.0f);
 }
 
 LobeAlbedos lobeAlbedos(const Brdf& brdf, glm::vec3 towardEye) {
     const float transmission = clearcoatTransmission(brdf, towardEye);
     const glm::vec3 specular = specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, towardEye.z);
-    return {transmission * weightOfDiffuse(brdf.diffuseColor, specular) * brdf.diffuseColor,
-            transmission * specular, 1.0f - transmission};
+    return {transmission * weightOfDiffuse(brdf, specular) * brdf.diffuseColor, transmission * specular,
+            1.0f - transmission};
 }
 
 // Chances of drawing from each lobe; they sum to 1 unless nothing is reflected.
@@ -131,7 +132,7 @@ glm::vec3 specularAlbedo(glm::vec3 f0, float f90, float alpha, float nDotV) {
 }
 
 float diffuseWeight(const Brdf& brdf, float nDotV) {
-    return weightOfDiffuse(brdf.diffuseColor, specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, nDotV));
+    return weightOfDiffuse(brdf, specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, nDotV));
 }
 
 float clearcoatTransmission(const Brdf& brdf, glm::vec3 towardEye) {
@@ -139,6 +140,11 @@ float clearcoatTransmission(const Brdf& brdf, glm::vec3 towardEye) {
     const float cosine = std::max(glm::dot(towardEye, brdf.clearcoatNormal), 0.0f);
     const glm::vec2 ab = splitSum(cosine, brdf.clearcoatAlpha);
     return 1.0f - brdf.clearcoat * (kClearcoatF0 * ab.x + ab.y);
+}
+
+glm::vec3 interfaceTransmittance(const Brdf& brdf, glm::vec3 towardEye) {
+    const float reflected = maxComponent(specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, towardEye.z));
+    return clearcoatTransmission(brdf, towardEye) * std::max(1.0f - reflected, 0.0f) * brdf.transmissionColor;
 }
 
 ViewedBrdf viewedBrdf(const Brdf& brdf, glm::vec3 towardEye) {

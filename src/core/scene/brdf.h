@@ -18,13 +18,15 @@ inline constexpr float kMinAlpha = 1e-3f;
 
 /// A material evaluated at one point, textures applied.
 struct Brdf {
-    glm::vec3 diffuseColor{0};  // base colour * (1 - metallic) * (1 - meanFresnel of the dielectric part)
+    glm::vec3 diffuseColor{0};  // base colour * (1 - metallic) * (1 - transmission) * (1 - meanFresnel)
     glm::vec3 f0{0.04f};        // specular reflectance at normal incidence
     float f90 = 1;              // and at grazing
     float alpha = 1;            // roughness squared, >= kMinAlpha
     float clearcoat = 0;        // weight of the coat
     float clearcoatAlpha = kMinAlpha;
     glm::vec3 clearcoatNormal{0, 0, 1};  // local
+    float transmission = 0;              // fraction of the dielectric base that transmits instead of Lambert
+    glm::vec3 transmissionColor{0};      // transmission * (1 - metallic) * base colour
 };
 
 /// F0 of the coat (index of refraction 1.5, KHR_materials_clearcoat); its F90 is 1.
@@ -56,11 +58,16 @@ inline constexpr int kSplitSumSize = 64;
 const std::vector<glm::vec2>& splitSumTable();
 
 /// Scale of the Lambert lobe, 1 nearly everywhere: it holds the sum of both lobes' albedos at 1 where
-/// appendix B would exceed it, min(1, (1 - max E_specular) / max diffuseColor).
+/// appendix B would exceed it, min(1, (1 - max E_specular) / max diffuseColor); diffuseColor without the
+/// factor 1 - transmission, since what is transmitted has its part of what the specular lobe leaves.
 /// ours, because appendix B reflects up to 1.9 times the light at grazing angles (docs/reference.md).
 float diffuseWeight(const Brdf& brdf, float nDotV);
 /// Transmission of the clear coat to the layers below: 1 - clearcoat * E_coat(towardEye . clearcoatNormal).
 float clearcoatTransmission(const Brdf& brdf, glm::vec3 towardEye);
+
+/// Transmittance of a transmissive interface for light between `towardEye` and the other side: what the coat
+/// and the specular lobe do not reflect, tinted. The three add up to 1 for white.
+glm::vec3 interfaceTransmittance(const Brdf& brdf, glm::vec3 towardEye);
 
 /// BRDF * cos(towardLight), 1/sr; zero when either direction is below the horizon.
 glm::vec3 evaluateBrdf(const Brdf& brdf, glm::vec3 towardEye, glm::vec3 towardLight);

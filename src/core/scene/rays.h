@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "core/scene/scene.h"
+#include "core/scene/transparency.h"
 
 namespace phat {
 
@@ -25,7 +26,8 @@ struct Ray {
 };
 
 /// Embree scene over all triangles, robust mode. Alpha-masked texels are passed through; blended ones are
-/// passed with probability 1 - alpha, decided by a hash of the ray, so that equal rays have equal hits.
+/// passed with probability 1 - alpha, decided by a hash of the ray, so that equal rays have equal hits. Glass
+/// is hit like any other surface: see core/scene/glass.h.
 /// Safe to share between threads; copies share the acceleration structure. `scene` must outlive them.
 class RayScene {
   public:
@@ -36,10 +38,17 @@ class RayScene {
     explicit RayScene(const Scene& scene) : RayScene(scene, buildBvh(scene)) {}
     /// pre: `bvh` was built of a scene with the same triangles at the same positions, and hasTransparency()
     /// was the same.
-    RayScene(const Scene& scene, std::shared_ptr<const Bvh> bvh) : scene_(&scene), bvh_(std::move(bvh)) {}
+    RayScene(const Scene& scene, std::shared_ptr<const Bvh> bvh)
+        : scene_(&scene), bvh_(std::move(bvh)), glass_(glassOfSurfaces(scene, scene.materials)) {}
 
     const Scene& scene() const { return *scene_; }
     const std::shared_ptr<const Bvh>& bvh() const { return bvh_; }
+
+    /// Whether glassOf() is anything but `none` anywhere.
+    bool hasGlass() const { return !glass_.empty(); }
+    Glass glassOf(uint32_t triangle) const {
+        return glass_.empty() ? Glass::none : glass_[scene_->triangleSurface[triangle]];
+    }
 
     /// Nearest hit with 0 < distance < maxDistance. pre: |direction| = 1.
     Hit closestHit(glm::vec3 origin, glm::vec3 direction, float maxDistance = 1e30f) const;
@@ -50,6 +59,7 @@ class RayScene {
   private:
     const Scene* scene_;
     std::shared_ptr<const Bvh> bvh_;
+    std::vector<Glass> glass_;  // [surface]; empty where there is none
 };
 
 /// `position` moved off its surface, far enough that rays on the side of `normal` do not meet the triangle

@@ -4,6 +4,7 @@
 // Units are glTF's: metres, candela, lux, nit, used as W/sr, W/m2 and W/(m2 sr) without a factor of 683.
 // Colours are linear Rec. 709. World space is right-handed, +Y up.
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,8 @@ struct TextureSlot {
 
 enum class AlphaMode : uint8_t { opaque, mask, blend };
 
-/// glTF 2.0 metallic-roughness with specular, ior, clearcoat, emissive_strength and unlit.
+/// glTF 2.0 metallic-roughness with specular, ior, clearcoat, transmission, volume,
+/// emissive_strength and unlit.
 struct Material {
     std::string name;
     glm::vec4 baseColor{1};
@@ -61,6 +63,12 @@ struct Material {
     TextureSlot clearcoatTexture;           // R
     TextureSlot clearcoatRoughnessTexture;  // G
     TextureSlot clearcoatNormalTexture;
+    float transmission = 0;
+    TextureSlot transmissionTexture;  // R
+    float thickness = 0;              // metres; 0: infinitely thin, else the surface bounds a volume
+    TextureSlot thicknessTexture;     // G
+    glm::vec3 attenuationColor{1};    // what is left of white light after attenuationDistance
+    float attenuationDistance = std::numeric_limits<float>::infinity();  // metres
     AlphaMode alphaMode = AlphaMode::opaque;
     float alphaCutoff = 0.5f;
     bool doubleSided = false;

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "core/scene/transparency.h"
+
 namespace phat {
 namespace {
 
@@ -109,6 +111,12 @@ Brdf brdfAt(const Scene& scene, const Material& m, const Interpolated& at) {
 
     brdf.diffuseColor =
         base * (1.0f - metallic) * (1.0f - meanFresnel(maxComponent(dielectricF0), dielectricF90));
+    if (isGlass(m)) {
+        brdf.transmission =
+            std::clamp(m.transmission * lookUp(scene, m.transmissionTexture, at, false).r, 0.0f, 1.0f);
+        brdf.diffuseColor *= 1.0f - brdf.transmission;
+        brdf.transmissionColor = brdf.transmission * (1.0f - metallic) * base;
+    }
     brdf.f0 = glm::mix(dielectricF0, base, metallic);
     brdf.f90 = glm::mix(dielectricF90, 1.0f, metallic);
     brdf.alpha = std::max(roughness * roughness, kMinAlpha);
@@ -121,7 +129,10 @@ Brdf brdfAt(const Scene& scene, const Material& m, const Interpolated& at) {
     return brdf;
 }
 
-SurfacePoint shade(const Scene& scene, uint32_t triangle, glm::vec2 barycentric, bool back) {
+enum class Backs : uint8_t { asTheMaterialSays, asFronts };
+
+SurfacePoint shade(const Scene& scene, uint32_t triangle, glm::vec2 barycentric, bool back,
+                   Backs backs = Backs::asTheMaterialSays) {
     const Material& material = scene.materialOf(triangle);
     const Interpolated at = interpolateAt(scene, triangle, barycentric);
     const float side = back ? -1.0f : 1.0f;
@@ -137,7 +148,7 @@ SurfacePoint shade(const Scene& scene, uint32_t triangle, glm::vec2 barycentric,
         normal = normalFromMap(scene, material.normalTexture, material.normalScale, at);
     point.shading = frameFromNormalAndTangent(side * normal, glm::vec3(at.tangent));
 
-    if (back && !material.doubleSided) {
+    if (back && !material.doubleSided && backs == Backs::asTheMaterialSays) {
         point.brdf = {.diffuseColor = glm::vec3(0), .f0 = glm::vec3(0), .f90 = 0};
         return point;
     }
@@ -184,8 +195,9 @@ glm::vec4 sampleTexture(const Scene& scene, const TextureSlot& slot, glm::vec2 u
                     glm::mix(fetch(x, y + 1), fetch(x + 1, y + 1), t.x), t.y);
 }
 
-SurfacePoint surfaceAt(const Scene& scene, const Hit& hit, glm::vec3 direction) {
-    SurfacePoint point = shade(scene, hit.triangle, hit.barycentric, hit.backFace);
+namespace {
+
+SurfacePoint facing(SurfacePoint point, glm::vec3 direction) {
     // Interpolated normals may face away from the viewer at silhouettes; bend them back just over the edge.
     constexpr float kMinCosine = 1e-3f;
     const float cosine = -glm::dot(point.shading.normal, direction);
@@ -194,6 +206,23 @@ SurfacePoint surfaceAt(const Scene& scene, const Hit& hit, glm::vec3 direction) 
         point.shading = frameFromNormalAndTangent(bent, point.shading.tangent);
     }
     return point;
+}
+
+}  // namespace
+
+SurfacePoint surfaceAt(const Scene& scene, const Hit& hit, glm::vec3 direction) {
+    return facing(shade(scene, hit.triangle, hit.barycentric, hit.backFace), direction);
+}
+
+SurfacePoint glassAt(const Scene& scene, const Hit& hit, glm::vec3 direction) {
+    return facing(shade(scene, hit.triangle, hit.barycentric, hit.backFace, Backs::asFronts), direction);
+}
+
+float thicknessAt(const Scene& scene, const Hit& hit) {
+    const Material& m = scene.materialOf(hit.triangle);
+    if (m.thicknessTexture.image < 0) return m.thickness;
+    const Interpolated at = interpolateAt(scene, hit.triangle, hit.barycentric);
+    return m.thickness * lookUp(scene, m.thicknessTexture, at, false).g;
 }
 
 SurfacePoint surfaceAt(const Scene& scene, uint32_t triangle, glm::vec2 barycentric, bool back) {

@@ -28,6 +28,12 @@ SurfacePoint surfaceAt(const Scene& scene, const Hit& hit, glm::vec3 direction);
 /// triangle (gutters) are clamped for textures and extrapolated for the position.
 SurfacePoint surfaceAt(const Scene& scene, uint32_t triangle, glm::vec2 barycentric, bool back);
 
+/// The surface at a hit of a transmissive material, whose back lets through what its front does, single-sided
+/// or not.
+SurfacePoint glassAt(const Scene& scene, const Hit& hit, glm::vec3 direction);
+/// Material::thickness with its texture, metres.
+float thicknessAt(const Scene& scene, const Hit& hit);
+
 /// World, also outside the triangle.
 glm::vec3 positionAt(const Scene& scene, uint32_t triangle, glm::vec2 barycentric);
 

@@ -3,6 +3,7 @@
 #include <cassert>
 
 #include "core/scene/brdf.h"
+#include "core/scene/glass.h"
 #include "core/transport/path_vertex.h"
 
 namespace phat {
@@ -35,18 +36,32 @@ glm::vec3 originOn(const SurfacePoint& point, glm::vec3 direction) {
     return offsetOrigin(point.position, side * point.normalGeometric);
 }
 
-bool seesLight(const RayScene& rays, glm::vec3 position, glm::vec3 origin, const LightSample& light) {
+glm::vec3 transmittanceToLight(const RayScene& rays, glm::vec3 position, glm::vec3 origin,
+                               const LightSample& light, uint64_t& rayCount) {
+    ++rayCount;
     // Points of light may lie on the surface of their bulb.
     constexpr float kShortOfLight = 1.0f - 1e-4f;
-    if (light.triangle == kNoTriangle)
-        return !rays.anyHit(origin, light.towardLight, light.distance * kShortOfLight);
+    const auto passes = [](bool visible) { return glm::vec3(visible ? 1.0f : 0.0f); };
+    if (light.triangle == kNoTriangle) {
+        const float distance = light.distance * kShortOfLight;
+        if (!rays.hasGlass()) return passes(!rays.anyHit(origin, light.towardLight, distance));
+        const StraightView view = seeStraight(rays, {origin, light.towardLight}, distance, rayCount);
+        return view.hit ? glm::vec3(0) : view.transmittance;
+    }
     // Toward the very point: a parallel ray from the origin off the surface would pass a rim by that offset.
     const glm::vec3 toward = position + light.distance * light.towardLight - origin;
     const float distance = glm::length(toward);
     // Another triangle in the emitter's plane is met as early as the emitter, but for rounding.
     constexpr float kRounding = 2e-6f;
-    const Hit hit = rays.closestHit(origin, toward / distance, distance * (1.0f + kRounding));
-    return !hit || hit.triangle == light.triangle || hit.distance >= distance * (1.0f - kRounding);
+    const float farthest = distance * (1.0f + kRounding);
+    StraightView view;
+    if (rays.hasGlass())
+        view = seeStraight(rays, {origin, toward / distance}, farthest, rayCount);
+    else
+        view.hit = rays.closestHit(origin, toward / distance, farthest);
+    const Hit& hit = view.hit;
+    return view.transmittance *
+           passes(!hit || hit.triangle == light.triangle || hit.distance >= distance * (1.0f - kRounding));
 }
 
 bool leavesSurface(const SurfacePoint& point, glm::vec3 direction) {
@@ -73,10 +88,9 @@ UnshadowedLight unshadowed(const LightSampler& lights, size_t index, const PathV
 glm::vec3 shadowed(const RayScene& rays, const SurfacePoint& point, const UnshadowedLight& candidate,
                    uint64_t& rayCount) {
     if (maxComponent(candidate.reflected) <= 0.0f) return glm::vec3(0);
-    ++rayCount;
-    return seesLight(rays, point.position, originOn(point, candidate.light.towardLight), candidate.light)
-               ? candidate.reflected
-               : glm::vec3(0);
+    const glm::vec3 origin = originOn(point, candidate.light.towardLight);
+    return transmittanceToLight(rays, point.position, origin, candidate.light, rayCount) *
+           candidate.reflected;
 }
 
 // One of the lights in proportion to its unshadowed contribution, by a weighted reservoir. One number
@@ -121,10 +135,10 @@ glm::vec3 areaLight(const LitScene& scene, const PathVertex& vertex, glm::vec3 n
     const glm::vec3 lightLocal = point.shading.toLocal(light.towardLight);
     const glm::vec3 value = evaluateBrdf(vertex.brdf, lightLocal);
     if (maxComponent(value) <= 0.0f) return glm::vec3(0);
-    ++rayCount;
-    if (!seesLight(scene.rays, point.position, originOn(point, light.towardLight), light))
-        return glm::vec3(0);
-    return value * light.radiance / (light.pdf + sampleDirectionPdf(vertex, lightLocal));
+    const glm::vec3 transmittance =
+        transmittanceToLight(scene.rays, point.position, originOn(point, light.towardLight), light, rayCount);
+    if (maxComponent(transmittance) <= 0.0f) return glm::vec3(0);
+    return transmittance * value * light.radiance / (light.pdf + sampleDirectionPdf(vertex, lightLocal));
 }
 
 BrdfSample sampleDirection(const PathVertex& vertex, float lobe, glm::vec2 square) {
@@ -192,10 +206,10 @@ IrradianceRound irradianceRound(const LitScene& scene, glm::vec3 position, const
         const float weight = cosine / (float(lightSamples) * light.pdf + float(cosineSamples) * cosine / kPi);
         if (maxComponent(light.radiance) <= 0.0f) continue;
         ++round.contributing;
-        ++rayCount;
-        if (!seesLight(scene.rays, position, origin, light)) continue;
+        const glm::vec3 transmittance = transmittanceToLight(scene.rays, position, origin, light, rayCount);
+        if (maxComponent(transmittance) <= 0.0f) continue;
         ++round.visible;
-        round.light += weight * light.radiance;
+        round.light += weight * transmittance * light.radiance;
     }
     const glm::vec2 cosineShift = rng.uniform2();
     for (int i = 0; i < cosineSamples; ++i) {
@@ -203,11 +217,11 @@ IrradianceRound irradianceRound(const LitScene& scene, glm::vec3 position, const
         if (local.z <= 0.0f) continue;
         const glm::vec3 direction = frame.toWorld(local);
         ++rayCount;
-        const Hit hit = scene.rays.closestHit(origin, direction);
-        const float pdf = areaPdf(scene.lights, position, hit, direction);
+        const StraightView view = seeStraight(scene.rays, {origin, direction}, kFarDistance, rayCount);
+        const float pdf = areaPdf(scene.lights, position, view.hit, direction);
         if (pdf <= 0.0f) continue;
         const float weight = local.z / (float(lightSamples) * pdf + float(cosineSamples) * local.z / kPi);
-        round.light += weight * emissionToward(scene, hit, direction);
+        round.light += weight * view.transmittance * emissionToward(scene, view.hit, direction);
     }
     return round;
 }
@@ -246,16 +260,19 @@ ReflectedRadiance tracePath(const LitScene& scene, const PathStart& start, int m
         throughput /= survival;
 
         ++rayCount;
-        const Hit hit = scene.rays.closestHit(originOn(point, direction), direction);
-        const float lightPdf = areaPdf(scene.lights, point.position, hit, direction);
+        const SeenThrough seen = seeThrough(scene.rays, {originOn(point, direction), direction}, 0, rayCount);
+        const glm::vec3 arriving = seen.ray.direction;
+        // Light samples go straight through glass: a ray that was bent counts as if it had not been.
+        const float lightPdf = areaPdf(scene.lights, point.position, seen.hit, arriving);
         const float weight = sample.pdf / (sample.pdf + lightPdf);
-        if (!hit) {
-            radiance += throughput * weight * scene.lights.environmentRadiance(direction);
+        throughput *= seen.throughput;
+        if (!seen.hit) {
+            radiance += throughput * weight * scene.lights.environmentRadiance(arriving);
             break;
         }
-        point = surfaceAt(scene.rays.scene(), hit, direction);
+        point = surfaceAt(scene.rays.scene(), seen.hit, arriving);
         radiance += throughput * weight * point.emission;
-        towardEye = -direction;
+        towardEye = -arriving;
     }
     reflected.indirectDiffuse = diffuseFraction * indirect;
     reflected.indirectGlossy = indirect - reflected.indirectDiffuse;
@@ -271,23 +288,24 @@ glm::vec3 traceReflected(const LitScene& scene, const PathStart& start, int maxB
 IncidentRadiance traceIncident(const LitScene& scene, const Ray& ray, const PathSettings& settings, Rng rng) {
     IncidentRadiance incident;
     incident.rays = 1;
-    const Hit hit = scene.rays.closestHit(ray.origin, ray.direction);
-    if (!hit) {
-        incident.emitted = scene.lights.environmentRadiance(ray.direction);
+    const SeenThrough seen = seeThrough(scene.rays, ray, 0, incident.rays);
+    const glm::vec3 direction = seen.ray.direction;
+    if (!seen.hit) {
+        incident.emitted = seen.throughput * scene.lights.environmentRadiance(direction);
         return incident;
     }
-    incident.distance = hit.distance;
-    const SurfacePoint point = surfaceAt(scene.rays.scene(), hit, ray.direction);
-    incident.emitted = point.emission;
+    incident.distance = seen.hit.distance;
+    const SurfacePoint point = surfaceAt(scene.rays.scene(), seen.hit, direction);
+    incident.emitted = seen.throughput * point.emission;
     if (maxComponent(point.brdf.diffuseColor + point.brdf.f0 + point.brdf.f90 + point.brdf.clearcoat) <= 0.0f)
         return incident;
     const uint64_t seed = rng.bits64();
     for (int i = 0; i < settings.pathsPerHit; ++i) {
         PathNumbers numbers(seed, uint32_t(i) % kMaxShuffled);
         incident.reflected +=
-            tracePath(scene, {point, -ray.direction}, settings.maxBounces, numbers, incident.rays).sum();
+            tracePath(scene, {point, -direction}, settings.maxBounces, numbers, incident.rays).sum();
     }
-    incident.reflected /= float(std::max(settings.pathsPerHit, 1));
+    incident.reflected *= seen.throughput / float(std::max(settings.pathsPerHit, 1));
     return incident;
 }
 

@@ -11,10 +11,12 @@ namespace phat {
 /// Where a ray along `direction` starts.
 glm::vec3 originOn(const SurfacePoint& point, glm::vec3 direction);
 
-/// Whether light that was sampled for `position` arrives at `origin`, which is `position` moved off its
-/// surface. Geometry that touches the emitter occludes it only where it is strictly in front of the sampled
-/// point: a lamp's housing occludes its rim from behind.
-bool seesLight(const RayScene& rays, glm::vec3 position, glm::vec3 origin, const LightSample& light);
+/// Of light that was sampled for `position`, the part that arrives at `origin`, which is `position` moved off
+/// its surface: 0 in shadow, 1 in the open, between them behind glass (seeStraight). Geometry that touches
+/// the emitter occludes it only where it is strictly in front of the sampled point: a lamp's housing occludes
+/// its rim from behind. Adds its rays to `rayCount`.
+glm::vec3 transmittanceToLight(const RayScene& rays, glm::vec3 position, glm::vec3 origin,
+                               const LightSample& light, uint64_t& rayCount);
 
 /// A direction that the shading normal allows may still point into the flat triangle: light does not pass.
 bool leavesSurface(const SurfacePoint& point, glm::vec3 direction);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/scene/glass.h"
 #include "core/scene/light_punctual.h"
 #include "core/transport/photon_adjoint.h"
 
@@ -27,6 +28,7 @@ struct Flight {
     glm::vec3 origin;
     glm::vec3 direction;
     glm::vec3 fluxWatts;
+    float rangeMeters = 0;  // of its light, until it has been reflected; 0: unlimited
 };
 
 // Reflects the photon off the surface, or ends it. Roulette follows the choice of direction and steers the
@@ -57,27 +59,85 @@ bool reflect(const SurfacePoint& surface, float fluxGoal, Rng& rng, Flight& flig
     return true;
 }
 
+bool isBlackSide(const Scene& scene, const Hit& hit) {
+    return hit.backFace && !scene.materialOf(hit.triangle).doubleSided;
+}
+
+// The next surface that a photon is reflected by or ends at, and its flux there. On glass it is stored each
+// time that it comes from outside, before it is known whether it is transmitted.
+struct Arrival {
+    Hit hit;
+    float wayMeters = 0;  // since the flight began
+    bool stored = false;
+};
+Arrival throughGlass(const RayScene& rays, uint64_t seed, Photon photon, Flight& flight, Batch& batch) {
+    const Scene& scene = rays.scene();
+    const glm::vec3 flux = flight.fluxWatts;
+    GlassWalk walk(rays, {flight.origin, flight.direction}, seed);
+    Arrival arrival;
+    for (bool passes = true; passes;) {
+        arrival.hit = rays.closestHit(walk.ray().origin, walk.ray().direction);
+        const Hit& hit = arrival.hit;
+        arrival.wayMeters = walk.wayMeters() + hit.distance;
+        flight.direction = walk.ray().direction;
+        passes = false;
+        if (!hit) break;
+        const Glass glass = rays.glassOf(hit.triangle);
+        if (glass == Glass::none) {
+            walk.ends(hit);
+            break;
+        }
+        arrival.stored = true;
+        if (!isBlackSide(scene, hit) && !(glass == Glass::volume && hit.backFace)) {
+            const SurfacePoint at = surfaceAt(scene, hit, flight.direction);
+            photon.position = at.position;
+            photon.fluxWatts =
+                flux * walk.throughput() * rangeAttenuation(arrival.wayMeters, flight.rangeMeters);
+            photon.towardOrigin = -flight.direction;
+            photon.normal = at.normalGeometric;
+            photon.triangle = hit.triangle;
+            photon.backFace = hit.backFace;
+            batch.photons.push_back(photon);
+        }
+        passes = walk.passes(hit);
+    }
+    if (arrival.hit && rays.glassOf(arrival.hit.triangle) == Glass::none) arrival.stored = false;
+    flight.fluxWatts = flux * walk.throughput();
+    return arrival;
+}
+
 void trace(const RayScene& rays, const EmittedPhoton& emitted, Rng rng, int maxBounces, Batch& batch) {
-    Flight flight{emitted.origin, emitted.direction, emitted.fluxWatts};
+    Flight flight{emitted.origin, emitted.direction, emitted.fluxWatts, emitted.rangeMeters};
     const float fluxGoal = maxComponent(emitted.fluxWatts);
     for (int bounce = 0; maxComponent(flight.fluxWatts) > 0; ++bounce) {
-        const Hit hit = rays.closestHit(flight.origin, flight.direction);
+        const glm::dvec3 before(flight.fluxWatts);
+        Arrival arrival;
+        if (rays.hasGlass()) {
+            Photon photon;
+            photon.firstHit = bounce == 0;
+            photon.punctual = emitted.punctual;
+            arrival = throughGlass(rays, rng.bits64(), photon, flight, batch);
+        } else {
+            arrival.hit = rays.closestHit(flight.origin, flight.direction);
+            arrival.wayMeters = arrival.hit.distance;
+        }
+        const Hit& hit = arrival.hit;
         if (!hit) {
+            batch.stats.absorbedWatts += before - glm::dvec3(flight.fluxWatts);
             batch.stats.escapedWatts += glm::dvec3(flight.fluxWatts);
             return;
         }
-        const glm::dvec3 arriving(flight.fluxWatts);
-        if (bounce == 0) flight.fluxWatts *= rangeAttenuation(hit.distance, emitted.rangeMeters);
-        const bool blackSide = hit.backFace && !rays.scene().materialOf(hit.triangle).doubleSided;
+        flight.fluxWatts *= rangeAttenuation(arrival.wayMeters, flight.rangeMeters);
         bool goesOn = false;
-        if (!blackSide && maxComponent(flight.fluxWatts) > 0) {
+        if (!isBlackSide(rays.scene(), hit) && maxComponent(flight.fluxWatts) > 0) {
             const SurfacePoint surface = surfaceAt(rays.scene(), hit, flight.direction);
-            batch.photons.push_back({surface.position, flight.fluxWatts, -flight.direction,
-                                     surface.normalGeometric, hit.triangle, bounce == 0, emitted.punctual,
-                                     hit.backFace});
+            if (!arrival.stored)
+                batch.photons.push_back({surface.position, flight.fluxWatts, -flight.direction,
+                                         surface.normalGeometric, hit.triangle, bounce == 0, emitted.punctual,
+                                         hit.backFace});
             goesOn = bounce < maxBounces && reflect(surface, fluxGoal, rng, flight, batch.stats);
         }
-        batch.stats.absorbedWatts += arriving - (goesOn ? glm::dvec3(flight.fluxWatts) : glm::dvec3(0));
+        batch.stats.absorbedWatts += before - (goesOn ? glm::dvec3(flight.fluxWatts) : glm::dvec3(0));
         if (!goesOn) return;
     }
 }

@@ -21,10 +21,11 @@ constexpr const char* kBakedExtension = "PHAT_photon_accumulation_texture";
 
 constexpr std::array kSupported = {
     "KHR_lights_punctual",   "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
-    "KHR_materials_ior",     "KHR_materials_specular",  "KHR_materials_unlit",
-    "KHR_mesh_quantization", "KHR_texture_transform",   "EXT_texture_webp",
-    "EXT_texture_avif",      "KHR_texture_basisu",      "KHR_materials_variants",
-    "KHR_node_visibility",   kBakedExtension,
+    "KHR_materials_ior",     "KHR_materials_specular",  "KHR_materials_transmission",
+    "KHR_materials_unlit",   "KHR_materials_volume",    "KHR_mesh_quantization",
+    "KHR_texture_transform", "EXT_texture_webp",        "EXT_texture_avif",
+    "KHR_texture_basisu",    "KHR_materials_variants",  "KHR_node_visibility",
+    kBakedExtension,
 };
 
 // Extensions that a file may require and that leave every surface where it is: it is drawn without them.

@@ -10,6 +10,7 @@ namespace {
 // Emission is squared and summed in floats; brighter lights than this lose to infinity.
 constexpr double kMaxEmission = 1e12;
 constexpr double kMaxIor = 100;
+constexpr double kMinMeters = 1e-6, kMaxMeters = 1e6;
 
 using Value = tinygltf::Value;
 
@@ -54,6 +55,7 @@ class Reader {
     int imageOf(int texture);
     glm::mat3x2 uvTransform(const Value& transform);
     void readExtensions(const tinygltf::ExtensionMap& extensions, Material& out);
+    void readVolume(const Value& volume, Material& out);
 
     const Document& document_;
     Notes& notes_;
@@ -164,11 +166,25 @@ void Reader::readExtensions(const tinygltf::ExtensionMap& extensions, Material& 
         const Value& normal = coat->Get("clearcoatNormalTexture");
         if (normal.IsObject()) out.clearcoatNormalScale = number(normal, "scale", 1, -100, 100);
     }
+    if (const Value* transmission = find("KHR_materials_transmission")) {
+        out.transmission = number(*transmission, "transmissionFactor", 0, 0, 1);
+        out.transmissionTexture = slot(*transmission, "transmissionTexture");
+    }
+    if (const Value* volume = find("KHR_materials_volume")) readVolume(*volume, out);
     if (extensions.count("KHR_materials_unlit") > 0) {
         out.unlit = true;
         out.emission = glm::vec3(out.baseColor);
         out.emissionTexture = out.baseColorTexture;
     }
+}
+
+void Reader::readVolume(const Value& volume, Material& out) {
+    out.thickness = number(volume, "thicknessFactor", 0, 0, kMaxMeters);
+    out.thicknessTexture = slot(volume, "thicknessTexture");
+    out.attenuationColor = glm::min(color(volume, "attenuationColor"), glm::vec3(1));
+    // Infinity where there is none; 0, which is not allowed, would be opaque.
+    if (volume.Get("attenuationDistance").IsNumber())
+        out.attenuationDistance = number(volume, "attenuationDistance", 1, kMinMeters, kMaxMeters);
 }
 
 Material Reader::material(size_t index) {
@@ -196,6 +212,8 @@ Material Reader::material(size_t index) {
     if (out.clearcoat == 0) {
         out.clearcoatTexture = out.clearcoatRoughnessTexture = out.clearcoatNormalTexture = {};
     }
+    if (out.transmission == 0) out.transmissionTexture = {};
+    if (out.thickness == 0) out.thicknessTexture = {};
     return out;
 }
 

@@ -25,6 +25,9 @@ constexpr ScalarProperty kScalars[] = {
     {"normalScale", &Material::normalScale, 0, 10},
     {"clearcoat", &Material::clearcoat, 0, 1},
     {"clearcoatRoughness", &Material::clearcoatRoughness, 0, 1},
+    {"transmission", &Material::transmission, 0, 1},
+    {"thickness", &Material::thickness, 0, 1e6f},
+    {"attenuationDistance", &Material::attenuationDistance, 1e-6f, 1e6f},
 };
 
 struct ColorProperty {
@@ -38,6 +41,8 @@ constexpr ColorProperty kColors[] = {
      [](const Material& m) { return glm::vec3(m.baseColor); }, 1},
     {"specularColor", [](Material& m, glm::vec3 c) { m.specularColor = c; },
      [](const Material& m) { return m.specularColor; }, 1},
+    {"attenuationColor", [](Material& m, glm::vec3 c) { m.attenuationColor = c; },
+     [](const Material& m) { return m.attenuationColor; }, 1},
     {"emission", [](Material& m, glm::vec3 c) { m.emission = c; },
      [](const Material& m) { return m.emission; }, 1e30f},
 };

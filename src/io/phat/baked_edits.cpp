@@ -1,6 +1,7 @@
 #include "io/phat/baked_edits.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
@@ -55,6 +56,18 @@ void writeMaterial(json& gltf, json& out, const Material& from, const Material& 
     if (from.clearcoat != to.clearcoat) extension("KHR_materials_clearcoat", "clearcoatFactor", to.clearcoat);
     if (from.clearcoatRoughness != to.clearcoatRoughness)
         extension("KHR_materials_clearcoat", "clearcoatRoughnessFactor", to.clearcoatRoughness);
+    if (from.transmission != to.transmission)
+        extension("KHR_materials_transmission", "transmissionFactor", to.transmission);
+    if (from.thickness != to.thickness) extension("KHR_materials_volume", "thicknessFactor", to.thickness);
+    if (from.attenuationDistance != to.attenuationDistance) {
+        // Without the key it is infinite, for which JSON has no number.
+        if (std::isfinite(to.attenuationDistance))
+            extension("KHR_materials_volume", "attenuationDistance", to.attenuationDistance);
+        else
+            out["extensions"]["KHR_materials_volume"].erase("attenuationDistance");
+    }
+    if (from.attenuationColor != to.attenuationColor)
+        extension("KHR_materials_volume", "attenuationColor", arrayOf(to.attenuationColor));
     if (from.emission != to.emission) writeEmission(gltf, out, to.emission);
     if (out.contains("extensions") && out["extensions"].empty()) out.erase("extensions");
 }

@@ -104,6 +104,48 @@ TEST(GltfMaterials, FactorsAndExtensions) {
     EXPECT_EQ(materialOf({{"extensions", {{"KHR_materials_ior", {{"ior", 0}}}}}}).ior, 0);
 }
 
+TEST(GltfMaterials, TransmissionAndVolume) {
+    const Material thin =
+        materialOf({{"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", 0.9}}}}}});
+    EXPECT_EQ(thin.transmission, 0.9f);
+    EXPECT_EQ(thin.thickness, 0);
+    EXPECT_EQ(thin.attenuationColor, glm::vec3(1));
+    EXPECT_TRUE(std::isinf(thin.attenuationDistance));
+    EXPECT_EQ(materialOf({{"extensions", {{"KHR_materials_transmission", Json::object()}}}}).transmission, 0);
+    const Material solid = materialOf({{"extensions",
+                                        {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                                         {"KHR_materials_volume",
+                                          {{"thicknessFactor", 0.02},
+                                           {"attenuationDistance", 0.5},
+                                           {"attenuationColor", {0.1, 0.9, 0.2}}}}}}});
+    EXPECT_EQ(solid.thickness, 0.02f);
+    EXPECT_EQ(solid.attenuationDistance, 0.5f);
+    EXPECT_EQ(solid.attenuationColor, glm::vec3(0.1f, 0.9f, 0.2f));
+    // What no light can be: clamped.
+    const Material wrong = materialOf(
+        {{"extensions",
+          {{"KHR_materials_transmission", {{"transmissionFactor", 2}}},
+           {"KHR_materials_volume",
+            {{"thicknessFactor", -1}, {"attenuationDistance", 0}, {"attenuationColor", {2, -1, 1}}}}}}});
+    EXPECT_EQ(wrong.transmission, 1);
+    EXPECT_EQ(wrong.thickness, 0);
+    EXPECT_GT(wrong.attenuationDistance, 0);
+    EXPECT_EQ(wrong.attenuationColor, glm::vec3(1, 0, 1));
+}
+
+TEST(GltfMaterials, TransmissionAndThicknessHaveTextures) {
+    Textured textured;
+    textured.builder.push(
+        "materials",
+        {{"extensions",
+          {{"KHR_materials_transmission",
+            {{"transmissionFactor", 1}, {"transmissionTexture", {{"index", 0}}}}},
+           {"KHR_materials_volume", {{"thicknessFactor", 1}, {"thicknessTexture", {{"index", 0}}}}}}}});
+    const Material material = load(textured.builder).scene.materials[0];
+    EXPECT_EQ(material.transmissionTexture.image, 0);
+    EXPECT_EQ(material.thicknessTexture.image, 0);
+}
+
 TEST(GltfMaterials, FactorsOutsideTheirRangeAreClampedAndCounted) {
     GltfBuilder builder;
     builder.push("materials", {{"pbrMetallicRoughness", {{"roughnessFactor", 7}, {"metallicFactor", -1}}},

@@ -26,9 +26,11 @@ struct BakedEdits : testing::Test {
 
 TEST_F(BakedEdits, ComeBackWhenTheFileIsRead) {
     SceneEdits edited = noEdits(before.loaded.scene);
-    for (const char* edit : {"paint.roughness=0.55", "paint.metallic=0.25", "paint.baseColor=.1,.2,.3",
-                             "paint.ior=1.7", "paint.specular=0.5", "paint.specularColor=.9,.8,.7",
-                             "paint.clearcoat=1", "paint.clearcoatRoughness=.125", "paint.emission=2,4,8"})
+    for (const char* edit :
+         {"paint.roughness=0.55", "paint.metallic=0.25", "paint.baseColor=.1,.2,.3", "paint.ior=1.7",
+          "paint.specular=0.5", "paint.specularColor=.9,.8,.7", "paint.clearcoat=1",
+          "paint.clearcoatRoughness=.125", "paint.transmission=.75", "paint.thickness=.5",
+          "paint.attenuationDistance=2", "paint.attenuationColor=.25,.5,1", "paint.emission=2,4,8"})
         editMaterial(edit, edited.materials);
     edited.lights.at(0).intensity = {1, 2, 3};
     writeEdits(baked, baked, noEdits(before.loaded.scene), edited);
