@@ -149,6 +149,7 @@ LookupSample sampleAtCursor(LookupQuery query, LookupCursor cursor, LookupAim ai
     vec2 square = mix(cell.xz, cell.yw, clamp(scaled - vec2(at), 0.0, 1.0));
     ivec2 texel =
         tile.blockCorner + texelHolding(square, corner - tile.blockCorner, bits, scrambleOf(tile, aim.layer));
+    if (!isInChart(query.chart, texel)) return found;
     Phatexel phatexel = unpackPhatexel(READ(texelFetch(phatexels, ivec3(texel, aim.layer), 0).xy));
     found = sampleFrom(tile, phatexel, cell, bits);
     if (!found.valid) return found;
@@ -264,6 +265,7 @@ void addLightSamples(inout vec4 sum, LookupQuery query, LookupCursor cursor, vec
     for (int i = 0; i < lightSampleCount(); ++i) {
         vec2 part = vec2(4 * (i % across) + (query.rank & 3), 4 * (i / across) + (query.rank >> 2));
         ivec2 texel = tile.blockCorner + texelHolding((part + 0.5) / float(side), corner, lightBits, scramble);
+        if (!isInChart(query.chart, texel)) continue;
         Phatexel phatexel = unpackPhatexel(READ(texelFetch(phatexels, ivec3(texel, layerCount), 0).xy));
         if (!phatexel.valid) continue;
         ivec2 at = hemisphereCell(phatexel.directionBlock, kGuideSize, vec2(0.0));

@@ -133,6 +133,11 @@ uint scrambleOf(LookupTile tile, int layer) {
     return tile.tilePatch.scramble;
 }
 
+// The last blocks of a chart are cut off where it ends: a group of their texels may reach beyond.
+bool isInChart(ChartExtent chart, ivec2 texel) {
+    return all(greaterThanEqual(texel, chart.origin)) && all(lessThan(texel, chart.origin + chart.size));
+}
+
 // The texel of the chart at `point`, in texels; beyond the chart's edge, mirrored at `around` while that is inside.
 ivec2 texelInChart(ChartExtent chart, vec2 point, vec2 around) {
     vec2 low = vec2(chart.origin), high = low + vec2(chart.size);

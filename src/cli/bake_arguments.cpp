@@ -49,7 +49,7 @@ void declareAtlas(const DeclareOption& declare, AtlasSettings& atlas) {
         ->excludes(texelSize);
     declare.value("--use-uv", "N", atlas.useUvSet, "Take the charts of TEXCOORD_N instead of unwrapping")
         ->check(CLI::Range(0, 1));
-    declare.value("--gutter", "N", atlas.gutterTexels, "Texels around every chart at least")
+    declare.value("--gutter", "N", atlas.gutterTexels, "Texels around every chart of one piece")
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
 }

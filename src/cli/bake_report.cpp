@@ -4,6 +4,8 @@
 
 #include <filesystem>
 
+#include "core/atlas/texel_size.h"
+
 namespace phat {
 namespace {
 
@@ -26,6 +28,7 @@ json reportOf(const std::string& output, const Bake& result, size_t resumedParts
              {{"width", result.atlas.sizeTexels.x},
               {"height", result.atlas.sizeTexels.y},
               {"texelSize", result.atlas.texelSizeMeters},
+              {"medianTexelSize", medianTexelSizeMeters(result.atlas)},
               {"finestTexelSize", result.atlas.finestTexelSizeMeters()},
               {"charts", stats.atlas.chartCount},
               {"coverage", stats.atlas.coverage},
@@ -43,11 +46,13 @@ json reportOf(const std::string& output, const Bake& result, size_t resumedParts
 void printReport(const json& report, const std::vector<std::string>& printed) {
     const json& atlas = report["atlas"];
     fmt::print("{}: {:.1f} MB\n", report["output"].get<std::string>(), report["bytes"].get<double>() * 1e-6);
-    const double size = atlas["texelSize"].get<double>() * 1e3,
+    const double coarsest = atlas["texelSize"].get<double>() * 1e3,
+                 median = atlas["medianTexelSize"].get<double>() * 1e3,
                  finest = atlas["finestTexelSize"].get<double>() * 1e3;
-    const std::string glossy = finest < size ? fmt::format(" (glossy: down to {:.4g} mm)", finest) : "";
+    const std::string range =
+        finest < coarsest ? fmt::format(" ({:.4g} to {:.4g} mm)", finest, coarsest) : "";
     fmt::print("  atlas       {} x {} texels of {:.4g} mm{}, {} charts, {:.0f} % occupied\n",
-               atlas["width"].get<uint32_t>(), atlas["height"].get<uint32_t>(), size, glossy,
+               atlas["width"].get<uint32_t>(), atlas["height"].get<uint32_t>(), median, range,
                atlas["charts"].get<uint32_t>(), atlas["coverage"].get<double>() * 100);
     fmt::print("  photons     {} emitted, {} stored\n", report["photons"]["emitted"].get<uint64_t>(),
                report["photons"]["stored"].get<uint64_t>());

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "core/atlas/texel_size.h"
 #include "core/scene/default_camera.h"
 #include "core/scene/scene.h"
 #include "core/scene/transparency.h"
@@ -106,6 +107,7 @@ Json describeBake(const BakedScene& baked) {
             {"atlas",
              {{"size", {atlas.sizeTexels.x, atlas.sizeTexels.y}},
               {"texelSizeMeters", atlas.texelSizeMeters},
+              {"medianTexelSizeMeters", medianTexelSizeMeters(atlas)},
               {"finestTexelSizeMeters", atlas.finestTexelSizeMeters()},
               {"charts", atlas.charts.size()},
               {"blocks", atlas.blockCount},
@@ -191,12 +193,14 @@ void printLayers(const char* label, const Json& part) {
 
 void printBake(const Json& bake) {
     const Json& atlas = bake["atlas"];
-    const double size = 1000 * atlas["texelSizeMeters"].get<double>(),
+    const double coarsest = 1000 * atlas["texelSizeMeters"].get<double>(),
+                 median = 1000 * atlas["medianTexelSizeMeters"].get<double>(),
                  finest = 1000 * atlas["finestTexelSizeMeters"].get<double>();
-    const std::string glossy = finest < size ? fmt::format(" (glossy: down to {:.3g} mm)", finest) : "";
+    const std::string range =
+        finest < coarsest ? fmt::format(" ({:.3g} to {:.3g} mm)", finest, coarsest) : "";
     printLine("atlas",
               fmt::format("{} x {} texels of {:.3g} mm{}, {} charts, {:.1f} % occupied",
-                          atlas["size"][0].get<uint32_t>(), atlas["size"][1].get<uint32_t>(), size, glossy,
+                          atlas["size"][0].get<uint32_t>(), atlas["size"][1].get<uint32_t>(), median, range,
                           atlas["charts"].get<size_t>(), 100 * atlas["coverage"].get<double>()));
     printLine("storage", bake["storage"] == "paper"
                              ? "paper: 16 bytes a PHATexel, no distances (in memory 8 bytes, infinitely far)"

@@ -2,52 +2,107 @@
 
 #include <cassert>
 #include <cmath>
+#include <map>
 #include <stdexcept>
+#include <tuple>
 
 #include "core/atlas/atlas_pack.h"
-#include "core/atlas/atlas_raster.h"
+#include "core/atlas/atlas_stats.h"
+#include "core/atlas/far_density.h"
 #include "core/atlas/glossy_density.h"
+#include "core/atlas/hidden_pieces.h"
+#include "core/atlas/join_coplanar.h"
 #include "core/atlas/mesh_topology.h"
 #include "core/atlas/unwrap.h"
 
 namespace phat {
 namespace {
 
-// Which flat chart a packed box is, and the side that its texels are for.
-struct Side {
-    uint32_t flat;
-    bool back;
+// A chart before it is packed.
+struct ChartPlan {
+    PieceGroup pieces;
+    bool back = false;   // its texels face away from the triangles' front
+    bool twin = false;   // the other side of the plan before
     double density = 1;  // texels along a length, over those of rough surfaces
 };
 
-std::vector<Side> chooseSides(const Scene& scene, const std::vector<FlatChart>& flats,
-                              const std::vector<Sides>& componentSides) {
-    const std::vector<uint32_t> component =
-        componentSides.empty() ? std::vector<uint32_t>() : connectedComponents(scene);
-    std::vector<Side> sides;
+// Per flat piece.
+std::vector<Sides> chooseSides(const Scene& scene, const std::vector<FlatChart>& flats,
+                               const std::vector<Sides>& componentSides) {
+    std::vector<Sides> sides(flats.size(), Sides::front);
+    if (componentSides.empty()) return sides;
+    const std::vector<uint32_t> component = connectedComponents(scene);
     for (uint32_t f = 0; f < flats.size(); ++f) {
-        Sides lit = Sides::front;
-        if (!component.empty()) {
-            assert(component[flats[f].triangles[0]] < componentSides.size());
-            lit = componentSides[component[flats[f].triangles[0]]];
-        }
-        if (lit != Sides::back) sides.push_back({f, false});
-        if (lit != Sides::front) sides.push_back({f, true});
+        assert(component[flats[f].triangles[0]] < componentSides.size());
+        sides[f] = componentSides[component[flats[f].triangles[0]]];
     }
     return sides;
 }
 
-void chooseDensities(const Scene& scene, const std::vector<FlatChart>& flats, const AtlasSettings& settings,
-                     std::vector<Side>& sides) {
+// Of all sides that have texels, square metres.
+double litArea(const FlatChart& flat, Sides sides) {
+    return sides == Sides::both ? 2 * flat.area : flat.area;
+}
+
+// Per flat piece.
+std::vector<double> chooseDensities(const Scene& scene, const std::vector<FlatChart>& flats,
+                                    const std::vector<Sides>& sides, const AtlasSettings& settings) {
     const std::vector<float> ofSurface = glossyDensities(scene, settings.glossyDensity);
     std::vector<double> area, density;
-    for (const Side& side : sides) {
-        const FlatChart& flat = flats[side.flat];
-        area.push_back(flat.area);
-        density.push_back(double(ofSurface[scene.triangleSurface[flat.triangles[0]]]));
+    for (size_t f = 0; f < flats.size(); ++f) {
+        area.push_back(litArea(flats[f], sides[f]));
+        density.push_back(double(ofSurface[scene.triangleSurface[flats[f].triangles[0]]]));
     }
-    if (settings.texelSizeMeters <= 0) keepBudget(area, density);
-    for (size_t i = 0; i < sides.size(); ++i) sides[i].density = density[i];
+    if (settings.texelSizeMeters > 0) return density;
+    keepBudget(area, density);
+    const std::vector<double> ofFar = farDensities(scene, flats, area);
+    for (size_t f = 0; f < flats.size(); ++f) density[f] *= ofFar[f];
+    return density;
+}
+
+std::vector<PieceClass> classesOf(const Scene& scene, const std::vector<FlatChart>& flats,
+                                  const std::vector<Sides>& sides, const std::vector<double>& density,
+                                  double texelSizeMeters) {
+    std::map<std::tuple<uint32_t, Sides, double>, uint32_t> kinds;
+    std::vector<PieceClass> classes;
+    for (size_t f = 0; f < flats.size(); ++f) {
+        const auto key = std::make_tuple(scene.triangleSurface[flats[f].triangles[0]], sides[f], density[f]);
+        const uint32_t kind = kinds.try_emplace(key, uint32_t(kinds.size())).first->second;
+        classes.push_back({kind, texelSizeMeters / density[f]});
+    }
+    return classes;
+}
+
+std::vector<ChartPlan> planCharts(std::vector<PieceGroup> groups, const std::vector<Sides>& sides,
+                                  const std::vector<double>& density) {
+    std::vector<ChartPlan> plans;
+    for (PieceGroup& group : groups) {
+        const uint32_t first = group[0].flat;
+        ChartPlan plan{std::move(group), sides[first] == Sides::back, false, density[first]};
+        plans.push_back(plan);
+        if (sides[first] != Sides::both) continue;
+        plan.back = plan.twin = true;
+        plans.push_back(std::move(plan));
+    }
+    return plans;
+}
+
+// `texelSizeMeters`: about that of rough surfaces, which says what is small; 0: nothing is.
+std::vector<PackBox> boxesOf(const std::vector<FlatChart>& flats, const std::vector<ChartPlan>& plans,
+                             double texelSizeMeters) {
+    std::vector<PackBox> boxes;
+    for (const ChartPlan& plan : plans) {
+        PackBox box;
+        box.twin = plan.twin;
+        const glm::dvec2 first = plan.density * flats[plan.pieces[0].flat].sizeMeters;
+        if (plan.pieces.size() == 1 && (texelSizeMeters == 0 || isLargePiece(first / texelSizeMeters)))
+            box.sizeMeters = first;
+        else
+            for (const LaidPiece& piece : plan.pieces)
+                box.pieces.push_back(plan.density * turnedSize(flats[piece.flat].sizeMeters, piece.turns));
+        boxes.push_back(std::move(box));
+    }
+    return boxes;
 }
 
 // Where a chart's low corner sits in its rectangle: centred, edges on texel borders; a chart narrower than a
@@ -57,21 +112,30 @@ double offsetOf(double sizeTexels, uint32_t roomTexels) {
     return sizeTexels < 1 ? offset + 0.5 - 0.5 * sizeTexels : offset;
 }
 
-void placeTriangles(Atlas& atlas, const FlatChart& flat, uint32_t chartIndex, bool turned) {
-    const Chart& chart = atlas.charts[chartIndex];
-    const double scale = 1.0 / chart.texelSizeMeters;
-    const glm::dvec2 size =
-        scale * (turned ? glm::dvec2(flat.sizeMeters.y, flat.sizeMeters.x) : flat.sizeMeters);
+// A rectangle of a chart's texels.
+struct TexelRect {
+    glm::uvec2 origin, size;
+};
+
+// Where piece `i` of a chart has its place, ring or gutter included.
+TexelRect placeOfPiece(const Chart& chart, const GroupLayout& layout, size_t i, bool turned) {
+    if (layout.origin.empty()) return {chart.originTexel(), chart.sizeTexels()};
+    const glm::uvec2 origin = layout.origin[i], size = layout.size[i];
+    if (!turned) return {chart.originTexel() + origin, size};
+    const uint32_t height = layout.sizeTiles.y * kTileSize;
+    return {chart.originTexel() + glm::uvec2(height - origin.y - size.y, origin.x), {size.y, size.x}};
+}
+
+void placePiece(Atlas& atlas, const FlatChart& flat, uint32_t chartIndex, uint32_t turns, TexelRect place) {
+    const double scale = 1.0 / atlas.charts[chartIndex].texelSizeMeters;
+    const glm::dvec2 size = scale * turnedSize(flat.sizeMeters, turns);
     const glm::dvec2 low =
-        glm::dvec2(chart.originTexel()) +
-        glm::dvec2(offsetOf(size.x, chart.sizeTexels().x), offsetOf(size.y, chart.sizeTexels().y));
+        glm::dvec2(place.origin) + glm::dvec2(offsetOf(size.x, place.size.x), offsetOf(size.y, place.size.y));
     for (size_t t = 0; t < flat.triangles.size(); ++t) {
         atlas.triangleChart[flat.triangles[t]] = chartIndex;
-        for (int corner = 0; corner < 3; ++corner) {
-            glm::dvec2 uv = flat.uvMeters[t][corner];
-            if (turned) uv = {flat.sizeMeters.y - uv.y, uv.x};
-            atlas.triangleTexels[flat.triangles[t]][corner] = glm::vec2(low + scale * uv);
-        }
+        for (int corner = 0; corner < 3; ++corner)
+            atlas.triangleTexels[flat.triangles[t]][corner] =
+                glm::vec2(low + scale * turnedPosition(flat.uvMeters[t][corner], flat.sizeMeters, turns));
     }
 }
 
@@ -86,64 +150,64 @@ void fillTileTable(Atlas& atlas) {
     }
 }
 
-Atlas placeCharts(const Scene& scene, const std::vector<FlatChart>& flats, const std::vector<Side>& sides,
-                  const Packing& packing) {
+Atlas placeCharts(const Scene& scene, const std::vector<FlatChart>& flats,
+                  const std::vector<ChartPlan>& plans, const Packing& packing) {
     Atlas atlas;
     atlas.sizeTexels = packing.sizeTiles * kTileSize;
-    atlas.texelSizeMeters = sides.empty() ? float(packing.texelSizeMeters) : 0.0f;
+    atlas.texelSizeMeters = plans.empty() ? float(packing.texelSizeMeters) : 0.0f;
     atlas.triangleChart.assign(scene.triangles.size(), kNoChart);
     atlas.triangleTexels.assign(scene.triangles.size(), {});
-    for (uint32_t c = 0; c < sides.size(); ++c) {
-        const uint32_t flat = sides[c].flat;
+    for (uint32_t c = 0; c < plans.size(); ++c) {
+        const ChartPlan& plan = plans[c];
         Chart chart;
         chart.originTile = packing.originTile[c];
         chart.sizeTiles = packing.chartTiles[c];
-        chart.texelSizeMeters = float(packing.texelSizeMeters / (sides[c].density * packing.scale[c]));
+        chart.texelSizeMeters = float(packing.texelSizeMeters / (plan.density * packing.scale[c]));
         atlas.texelSizeMeters = std::max(atlas.texelSizeMeters, chart.texelSizeMeters);
-        chart.surface = scene.triangleSurface[flats[flat].triangles[0]];
-        chart.back = sides[c].back;
-        const bool second = c > 0 && sides[c - 1].flat == flat;
-        if (second) {
+        chart.surface = scene.triangleSurface[flats[plan.pieces[0].flat].triangles[0]];
+        chart.back = plan.back;
+        if (plan.twin) {
             chart.otherSide = c - 1;
             atlas.charts[c - 1].otherSide = c;
         }
         atlas.charts.push_back(chart);
-        if (!second) placeTriangles(atlas, flats[flat], c, packing.turned[c]);
+        if (plan.twin) continue;
+        for (size_t i = 0; i < plan.pieces.size(); ++i)
+            placePiece(atlas, flats[plan.pieces[i].flat], c, plan.pieces[i].turns + packing.turned[c],
+                       placeOfPiece(chart, packing.layout[c], i, packing.turned[c]));
     }
     fillTileTable(atlas);
     numberBlocks(atlas);
     return atlas;
 }
 
-float coverageOf(const Atlas& atlas) {
-    std::vector<bool> occupied(atlas.texelCount(), false);
-    for (size_t t = 0; t < atlas.triangleChart.size(); ++t) {
-        if (atlas.triangleChart[t] == kNoChart) continue;
-        const Chart& chart = atlas.charts[atlas.triangleChart[t]];
-        const glm::uvec2 toOther = chart.otherSide == kNoChart
-                                       ? glm::uvec2(0)
-                                       : atlas.charts[chart.otherSide].originTexel() - chart.originTexel();
-        forEachTexel(atlas.triangleTexels[t], int(atlas.sizeTexels.x), int(atlas.sizeTexels.y),
-                     [&](int x, int y) {
-                         const glm::uvec2 texel(x, y),
-                             other = texel + toOther;  // wraps around, as unsigned numbers do
-                         occupied[size_t(texel.y) * atlas.sizeTexels.x + texel.x] = true;
-                         occupied[size_t(other.y) * atlas.sizeTexels.x + other.x] = true;
-                     });
-    }
-    size_t count = 0;
-    for (const bool c : occupied) count += c;
-    return atlas.texelCount() ? float(double(count) / double(atlas.texelCount())) : 0.0f;
-}
+// Occupied fraction of the atlas; the scenes in scenes/ reach .74 to .90.
+constexpr double kUsualCoverage = 0.75;
+// Texel sizes so near each other ask for the same groups of pieces.
+constexpr double kSameSize = 1.15;
 
 // About the texel size that will come out, before anything is packed.
 double guessTexelSize(const MeshTopology& topology, const AtlasSettings& settings) {
-    // Occupied fraction of the atlas; the scenes in scenes/ reach .74 to .90.
-    constexpr double kUsualCoverage = 0.75;
     if (settings.texelSizeMeters > 0) return settings.texelSizeMeters;
     double area = 0;
     for (const double a : topology.faceArea) area += a;
     return std::sqrt(area / (kUsualCoverage * double(std::max<uint64_t>(settings.texelBudget, 1))));
+}
+
+// The same once it is known what has texels.
+double aboutTexelSize(const std::vector<FlatChart>& flats, const std::vector<Sides>& sides,
+                      const std::vector<double>& density, const AtlasSettings& settings) {
+    if (settings.texelSizeMeters > 0) return settings.texelSizeMeters;
+    double area = 0;
+    for (size_t f = 0; f < flats.size(); ++f) area += litArea(flats[f], sides[f]) * density[f] * density[f];
+    return std::sqrt(area / (kUsualCoverage * double(std::max<uint64_t>(settings.texelBudget, 1))));
+}
+
+template <typename Value>
+std::vector<Value> ofMembers(const std::vector<Value>& values, const std::vector<uint32_t>& member) {
+    std::vector<Value> result;
+    for (const uint32_t m : member) result.push_back(values[m]);
+    return result;
 }
 
 // Texels a side at which a UV set is searched for overlaps: about the size of the atlas.
@@ -154,74 +218,101 @@ uint32_t checkResolutionFor(const MeshTopology& topology, double texelSizeMeters
     return uint32_t(std::clamp(std::sqrt(area) / std::max(texelSizeMeters, 1e-30), 512.0, 8192.0));
 }
 
-}  // namespace
+// The flat pieces with what their charts are chosen by.
+struct Pieces {
+    std::vector<FlatChart> flats;
+    std::vector<Sides> sides;     // per piece
+    std::vector<double> density;  // per piece
+    double aboutTexelSizeMeters = 0;
+};
 
-std::vector<BlockRect> blockRects(const Atlas& atlas) {
-    std::vector<BlockRect> rects(atlas.blockCount);
-    for (const Chart& chart : atlas.charts) {
-        for (uint32_t y = 0; y < chart.blocksHigh(); ++y)
-            for (uint32_t x = 0; x < chart.blocksWide(); ++x) {
-                const glm::uvec2 offset = glm::uvec2(x, y) * kBlockSize;
-                rects[chart.firstBlock + y * chart.blocksWide() + x] = {
-                    chart.originTexel() + offset,
-                    glm::min(glm::uvec2(kBlockSize), chart.sizeTexels() - offset)};
-            }
-    }
-    return rects;
+void takeJoined(Pieces& pieces, const Scene& scene, const MeshTopology& topology) {
+    const auto classes =
+        classesOf(scene, pieces.flats, pieces.sides, pieces.density, pieces.aboutTexelSizeMeters);
+    JoinedPieces joined = joinCoplanar(scene, topology, std::move(pieces.flats), classes);
+    pieces.flats = std::move(joined.flats);
+    pieces.sides = ofMembers(pieces.sides, joined.member);
+    pieces.density = ofMembers(pieces.density, joined.member);
 }
 
-void numberBlocks(Atlas& atlas) {
-    atlas.blockCount = 0;
-    for (Chart& chart : atlas.charts) {
-        chart.firstBlock = atlas.blockCount;
-        atlas.blockCount += chart.blocksWide() * chart.blocksHigh();
-    }
+// What buildAtlas is asked for. `rays`: null: all pieces count as open.
+struct AtlasOrder {
+    const Scene& scene;
+    const RayScene* rays;
+    const std::vector<Sides>& componentSides;
+    const AtlasSettings& settings;
+};
+
+Pieces makePieces(const AtlasOrder& order, const MeshTopology& topology, Progress& progress) {
+    const auto& [scene, rays, componentSides, settings] = order;
+    const double texelSize = guessTexelSize(topology, settings);
+    Pieces pieces;
+    pieces.flats = settings.useUvSet >= 0 ? chartsFromUvSet(scene, topology, settings.useUvSet,
+                                                            checkResolutionFor(topology, texelSize), progress)
+                                          : unwrapScene(scene, topology, settings.maxNormalConeDegrees,
+                                                        settings.gutterTexels * texelSize, progress);
+    pieces.sides = chooseSides(scene, pieces.flats, componentSides);
+    pieces.density = chooseDensities(scene, pieces.flats, pieces.sides, settings);
+    pieces.aboutTexelSizeMeters = aboutTexelSize(pieces.flats, pieces.sides, pieces.density, settings);
+    if (settings.useUvSet < 0) takeJoined(pieces, scene, topology);
+    if (!rays || settings.texelSizeMeters > 0) return pieces;
+    const std::vector<uint32_t> component =
+        componentSides.empty() ? std::vector<uint32_t>() : connectedComponents(scene);
+    const std::vector<uint8_t> hidden =
+        hiddenPieces(*rays, {pieces.flats, pieces.sides, component, componentSides},
+                     pieces.aboutTexelSizeMeters, progress);
+    for (size_t f = 0; f < hidden.size(); ++f)
+        if (hidden[f]) pieces.density[f] *= kHiddenDensity;
+    pieces.aboutTexelSizeMeters = aboutTexelSize(pieces.flats, pieces.sides, pieces.density, settings);
+    return pieces;
 }
 
-Atlas buildAtlas(const Scene& scene, const std::vector<Sides>& componentSides, const AtlasSettings& settings,
-                 Progress& progress, AtlasStats* stats) {
+Atlas buildAtlasOf(const AtlasOrder& order, Progress& progress, AtlasStats* stats) {
+    const auto& [scene, rays, componentSides, settings] = order;
     if (!(settings.glossyDensity >= 1 && settings.glossyDensity <= kMaxGlossyDensity))
         throw std::invalid_argument("the density of glossy surfaces must be from 1 to 8");
     progress.begin("unwrap", scene.triangles.size());
     const MeshTopology topology = buildTopology(scene);
-    const double texelSize = guessTexelSize(topology, settings);
-    const std::vector<FlatChart> flats =
-        settings.useUvSet >= 0 ? chartsFromUvSet(scene, topology, settings.useUvSet,
-                                                 checkResolutionFor(topology, texelSize), progress)
-                               : unwrapScene(scene, topology, settings.maxNormalConeDegrees,
-                                             settings.gutterTexels * texelSize, progress);
-
-    std::vector<Side> sides = chooseSides(scene, flats, componentSides);
-    chooseDensities(scene, flats, settings, sides);
-    std::vector<PackBox> boxes;
-    for (size_t i = 0; i < sides.size(); ++i) {
-        const bool second = i > 0 && sides[i - 1].flat == sides[i].flat;
-        boxes.push_back({sides[i].density * flats[sides[i].flat].sizeMeters, second});
+    Pieces pieces = makePieces(order, topology, progress);
+    std::vector<ChartPlan> plans;
+    Packing packing;
+    // Which pieces are small depends on the texels' size, which depends on how many are.
+    for (int round = 0; round < 3; ++round) {
+        const auto classes =
+            classesOf(scene, pieces.flats, pieces.sides, pieces.density, pieces.aboutTexelSizeMeters);
+        plans = planCharts(settings.useUvSet >= 0 ? alone(pieces.flats.size())
+                                                  : groupPieces(scene, topology, pieces.flats, classes,
+                                                                settings.gutterTexels, progress),
+                           pieces.sides, pieces.density);
+        packing =
+            packCharts(boxesOf(pieces.flats, plans, settings.useUvSet >= 0 ? 0 : pieces.aboutTexelSizeMeters),
+                       settings, progress);
+        const double off = packing.texelSizeMeters / pieces.aboutTexelSizeMeters;
+        if (settings.texelSizeMeters > 0 || plans.empty() || (off < kSameSize && off > 1 / kSameSize)) break;
+        pieces.aboutTexelSizeMeters = packing.texelSizeMeters;
     }
-    Packing packing = packCharts(boxes, settings, progress);
-    if (boxes.empty() && !scene.triangles.empty()) {
+    if (plans.empty() && !scene.triangles.empty()) {
         // Triangles without area have no charts but stay in the file: one tile without a chart holds their
         // UVs.
         packing.texelSizeMeters = 1;
         packing.sizeTiles = glm::uvec2(1);
     }
-    Atlas atlas = placeCharts(scene, flats, sides, packing);
+    Atlas atlas = placeCharts(scene, pieces.flats, plans, packing);
     progress.end();
-
-    if (stats) {
-        double area = 0, good = 0;
-        for (const FlatChart& flat : flats) {
-            area += flat.area;
-            good += flat.area * flat.areaWithinStretch15;
-        }
-        stats->chartCount = uint32_t(atlas.charts.size());
-        stats->coverage = coverageOf(atlas);
-        stats->areaWithinStretch15 = area > 0 ? float(good / area) : 1.0f;
-        stats->degenerateTriangles = 0;
-        for (uint32_t t = 0; t < scene.triangles.size(); ++t)
-            stats->degenerateTriangles += topology.degenerate(t);
-    }
+    if (stats) *stats = statsOf(atlas, pieces.flats, topology);
     return atlas;
+}
+
+}  // namespace
+
+Atlas buildAtlas(const Scene& scene, const std::vector<Sides>& componentSides, const AtlasSettings& settings,
+                 Progress& progress, AtlasStats* stats) {
+    return buildAtlasOf({scene, nullptr, componentSides, settings}, progress, stats);
+}
+
+Atlas buildAtlas(const RayScene& rays, const std::vector<Sides>& componentSides,
+                 const AtlasSettings& settings, Progress& progress, AtlasStats* stats) {
+    return buildAtlasOf({rays.scene(), &rays, componentSides, settings}, progress, stats);
 }
 
 }  // namespace phat

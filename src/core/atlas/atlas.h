@@ -1,8 +1,8 @@
 #pragma once
 // The atlas: a one-to-one map from the scene's triangles to texels.
 //
-// Charts are connected, near-isometric and own whole tiles of 8x8 texels, so that nothing that works on
-// tiles ever mixes two charts. Texel (x, y) has its centre at (x + .5, y + .5); row 0 is uv.v = 0.
+// Charts are near-isometric, of one piece or several near ones, and own whole tiles of 8x8, so that nothing
+// on tiles ever mixes two charts. Texel (x, y) has its centre at (x + .5, y + .5); row 0 is uv.v = 0.
 
 #include <algorithm>
 #include <array>
@@ -81,7 +81,7 @@ struct AtlasSettings {
     uint64_t texelBudget = 1 << 20;   // about how many texels the whole atlas may have
     float glossyDensity = 3;          // texels of glossy surfaces are up to this factor finer; 1..8
     float maxNormalConeDegrees = 40;  // charts stop growing where normals leave this cone
-    uint32_t gutterTexels = 4;        // least number of texels around every chart
+    uint32_t gutterTexels = 4;        // around every chart of one piece
     uint32_t maxSizeTexels = 16384;   // per side
     int useUvSet = -1;                // >= 0: take the charts of this UV set instead of unwrapping
 };
@@ -105,6 +105,10 @@ std::vector<uint32_t> connectedComponents(const Scene& scene);
 /// glossyDensity is out of range.
 Atlas buildAtlas(const Scene& scene, const std::vector<Sides>& componentSides, const AtlasSettings& settings,
                  Progress& progress, AtlasStats* stats = nullptr);
+
+/// The same; with a texel budget, pieces that nobody sees have fewer texels.
+Atlas buildAtlas(const RayScene& rays, const std::vector<Sides>& componentSides,
+                 const AtlasSettings& settings, Progress& progress, AtlasStats* stats = nullptr);
 
 /// The texels of a block that its chart has.
 struct BlockRect {

@@ -1,36 +1,31 @@
 #include "core/atlas/atlas_pack.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
 
+#include "core/atlas/skyline.h"
 #include "core/base/random.h"
-
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wall"
-#pragma GCC diagnostic ignored "-Wextra"
-#pragma GCC diagnostic ignored "-Wunused-function"
-#define STB_RECT_PACK_IMPLEMENTATION
-#define STBRP_STATIC
-#include <stb_rect_pack.h>
-#pragma GCC diagnostic pop
 
 namespace phat {
 namespace {
 
 // A chart at some texel size.
 struct Fit {
-    glm::uvec2 tiles{1};  // x >= y, gutters included
+    glm::uvec2 tiles{1};  // gutters included
     double scale = 1;     // its texels along a length, over those asked for
+    GroupLayout layout;   // of several pieces
 };
 
 Fit fitOf(glm::dvec2 sizeTexels, double scale, uint32_t gutter) {
     // A box that is a whole number of tiles but for rounding must not take another tile.
     constexpr double kSlackTexels = 1e-4;
     const glm::dvec2 texels = scale * sizeTexels + 2.0 * gutter - kSlackTexels;
-    return {glm::uvec2(glm::max(glm::ceil(texels / double(kTileSize)), 1.0)), scale};
+    return {glm::uvec2(glm::max(glm::ceil(texels / double(kTileSize)), 1.0)), scale, {}};
 }
 
 // The fit within `freedom` of the asked density whose tiles the chart fills best: one side then ends where a
@@ -55,44 +50,58 @@ Fit bestFitOf(glm::dvec2 sizeTexels, uint32_t gutter, double freedom) {
     return best;
 }
 
+std::vector<glm::dvec2> pieceTexels(const PackBox& box, double texelSizeMeters) {
+    std::vector<glm::dvec2> sizes;
+    for (const glm::dvec2& size : box.pieces) sizes.push_back(size / texelSizeMeters);
+    return sizes;
+}
+
 std::vector<Fit> fitsOf(std::span<const PackBox> boxes, double texelSizeMeters, uint32_t gutter,
                         double freedom) {
-    std::vector<Fit> fits;
-    fits.reserve(boxes.size());
-    for (const PackBox& box : boxes)
-        fits.push_back(bestFitOf(box.sizeMeters / texelSizeMeters, gutter, freedom));
+    std::vector<Fit> fits(boxes.size());
+    tbb::parallel_for(size_t(0), boxes.size(), [&](size_t i) {
+        if (boxes[i].pieces.empty()) {
+            fits[i] = bestFitOf(boxes[i].sizeMeters / texelSizeMeters, gutter, freedom);
+        } else {
+            fits[i].layout = layOutGroup(pieceTexels(boxes[i], texelSizeMeters));
+            fits[i].tiles = fits[i].layout.sizeTiles;
+        }
+    });
     return fits;
 }
 
-uint64_t sumOf(const std::vector<Fit>& fits) {
-    uint64_t sum = 0;
-    for (const Fit& fit : fits) sum += uint64_t(fit.tiles.x) * fit.tiles.y;
+double sumOf(const std::vector<Fit>& fits) {
+    double sum = 0;
+    for (const Fit& fit : fits) sum += double(fit.tiles.x) * double(fit.tiles.y);
+    return sum;
+}
+
+// About the sum over fitsOf.
+double tilesAt(std::span<const PackBox> boxes, double texelSizeMeters, uint32_t gutter) {
+    double sum = 0;
+    for (const PackBox& box : boxes) {
+        if (box.pieces.empty()) {
+            const Fit fit = bestFitOf(box.sizeMeters / texelSizeMeters, gutter, kFillFreedom);
+            sum += double(fit.tiles.x) * double(fit.tiles.y);
+        } else {
+            sum += estimateGroupTiles(pieceTexels(box, texelSizeMeters));
+        }
+    }
     return sum;
 }
 
 // One run of the skyline packer; empty sizeTiles if the boxes do not fit.
 Packing packAtWidth(const std::vector<Fit>& fits, const std::vector<uint8_t>& turned, uint32_t width,
-                    uint32_t maxHeight, int heuristic) {
-    std::vector<stbrp_rect> rects(fits.size());
-    for (size_t i = 0; i < fits.size(); ++i) {
-        const glm::uvec2 t = turned[i] ? glm::uvec2(fits[i].tiles.y, fits[i].tiles.x) : fits[i].tiles;
-        rects[i] = {int(i), stbrp_coord(t.x), stbrp_coord(t.y), 0, 0, 0};
-    }
-    std::vector<stbrp_node> nodes(width);
-    stbrp_context context;
-    stbrp_init_target(&context, int(width), int(maxHeight), nodes.data(), int(nodes.size()));
-    stbrp_setup_heuristic(&context, heuristic);
+                    uint32_t maxHeight, Skyline heuristic) {
     Packing packing;
-    if (!stbrp_pack_rects(&context, rects.data(), int(rects.size()))) return packing;
+    for (size_t i = 0; i < fits.size(); ++i)
+        packing.chartTiles.push_back(turned[i] ? glm::uvec2(fits[i].tiles.y, fits[i].tiles.x)
+                                               : fits[i].tiles);
+    auto packed = packSkyline(packing.chartTiles, {width, maxHeight}, heuristic);
+    if (!packed) return {};
     packing.turned = turned;
-    packing.originTile.resize(fits.size());
-    packing.chartTiles.resize(fits.size());
-    for (const stbrp_rect& rect : rects) {
-        packing.originTile[rect.id] = {uint32_t(rect.x), uint32_t(rect.y)};
-        packing.chartTiles[rect.id] = {uint32_t(rect.w), uint32_t(rect.h)};
-        packing.sizeTiles =
-            glm::max(packing.sizeTiles, packing.originTile[rect.id] + packing.chartTiles[rect.id]);
-    }
+    packing.originTile = std::move(packed->origin);
+    packing.sizeTiles = packed->size;
     return packing;
 }
 
@@ -100,8 +109,8 @@ Packing packAtWidth(const std::vector<Fit>& fits, const std::vector<uint8_t>& tu
 Packing packTiles(std::span<const PackBox> boxes, const std::vector<Fit>& fits, uint32_t maxTiles,
                   uint64_t effort, const Progress& progress) {
     uint32_t narrowest = 1;
-    for (const Fit& fit : fits) narrowest = std::max(narrowest, fit.tiles.y);
-    const double side = std::sqrt(double(sumOf(fits)));
+    for (const Fit& fit : fits) narrowest = std::max(narrowest, std::min(fit.tiles.x, fit.tiles.y));
+    const double side = std::sqrt(sumOf(fits));
     const uint64_t runs = std::clamp<uint64_t>(effort / std::max<size_t>(fits.size(), 1), 4, 400);
 
     Packing best;
@@ -111,16 +120,16 @@ Packing packTiles(std::span<const PackBox> boxes, const std::vector<Fit>& fits, 
         progress.throwIfStopped();
         // Aspect ratios of about 1 to 2, upright and lying boxes alternating, then mixed ones.
         const double aspect = 1.0 + double(run / 4) / double((runs + 3) / 4);
-        const int heuristic =
-            run & 1 ? STBRP_HEURISTIC_Skyline_BF_sortHeight : STBRP_HEURISTIC_Skyline_BL_sortHeight;
+        const Skyline heuristic = run & 1 ? Skyline::bestFit : Skyline::bottomLeft;
         const bool upright = (run & 2) != 0;
         const uint32_t width =
             uint32_t(std::clamp(std::ceil(side * std::sqrt(aspect)), double(narrowest), double(maxTiles)));
         for (size_t i = 0; i < fits.size(); ++i) {
-            const uint32_t longer = fits[i].tiles.x;
-            turned[i] = upright || longer > width;
+            const uint32_t longer = std::max(fits[i].tiles.x, fits[i].tiles.y);
+            bool stands = upright || longer > width;
             // Every second round lays about a third of the boxes the other way, if they fit.
-            if ((run & 4) && hashOf(run, i) % 3 == 0 && longer <= width) turned[i] = !turned[i];
+            if ((run & 4) && hashOf(run, i) % 3 == 0 && longer <= width) stands = !stands;
+            turned[i] = stands != (fits[i].tiles.y > fits[i].tiles.x);
             if (boxes[i].twin) turned[i] = turned[i - 1];
         }
         Packing packing = packAtWidth(fits, turned, width, maxTiles, heuristic);
@@ -130,7 +139,10 @@ Packing packTiles(std::span<const PackBox> boxes, const std::vector<Fit>& fits, 
         best = std::move(packing);
     }
     if (!best.originTile.empty())
-        for (const Fit& fit : fits) best.scale.push_back(fit.scale);
+        for (const Fit& fit : fits) {
+            best.scale.push_back(fit.scale);
+            best.layout.push_back(fit.layout);
+        }
     return best;
 }
 
@@ -150,7 +162,8 @@ Packing packAtTexelSize(std::span<const PackBox> boxes, const AtlasSettings& set
     const uint32_t maxTiles = maxTilesOf(settings);
     const auto fits = fitsOf(boxes, settings.texelSizeMeters, settings.gutterTexels, 1);
     Packing packing;
-    if (std::all_of(fits.begin(), fits.end(), [&](const Fit& fit) { return fit.tiles.x <= maxTiles; }))
+    if (std::all_of(fits.begin(), fits.end(),
+                    [&](const Fit& fit) { return std::max(fit.tiles.x, fit.tiles.y) <= maxTiles; }))
         packing = packTiles(boxes, fits, maxTiles, kEffort, progress);
     if (packing.originTile.empty()) throwTooLarge(settings);
     packing.texelSizeMeters = settings.texelSizeMeters;
@@ -165,9 +178,13 @@ struct TexelSizes {
 
 TexelSizes texelSizesFor(std::span<const PackBox> boxes, const AtlasSettings& settings, double budget) {
     double area = 0, longest = 0;
+    const auto add = [&](glm::dvec2 size) {
+        area += size.x * size.y;
+        longest = std::max({longest, size.x, size.y});
+    };
     for (const PackBox& box : boxes) {
-        area += box.sizeMeters.x * box.sizeMeters.y;
-        longest = std::max(longest, box.sizeMeters.x);
+        if (box.pieces.empty()) add(box.sizeMeters);
+        for (const glm::dvec2& piece : box.pieces) add(piece);
     }
     const double roomTexels = double(maxTilesOf(settings)) * kTileSize - 2.0 * settings.gutterTexels;
     const double finest = std::max(std::sqrt(area / budget), longest / std::max(roomTexels, 1.0));
@@ -191,8 +208,7 @@ Packing packCharts(std::span<const PackBox> boxes, const AtlasSettings& settings
     double filled = 0.85;
     // Many small charts: their gutters alone may exceed the budget, and coarser texels then save nothing. A
     // quarter over the tiles that must be there anyway, the triangles keep what these tiles have room for.
-    const double leastTexels =
-        double(sumOf(fitsOf(boxes, coarsest, settings.gutterTexels, kFillFreedom))) * kTileSize * kTileSize;
+    const double leastTexels = tilesAt(boxes, coarsest, settings.gutterTexels) * kTileSize * kTileSize;
     const double target = std::max(budget, 1.25 * leastTexels);
     Packing best;
     bool bestWithin = false;
@@ -200,9 +216,8 @@ Packing packCharts(std::span<const PackBox> boxes, const AtlasSettings& settings
         double fine = finest, coarse = coarsest;
         for (int step = 0; step < 40; ++step) {
             const double middle = std::sqrt(fine * coarse);
-            const uint64_t sum = sumOf(fitsOf(boxes, middle, settings.gutterTexels, kFillFreedom));
-            const bool within =
-                double(sum) * kTileSize * kTileSize <= std::max(filled * target, 1.02 * leastTexels);
+            const double texels = tilesAt(boxes, middle, settings.gutterTexels) * kTileSize * kTileSize;
+            const bool within = texels <= std::max(filled * target, 1.02 * leastTexels);
             (within ? coarse : fine) = middle;
         }
         const auto fits = fitsOf(boxes, coarse, settings.gutterTexels, kFillFreedom);
@@ -213,7 +228,7 @@ Packing packCharts(std::span<const PackBox> boxes, const AtlasSettings& settings
             filled *= 0.8;
             continue;
         }
-        filled = double(sumOf(fits)) * kTileSize * kTileSize / packed;
+        filled = tilesAt(boxes, coarse, settings.gutterTexels) * kTileSize * kTileSize / packed;
         const bool within = packed <= target;
         const bool better = within == bestWithin ? coarse < best.texelSizeMeters : within;
         if (best.originTile.empty() || better) {

@@ -5,12 +5,15 @@
 #include <vector>
 
 #include "core/atlas/atlas.h"
+#include "core/atlas/piece_group.h"
 
 namespace phat {
 
-/// A chart's bounding box. A twin has the size of the box before it and is laid the same way.
+/// A chart's bounding box, or those of its pieces. A twin has the size of the box before it and is laid the
+/// same way. Sizes are magnified by the chart's density where its texels are finer.
 struct PackBox {
-    glm::dvec2 sizeMeters{0};  // x >= y; magnified by the chart's density where its texels are finer
+    glm::dvec2 sizeMeters{0};        // of a chart of one piece; x >= y
+    std::vector<glm::dvec2> pieces;  // sizes, as the pieces are turned; empty if there is one alone
     bool twin = false;
 };
 
@@ -21,6 +24,7 @@ struct Packing {
     std::vector<glm::uvec2> chartTiles;  // per chart: size, gutter included
     std::vector<uint8_t> turned;         // per chart: to be laid on its side, x and y swapped
     std::vector<double> scale;           // per chart: how much finer its texels are than asked for, near 1
+    std::vector<GroupLayout> layout;     // per chart: of its pieces before the chart was turned
 };
 
 /// Places the boxes so that they share no tile. The texel size is the one of

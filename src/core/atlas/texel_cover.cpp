@@ -1,28 +1,17 @@
 // Occluded texels: inside closed objects, or under objects that stand on the surface.
 
+#include "core/atlas/texel_cover.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
 
 #include "core/atlas/atlas.h"
-#include "core/base/hemisphere_map.h"
-#include "core/base/random.h"
-#include "core/scene/glass.h"
 
 namespace phat {
 namespace {
 
-constexpr int kStrata = 4;  // per axis: 16 rays a texel
-constexpr int kRays = kStrata * kStrata;
-// Half of the rays meet unlit backs: the texel is inside or under an object. For texels beside a wall's foot
-// it is at most a little less than half.
-constexpr int kMaxDeadRays = kRays / 2;
-// Nine tenths of the hemisphere, by cosine, are blocked less than a quarter of a texel above the surface: an
-// object touches it. Height instead of distance, weighted by cosine, so that the border of the contact is not
-// speckled.
-constexpr float kMaxBlocked = 0.9f;
-constexpr float kPressedTexels = 0.25f;
 // Gutters are checked half a texel above their surface, so that the sag of a finely tessellated concave
 // surface under its own tangent plane (d^2 / 2r) does not count as passing through geometry.
 constexpr float kGutterLiftTexels = 0.5f;
@@ -36,26 +25,11 @@ bool sideLit(const Atlas& atlas, uint32_t triangle, bool backFace) {
 // `texelSizeMeters` here and below: of the texel's chart.
 bool surroundedByDark(const TexelPoints& points, const Atlas& atlas, float texelSizeMeters,
                       const RayScene& rays, size_t i) {
-    const Frame frame = frameFromNormalAndTangent(points.normal[i], points.tangent[i]);
-    const glm::vec3 origin = offsetOrigin(points.position[i], points.normal[i]);
-    Rng rng(hashOf(i));
-    const glm::vec2 shift = rng.uniform2();
-    int dead = 0;
-    float blocked = 0, sky = 0;
-    uint64_t rayCount = 0;
-    for (int ray = 0; ray < kRays; ++ray) {
-        const glm::vec2 stratum(float(ray % kStrata), float(ray / kStrata));
-        const glm::vec2 square = glm::fract((stratum + shift) / float(kStrata));
-        const glm::vec3 local = squareToHemisphere(square);
-        // What lies under or in glass is lit through it.
-        const Ray toward{origin, glm::normalize(frame.toWorld(local))};
-        const Hit hit = seeStraight(rays, toward, kFarDistance, rayCount).hit;
-        sky += local.z;
-        if (!hit) continue;
-        dead += !sideLit(atlas, hit.triangle, hit.backFace);
-        if (hit.distance * local.z < kPressedTexels * texelSizeMeters) blocked += local.z;
-    }
-    return dead >= kMaxDeadRays || blocked >= kMaxBlocked * sky;
+    const CoverPoint point{offsetOrigin(points.position[i], points.normal[i]),
+                           frameFromNormalAndTangent(points.normal[i], points.tangent[i]), texelSizeMeters,
+                           hashOf(i)};
+    return isCovered(point, rays,
+                     [&](const Hit& hit) { return !sideLit(atlas, hit.triangle, hit.backFace); });
 }
 
 // Whether the segment from the surface's edge to an extrapolated point is occluded.

@@ -1,4 +1,5 @@
 #include "core/atlas/chart_fill.h"
+#include "core/atlas/texel_neighbors.h"
 #include "core/bake/irradiance.h"
 #include "core/base/parallel.h"
 
@@ -79,6 +80,7 @@ ResumableTask filterAreaIrradiance(const std::vector<IrradianceEstimate>& estima
         float weights = 0;
         forNeighbors(atlas, receives, texel, kReach, [&](glm::ivec2 offset, size_t j) {
             if (glm::dot(points.normal[i], points.normal[j]) < kMinFilterNormalCosine) return;
+            if (!lieTogether(atlas, points, i, j)) return;
             const float difference = guide[i].luminance - guide[j].luminance;
             const float noise = square(kNoiseSigmas) * (guide[i].variance + guide[j].variance);
             const float tent = (kReach + 1 - std::abs(offset.x)) * (kReach + 1 - std::abs(offset.y));

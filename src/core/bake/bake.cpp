@@ -7,6 +7,7 @@
 #include "core/bake/indirect_irradiance.h"
 #include "core/bake/irradiance_finish.h"
 #include "core/bake/irradiance_ray.h"
+#include "core/bake/lit_sides.h"
 #include "core/base/stopwatch.h"
 #include "core/phatexel/directions.h"
 #include "core/phatexel/lookup_tables.h"
@@ -15,25 +16,6 @@
 
 namespace phat {
 namespace {
-
-// A side that receives less than this fraction of the other side's photons is a leak or an invisible outside.
-constexpr double kMinSideFraction = 0.02;
-
-/// Sides that light reaches, per connected component; only they get texels.
-std::vector<Sides> litSides(const Scene& scene, const PhotonMap& map) {
-    const std::vector<uint32_t> component = connectedComponents(scene);
-    const uint32_t count = component.empty() ? 0 : *std::max_element(component.begin(), component.end()) + 1;
-    std::vector<std::array<double, 2>> photons(count, {0, 0});
-    for (const Photon& photon : map.photons) photons[component[photon.triangle]][photon.backFace] += 1;
-
-    std::vector<Sides> sides(count, Sides::front);
-    for (uint32_t i = 0; i < count; ++i) {
-        const auto [front, back] = photons[i];
-        if (back > kMinSideFraction * front)
-            sides[i] = front > kMinSideFraction * back ? Sides::both : Sides::back;
-    }
-    return sides;
-}
 
 std::vector<Guide> guidesFor(const GatherInput& input, Directions strategy, PhotonFilter keep,
                              Progress& progress) {
@@ -124,7 +106,8 @@ Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, 
 
     const PhotonMap photons = tracePhotons(rays, lights, settings.photons, progress);
     const PhotonIndex index(photons.photons);
-    result.atlas = buildAtlas(scene, litSides(scene, photons), settings.atlas, progress, &result.stats.atlas);
+    result.atlas =
+        buildAtlas(rays, litSides({rays, lights}, photons), settings.atlas, progress, &result.stats.atlas);
     result.points = buildTexelPoints(scene, result.atlas);
     markOccludedTexels(result.points, result.atlas, rays, progress);
     const std::vector<Frame> frames = blockFrames(result.atlas, result.points);

@@ -2,6 +2,7 @@
 
 #include "core/bake/indirect_irradiance.h"
 
+#include "core/atlas/texel_neighbors.h"
 #include "core/bake/gather_parts.h"
 #include "core/bake/irradiance_ray.h"
 
@@ -140,8 +141,25 @@ void setDistances(IrradianceLevel& level, const Atlas& atlas, const std::vector<
     }
 }
 
-/// Whether a group's node or a neighbour in the same chart has a small harmonic mean distance.
-std::vector<uint8_t> groupsToSplit(const IrradianceLevel& level, const Atlas& atlas) {
+/// Whether a group has texels of another piece of surface than its node's. Pieces lie so far apart that the
+/// next level's groups have one each.
+bool mixesPieces(const IrradianceLevel& level, const GatherInput& input, glm::uvec2 group) {
+    const uint32_t node = level.node[size_t(group.y) * level.size.x + group.x];
+    if (node == kNoNode) return false;
+    for (uint32_t i = 0; i < level.step * level.step; ++i) {
+        const glm::uvec2 texel = group * level.step + glm::uvec2(i % level.step, i / level.step);
+        const size_t index = size_t(texel.y) * input.atlas.sizeTexels.x + texel.x;
+        if (input.irradianceTexels[index] &&
+            !lieTogether(input.atlas, input.points, level.texel[node], index))
+            return true;
+    }
+    return false;
+}
+
+/// Whether a group's node or a neighbour in the same chart has a small harmonic mean distance, or the group
+/// mixes pieces of surface.
+std::vector<uint8_t> groupsToSplit(const IrradianceLevel& level, const GatherInput& input) {
+    const Atlas& atlas = input.atlas;
     const glm::ivec2 size(level.size);
     std::vector<uint8_t> split(level.node.size(), 0);
     for (int y = 0; y < size.y; ++y)
@@ -155,6 +173,7 @@ std::vector<uint8_t> groupsToSplit(const IrradianceLevel& level, const Atlas& at
                 if (level.distanceTexels[node] < kSplitBelowSteps * float(level.step))
                     split[size_t(y) * size.x + x] = 1;
             }
+            if (mixesPieces(level, input, {x, y})) split[size_t(y) * size.x + x] = 1;
         }
     return split;
 }
@@ -165,7 +184,7 @@ ResumableTask refine(const GatherContext& context, const Gatherer& gatherer,
                      const ChartSet& charts) {
     const Atlas& atlas = context.input.atlas;
     const IrradianceLevel& coarse = levels.back();
-    const std::vector<uint8_t> split = groupsToSplit(coarse, atlas);
+    const std::vector<uint8_t> split = groupsToSplit(coarse, context.input);
     const uint32_t ratio = coarse.step / step;
     IrradianceLevel level = makeLevel(atlas, context.input.irradianceTexels, step, [&](glm::uvec2 group) {
         const glm::uvec2 around = group / ratio;

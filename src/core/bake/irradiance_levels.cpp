@@ -1,6 +1,7 @@
 #include "core/bake/irradiance_levels.h"
 
 #include "core/atlas/chart_fill.h"
+#include "core/atlas/texel_neighbors.h"
 #include "core/base/parallel.h"
 #include "core/base/plane_fit.h"
 
@@ -196,7 +197,8 @@ class Interpolator {
             if (fall <= 0.0f) return;
             const float cosine = glm::dot(points_.normal[texel], points_.normal[other]);
             const float alike = (cosine - kMinFitNormalCosine) / (1.0f - kMinFitNormalCosine);
-            if (alike > 0.0f) add(level, node, split, fall * fall * alike, offset);
+            if (alike > 0.0f && lieTogether(atlas_, points_, texel, other))
+                add(level, node, split, fall * fall * alike, offset);
         };
         for (int y = from.y; y <= to.y; ++y)
             for (int x = from.x; x <= to.x; ++x)

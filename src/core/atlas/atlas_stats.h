@@ -1,0 +1,11 @@
+#pragma once
+
+#include "core/atlas/atlas.h"
+#include "core/atlas/unwrap.h"
+
+namespace phat {
+
+/// `flats`: the pieces that the atlas was made of.
+AtlasStats statsOf(const Atlas& atlas, const std::vector<FlatChart>& flats, const MeshTopology& topology);
+
+}  // namespace phat

@@ -1,0 +1,18 @@
+#pragma once
+// Which sides of the surfaces receive texels.
+
+#include <vector>
+
+#include "core/atlas/atlas.h"
+#include "core/transport/path.h"
+#include "core/transport/photon_map.h"
+
+namespace phat {
+
+/// Per connected component: the sides that light reaches, as far as its material shows them. A side counts as
+/// lit when photons bring it as much light an area as is usual in the scene, or when it sees such a side; so
+/// the outside of a lamp shade has texels, however bright its inside is, and the inside of a solid, into
+/// which a few photons leak through its seams, has none. The front where neither side is lit.
+std::vector<Sides> litSides(const LitScene& scene, const PhotonMap& photons);
+
+}  // namespace phat
