@@ -107,7 +107,7 @@ const DisplayPass& Renderer::State::displayFor(bool paper, bool counting) {
 
 Renderer::State::Relit& Renderer::State::relitFor(bool paper) {
     std::optional<Relit>& made = paper ? relitPaper : relit;
-    if (!made) made.emplace().pass = createRelightPass(shaderFolder, atlas, anyClearcoat(materials), paper);
+    if (!made) made = Relit{createRelightPass(shaderFolder, atlas, anyClearcoat(materials), paper), true, {}};
     return *made;
 }
 

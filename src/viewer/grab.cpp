@@ -1,5 +1,6 @@
 #include "viewer/grab.h"
 
+#define GLFW_INCLUDE_NONE  // epoxy has the declarations
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
 

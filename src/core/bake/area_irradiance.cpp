@@ -51,7 +51,9 @@ std::vector<uint8_t> irradianceTexels(const Atlas& atlas, const TexelPoints& poi
 
 ResumableTask filterAreaIrradiance(const std::vector<IrradianceEstimate>& estimates, ReceiverTexels texels,
                                    const ChartSet& charts, IrradianceMap& filtered, uint64_t sliceWork) {
-    const auto& [atlas, points, receives] = texels;
+    const Atlas& atlas = texels.atlas;
+    const TexelPoints& points = texels.points;
+    const std::vector<uint8_t>& receives = texels.receives;
     const size_t width = atlas.sizeTexels.x;
     filtered.assign(estimates.size(), glm::vec3(0));
     std::vector<Guide3x3> guide(estimates.size());

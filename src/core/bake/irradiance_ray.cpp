@@ -163,12 +163,13 @@ IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t
 glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance,
                               const VisibleHit& visible, const PathSettings& settings, Rng& rng,
                               uint64_t& rayCount) {
-    const auto& [hit, point, towardEye] = visible;
+    const SurfacePoint& point = visible.point;
+    const glm::vec3& towardEye = visible.towardEye;
     const glm::vec3 eyeLocal = point.shading.toLocal(towardEye);
     if (maxComponent(reflectance(point.brdf, eyeLocal)) <= 0.0f) return glm::vec3(0);
 
     const int paths = std::max(settings.pathsPerHit, 1);
-    const std::optional<uint32_t> texel = texelOfHit(world.atlas, world.irradianceTexels, hit);
+    const std::optional<uint32_t> texel = texelOfHit(world.atlas, world.irradianceTexels, visible.hit);
     if (!texel) {
         glm::vec3 reflected(0);
         for (int i = 0; i < paths; ++i)
@@ -178,7 +179,7 @@ glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& ir
     const auto arriving = [&](const std::vector<uint32_t>& map) {
         if (map.empty()) return glm::vec3(0);
         if (!irradiance.interpolated) return unpackRgb9e5(map[*texel]);
-        return bilinearAt(world.atlas, atlasPositionOf(world.atlas, hit),
+        return bilinearAt(world.atlas, atlasPositionOf(world.atlas, visible.hit),
                           [&](size_t at) { return unpackRgb9e5(map[at]); });
     };
     const glm::vec3 diffuse = diffuseAlbedo(point.brdf, eyeLocal) / kPi *
@@ -192,7 +193,7 @@ glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& ir
     const uint64_t seed = rng.bits64();
     glm::vec3 glossy(0);
     for (int i = 0; i < walks; ++i) {
-        Walk walk{world, irradiance.area, rng, rayCount, hit, point, towardEye, glm::vec3(1), {}};
+        Walk walk{world, irradiance.area, rng, rayCount, visible.hit, point, towardEye, glm::vec3(1), {}};
         for (int bounce = 0; bounce < settings.maxBounces; ++bounce)
             if (!walk.reflectsGlossily(bounce,
                                        bounce ? stepNumbers(rng) : firstStepNumbers(uint32_t(i), seed)) ||

@@ -162,7 +162,9 @@ void forNeighbors(const Atlas& atlas, uint32_t texel, std::span<const glm::ivec2
 
 System makeSystem(const IrradianceMap& map, const std::vector<SeamPoint>& seams, const ReceiverTexels& texels,
                   float spreadTexels) {
-    const auto& [atlas, points, receives] = texels;
+    const Atlas& atlas = texels.atlas;
+    const TexelPoints& points = texels.points;
+    const std::vector<uint8_t>& receives = texels.receives;
     const std::vector<uint8_t> known = knownCharts(atlas, receives);
     System system;
     constexpr uint32_t kNone = ~0u;

@@ -24,8 +24,7 @@ bool isRead(const std::string& attribute) {
 // Follows the references of JSON that may be anything: what is no index is not followed.
 class Walk {
   public:
-    Walk(const GltfSource& source, Reached& reached)
-        : gltf_(source.json), source_(source), reached_(reached) {}
+    Walk(const GltfSource& source, Reached& reached) : gltf_(source.json), reached_(reached) {}
 
     void run() {
         for (const uint64_t node : sceneNodes(gltf_, true)) visitNode(node);
@@ -144,7 +143,6 @@ class Walk {
     }
 
     const json& gltf_;
-    const GltfSource& source_;
     Reached& reached_;
 };
 
