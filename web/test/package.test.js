@@ -87,9 +87,11 @@ test('materials become rows as the shaders read them', () => {
     near(row(0), [0.1, 0.2, 0.3, 1]);
     near(row(2), [0.5, 0.25, 1, 1.5]);
     near(row(4), [0.75, 0, 1, 0]);
-    near(row(5), [2, 0, 0.25, 1]); // u = 2 u0 + .25, of the second UV set
-    near(row(6), [0, 3, 0.5, 1]);
-    assert.equal(row(8)[3], 0); // no metallicRoughness texture
+    near(row(5), [0, 0, 0, 0]); // no glass
+    near(row(7), [2, 0, 0.25, 1]); // u = 2 u0 + .25, of the second UV set
+    near(row(8), [0, 3, 0.5, 1]);
+    assert.equal(row(10)[3], 0); // no metallicRoughness texture
+    near([...packMaterial(new MeshPhysicalMaterial({ transmission: 0.75 })).slice(20, 21)], [0.75]);
 });
 
 // A light with nothing but an environment, whose bytes `deliver` sends.
