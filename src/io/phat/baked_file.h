@@ -55,8 +55,8 @@ struct BakedFileOptions {
 /// Rewrites `source` with the atlas and the PHATexels into `outPath`. `scene` must be what loadGltf(source)
 /// gave (plus its environment and added lights, which are stored too). Returns what of the input could not be
 /// kept, one line each. Throws FileError, FileTooLarge when the file would have more than `mostBytes`, and
-/// Interrupted when `progress` was asked to stop; an old file at `outPath` then stays as it was. pre: loadGltf
-/// has read `source`.
+/// Interrupted when `progress` was asked to stop; an old file at `outPath` then stays as it was. pre:
+/// loadGltf has read `source`.
 std::vector<std::string> writeBakedFile(const std::string& outPath, const GltfSource& source,
                                         const Scene& scene, const Bake& bake, const BakeRecord& record,
                                         const BakedFileOptions& options = {});

@@ -67,7 +67,8 @@ TEST(DefaultCamera, StandsInARoomAndLooksLevel) {
     EXPECT_FALSE(eye.x > 4.3f && eye.z < 1.6f) << "in the wardrobe";
 }
 
-// Many rooms are boxes whose fronts look outward, with double-sided materials. What is in them makes them rooms.
+// Many rooms are boxes whose fronts look outward, with double-sided materials. What is in them makes them
+// rooms.
 TEST(DefaultCamera, StandsInABoxOfDoubleSidedWallsIfThereIsSomethingInIt) {
     for (const bool furnished : {false, true}) {
         Scene scene;
