@@ -3,10 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "io/base/file_error.h"
-#include "io/gltf/gltf_builder.h"
-#include "io/gltf/gltf_loader.h"
-#include "io/gltf/gltf_sound.h"
-#include "io/gltf/gltf_source.h"
+#include "io/gltf/gltf_built.h"
 #include "io/gltf/gltf_variants.h"
 #include "support/temporary_folder.h"
 
@@ -14,16 +11,9 @@ namespace phat {
 namespace {
 
 using test::GltfBuilder;
+using test::kPng16;
+using test::load;
 using Json = nlohmann::json;
-
-LoadedScene load(const GltfBuilder& builder, const std::string& variant = {}) {
-    const TemporaryFolder folder;
-    writeBytes(folder.file("a.glb"), builder.glb());
-    GltfSource source = openGltf(folder.file("a.glb"));
-    LoadedScene loaded = loadGltf(source, {variant});
-    EXPECT_EQ(test::countUnsound(loaded.scene), 0);
-    return loaded;
-}
 
 std::string reasonOf(const GltfBuilder& builder, const std::string& variant = {}) {
     try {
@@ -44,15 +34,6 @@ GltfBuilder triangleOf(const Json& material) {
                                          {"material", 0}})}});
     return builder;
 }
-
-// 2x1 texels, RGBA 16 bit: (0xffff, 0x8000, 0, 0xffff), (0x1234, 0, 0xffff, 0x4000).
-const std::vector<uint8_t> kPng = {
-    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52,
-    0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x10, 0x06, 0x00, 0x00, 0x00, 0xa4, 0xb2, 0xa3,
-    0xc9, 0x00, 0x00, 0x00, 0x17, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0xf8, 0xff, 0xbf, 0x81,
-    0x81, 0x81, 0xe1, 0xff, 0x7f, 0x21, 0x13, 0x10, 0xe9, 0xc0, 0x00, 0x00, 0x42, 0x54, 0x07, 0x01,
-    0xae, 0x89, 0xa8, 0x3d, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82,
-};
 
 Json specularGlossiness(const Json& values) {
     return {
@@ -90,8 +71,8 @@ TEST(GltfSpecularGlossiness, TexturesAreConverted) {
          {"specularGlossinessTexture",
           {{"index", 0}, {"extensions", {{"KHR_texture_transform", {{"scale", {2, 2}}}}}}}},
          {"glossinessFactor", 0.5}}));
-    builder.push("images", {{"bufferView", builder.view(kPng)}});
-    builder.push("images", {{"bufferView", builder.view(kPng)}});
+    builder.push("images", {{"bufferView", builder.view(kPng16)}});
+    builder.push("images", {{"bufferView", builder.view(kPng16)}});
     builder.push("samplers", {{"wrapS", 33071}});
     builder.push("textures", {{"source", 0}, {"sampler", 0}});
     builder.push("textures", {{"source", 1}});
@@ -166,7 +147,7 @@ TEST(GltfLooks, WhatIsDrawnWithoutIsNotedOnce) {
 
 TEST(GltfLooks, Ktx2TexturesNeedAFallback) {
     GltfBuilder builder = triangleOf({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
-    builder.push("images", {{"bufferView", builder.view(kPng)}});
+    builder.push("images", {{"bufferView", builder.view(kPng16)}});
     builder.push("images",
                  {{"bufferView", builder.view<uint8_t>({0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb})}});
     builder.push(

@@ -5,24 +5,15 @@
 
 #include "core/base/stopwatch.h"
 #include "io/base/file_error.h"
-#include "io/gltf/gltf_builder.h"
-#include "io/gltf/gltf_loader.h"
-#include "io/gltf/gltf_sound.h"
+#include "io/gltf/gltf_built.h"
 #include "support/temporary_folder.h"
 
 namespace phat {
 namespace {
 
 using test::GltfBuilder;
+using test::load;
 using Json = nlohmann::json;
-
-LoadedScene load(const GltfBuilder& builder) {
-    const TemporaryFolder folder;
-    writeBytes(folder.file("a.glb"), builder.glb());
-    LoadedScene loaded = loadGltf(folder.file("a.glb"));
-    EXPECT_EQ(test::countUnsound(loaded.scene), 0);
-    return loaded;
-}
 
 std::string reasonOf(const GltfBuilder& builder) {
     try {

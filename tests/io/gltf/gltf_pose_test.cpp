@@ -3,25 +3,14 @@
 #include <gtest/gtest.h>
 
 #include "io/base/file_error.h"
-#include "io/gltf/gltf_builder.h"
-#include "io/gltf/gltf_loader.h"
-#include "io/gltf/gltf_sound.h"
-#include "io/gltf/gltf_source.h"
-#include "support/temporary_folder.h"
+#include "io/gltf/gltf_built.h"
 
 namespace phat {
 namespace {
 
 using test::GltfBuilder;
+using test::load;
 using Json = nlohmann::json;
-
-LoadedScene load(const GltfBuilder& builder) {
-    const TemporaryFolder folder;
-    writeBytes(folder.file("a.glb"), builder.glb());
-    LoadedScene loaded = loadGltf(folder.file("a.glb"));
-    EXPECT_EQ(test::countUnsound(loaded.scene), 0);
-    return loaded;
-}
 
 void expectPositions(const Scene& scene, const std::vector<glm::vec3>& expected) {
     ASSERT_EQ(scene.positions.size(), expected.size());
