@@ -53,17 +53,19 @@ PunctualSample samplePunctual(int light, vec3 point) {
     return PunctualSample(towardLight, intensityRange.rgb * attenuation, d);
 }
 
+mat4 shadowClipFromWorld(int layer, int firstRow) {
+    int row = firstRow + layer * kShadowRows;
+    return mat4(texelFetch(lightTable, tableTexel(row), 0), texelFetch(lightTable, tableTexel(row + 1), 0),
+                texelFetch(lightTable, tableTexel(row + 2), 0), texelFetch(lightTable, tableTexel(row + 3), 0));
+}
+
 // Visibility of the light, by 4x4 depth comparisons under a 3x3 box that moves with the point.
 //
 // Every comparison is made against the receiver's own plane, extended under the tap (Isidoro 2006, "Shadow
 // Mapping: GPU-based Tips and Techniques"), so that a flat surface neither shadows itself nor needs an offset
 // that would detach the shadow where things touch.
 float shadowLayerVisibility(int layer, int firstRow, vec3 point, vec3 normalGeometric) {
-    int row = firstRow + layer * kShadowRows;
-    mat4 clipFromWorld = mat4(texelFetch(lightTable, tableTexel(row), 0),
-                              texelFetch(lightTable, tableTexel(row + 1), 0),
-                              texelFetch(lightTable, tableTexel(row + 2), 0),
-                              texelFetch(lightTable, tableTexel(row + 3), 0));
+    mat4 clipFromWorld = shadowClipFromWorld(layer, firstRow);
     vec4 clip = clipFromWorld * vec4(point, 1.0);
     if (clip.w <= 0.0) return 1.0;
     vec3 ndc = clip.xyz / clip.w;
@@ -105,11 +107,7 @@ float shadowLayerVisibility(int layer, int firstRow, vec3 point, vec3 normalGeom
 #ifdef SHADOW_TINTS
 // Where there is more than one glass, also a point between them receives what all of them let through.
 vec3 shadowTint(int layer, int firstRow, vec3 point) {
-    int row = firstRow + layer * kShadowRows;
-    mat4 clipFromWorld = mat4(texelFetch(lightTable, tableTexel(row), 0),
-                              texelFetch(lightTable, tableTexel(row + 1), 0),
-                              texelFetch(lightTable, tableTexel(row + 2), 0),
-                              texelFetch(lightTable, tableTexel(row + 3), 0));
+    mat4 clipFromWorld = shadowClipFromWorld(layer, firstRow);
     vec4 clip = clipFromWorld * vec4(point, 1.0);
     vec3 ndc = clip.xyz / clip.w;
     if (clip.w <= 0.0 || any(greaterThan(abs(ndc), vec3(1.0)))) return vec3(1.0);
