@@ -18,10 +18,10 @@ void declareExposure(CLI::App& command, std::optional<float>& stops) {
                 if (text == "auto") return;
                 char* end = nullptr;
                 const float value = std::strtof(text.c_str(), &end);
-                if (text.empty() || *end != 0 || !(std::abs(value) <= kMostExposureStops))
+                if (text.empty() || *end != 0 || !(std::abs(value) <= kMaxExposureStops))
                     throw CLI::ValidationError(
                         "--exposure", fmt::format("\"{}\" is neither auto nor a number from {} to {}", text,
-                                                  -kMostExposureStops, kMostExposureStops));
+                                                  -kMaxExposureStops, kMaxExposureStops));
                 stops = value;
             },
             "Stops, for .png and .jpg, or auto: middle grey for what is lit")

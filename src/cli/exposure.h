@@ -13,7 +13,7 @@
 
 namespace phat {
 
-inline constexpr float kMostExposureStops = 40;
+inline constexpr float kMaxExposureStops = 40;
 
 /// Declares --exposure: stops, or auto, which leaves `stops` empty.
 void declareExposure(CLI::App& command, std::optional<float>& stops);

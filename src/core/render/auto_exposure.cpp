@@ -9,7 +9,7 @@ namespace phat {
 namespace {
 
 // Enough for percentiles, and a tenth of a second of rays.
-constexpr int kMostSide = 256;
+constexpr int kMaxSide = 256;
 
 // Of the lit pixels, by luminance. Chosen by eye on scenes/ and on rooms of others.
 constexpr double kDarkest = 0.1, kBrightest = 0.9;
@@ -52,12 +52,12 @@ float autoExposureStops(const Image& picture, std::span<const uint32_t> pixels) 
     for (size_t i = first; i < end; ++i) sum += std::log2(double(lit[i]));
     const double wanted = std::log2(double(kMiddleGrey)) - sum / double(end - first);
     const double most = std::log2(double(kBrightestExposed) / double(quantile(lit, kHighlights)));
-    const double stops = std::clamp(std::min(wanted, most), -double(kMostStops), double(kMostStops));
+    const double stops = std::clamp(std::min(wanted, most), -double(kMaxStops), double(kMaxStops));
     return float(std::round(10 * stops) / 10);
 }
 
 std::vector<uint32_t> meteredPixels(const RayScene& rays, const Camera& camera, int width, int height) {
-    const int step = (std::max(width, height) + kMostSide - 1) / kMostSide;
+    const int step = (std::max(width, height) + kMaxSide - 1) / kMaxSide;
     const int columns = (width + step - 1) / step, rows = (height + step - 1) / step;
     std::vector<uint8_t> counts(size_t(columns) * size_t(rows));
     tbb::parallel_for(0, rows, [&](int row) {

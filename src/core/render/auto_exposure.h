@@ -13,7 +13,7 @@ namespace phat {
 /// Stops for display: a scene's own brightness, seldom a display's, is brought to middle grey. The mean
 /// logarithm of the luminance of `pixels` (y * width + x; where they hold no light, of all), without the
 /// darkest and the brightest of them, becomes kMiddleGrey, unless that would wash out more than the brightest
-/// pixels. A multiple of .1, so that the number says exactly what was applied, within +-kMostStops; 0 for a
+/// pixels. A multiple of .1, so that the number says exactly what was applied, within +-kMaxStops; 0 for a
 /// black picture. source: the log-average of Reinhard et al. 2002, "Photographic Tone Reproduction for
 /// Digital Images".
 float autoExposureStops(const Image& picture, std::span<const uint32_t> pixels);
@@ -23,6 +23,6 @@ float autoExposureStops(const Image& picture, std::span<const uint32_t> pixels);
 std::vector<uint32_t> meteredPixels(const RayScene& rays, const Camera& camera, int width, int height);
 
 inline constexpr float kMiddleGrey = 0.22f;
-inline constexpr float kMostStops = 30;
+inline constexpr float kMaxStops = 30;
 
 }  // namespace phat

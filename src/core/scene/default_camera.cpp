@@ -16,7 +16,7 @@ constexpr float kMargin = 1.05f;  // around a scene that is seen from outside
 constexpr int kHeadings = 16;
 constexpr int kRaysAcross = 18, kRaysDown = 12;
 // The views that show most are asked for their light, too.
-constexpr size_t kMostLit = 32;
+constexpr size_t kMaxLitViews = 32;
 
 glm::vec3 headingOf(int index) {
     const float angle = 2 * kPi * (float(index) + 0.5f) / kHeadings;
@@ -79,7 +79,7 @@ DefaultView insideView(const RayScene& rays, const LightSampler& lights,
     for (const StandPoint& point : points)
         for (int heading = 0; heading < kHeadings; ++heading) views.push_back({point, heading});
     rank(views, [&](const RoomView& view) { return depthScore(rays, view); });
-    views.resize(std::min(views.size(), kMostLit));
+    views.resize(std::min(views.size(), kMaxLitViews));
     rank(views, [&](const RoomView& view) {
         return view.score * (0.3f + litFraction(rays, lights, cameraOf(view)));
     });

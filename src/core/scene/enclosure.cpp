@@ -10,23 +10,23 @@ constexpr float kGroundThickness = 0.02f;
 // ... and reaches so many times farther than the rest.
 constexpr float kGroundOverhang = 1.5f;
 
-constexpr int kColumns = 16;        // of the grid, along each side
-constexpr int kMostCrossings = 64;  // surfaces that one vertical line crosses
-constexpr int kDirections = 128;    // that tell whether a point is enclosed
+constexpr int kColumns = 16;      // of the grid, along each side
+constexpr int kMaxLineHits = 64;  // surfaces that one vertical line crosses
+constexpr int kDirections = 128;  // that tell whether a point is enclosed
 // Windows, doors and a missing piece of wall leave a room a room; a missing wall or ceiling does not.
-constexpr float kLeastEnclosed = 0.85f;
+constexpr float kMinEnclosed = 0.85f;
 // In a room fronts look inward. What mostly backs surround is the inside of a thing, ...
-constexpr float kLeastFronts = 0.5f;
+constexpr float kMinFronts = 0.5f;
 // ... unless all of the scene is so, it is as high as rooms are and a few fronts are within: many rooms are
 // modelled with their fronts outward.
-constexpr float kLeastFrontsInMeters = 0.05f;
+constexpr float kMinFrontsInMeters = 0.05f;
 // Lower spaces than this part of the highest room or, where that is in no known unit, of the scene are
 // hollows of furniture, attics, the space under a bed.
-constexpr float kLeastRoomHeight = 0.5f;
+constexpr float kMinRoomHeight = 0.5f;
 // Less of the scene's ground plan than this, of kColumns^2 points, is a cavity and no room.
-constexpr size_t kLeastPoints = 8;
+constexpr size_t kMinPoints = 8;
 // Rooms within these heights are taken to be in metres.
-constexpr float kLeastRoomMeters = 2, kMostRoomMeters = 12;
+constexpr float kMinRoomMeters = 2, kMaxRoomMeters = 12;
 
 // Point `index` of `count` spread evenly over the sphere. source: Swinbank and Purser 2006, "Fibonacci
 // grids".
@@ -41,7 +41,7 @@ std::vector<float> crossings(const RayScene& rays, const Bounds& bounds, float x
     const float height = bounds.high.y - bounds.low.y, step = 1e-5f * bounds.diagonal();
     std::vector<float> found;
     float y = bounds.high.y + std::max(0.01f * height, step);
-    while (found.size() < kMostCrossings) {
+    while (found.size() < kMaxLineHits) {
         const Hit hit = rays.closestHit({x, y, z}, {0, -1, 0});
         if (!hit) break;
         const float at = y - hit.distance;
@@ -53,7 +53,7 @@ std::vector<float> crossings(const RayScene& rays, const Bounds& bounds, float x
 }
 
 bool isRoomInMeters(float roomHeight) {
-    return roomHeight >= kLeastRoomMeters && roomHeight <= kMostRoomMeters;
+    return roomHeight >= kMinRoomMeters && roomHeight <= kMaxRoomMeters;
 }
 
 float eyeHeight(float roomHeight) {
@@ -77,7 +77,7 @@ bool lookAround(const RayScene& rays, StandPoint& point) {
     }
     point.frontFraction = met > 0 ? float(fronts) / float(met) : 0.0f;
     // Nearer to a wall than a shoulder, there is only the wall to see.
-    return float(seen) >= kLeastEnclosed * kDirections && point.nearest > 0.1f * point.roomHeight;
+    return float(seen) >= kMinEnclosed * kDirections && point.nearest > 0.1f * point.roomHeight;
 }
 
 void addColumn(const RayScene& rays, const Bounds& bounds, glm::vec2 at, std::vector<StandPoint>& points) {
@@ -124,7 +124,7 @@ bool isCulled(const Scene& scene, const Hit& hit) {
 
 Hit seenFrom(const RayScene& rays, glm::vec3 origin, glm::vec3 direction) {
     float passed = 0;
-    for (int i = 0; i < kMostCrossings; ++i) {
+    for (int i = 0; i < kMaxLineHits; ++i) {
         Hit hit = rays.closestHit(origin + passed * direction, direction);
         if (!hit) return hit;
         hit.distance += passed;
@@ -174,18 +174,18 @@ std::vector<StandPoint> standPoints(const RayScene& rays) {
     std::vector<StandPoint> all;
     for (const auto& column : columns) all.insert(all.end(), column.begin(), column.end());
     std::vector<StandPoint> points = all;
-    std::erase_if(points, [](const StandPoint& p) { return p.frontFraction < kLeastFronts; });
-    const bool outward = points.size() < kLeastPoints;
+    std::erase_if(points, [](const StandPoint& p) { return p.frontFraction < kMinFronts; });
+    const bool outward = points.size() < kMinPoints;
     if (outward) points = all;
     float highest = 0, fronts = 0;
     for (const StandPoint& p : points) highest = std::max(highest, p.roomHeight);
     const float height = bounds.high.y - bounds.low.y;
-    const float leastHeight = kLeastRoomHeight * (isRoomInMeters(highest) ? highest : height);
+    const float leastHeight = kMinRoomHeight * (isRoomInMeters(highest) ? highest : height);
     std::erase_if(points, [&](const StandPoint& p) { return p.roomHeight < leastHeight; });
     points = onMainFloor(points, 0.03f * height);
     for (const StandPoint& p : points) fronts += p.frontFraction;
-    const float leastFronts = outward && isRoomInMeters(highest) ? kLeastFrontsInMeters : kLeastFronts;
-    if (points.size() < kLeastPoints || fronts < leastFronts * float(points.size())) return {};
+    const float leastFronts = outward && isRoomInMeters(highest) ? kMinFrontsInMeters : kMinFronts;
+    if (points.size() < kMinPoints || fronts < leastFronts * float(points.size())) return {};
     return points;
 }
 

@@ -21,12 +21,12 @@ namespace {
 // whose target does not exist yet names the file to make.
 std::string resolveTarget(const std::string& path) {
     namespace fs = std::filesystem;
-    constexpr int kMostLinks = 40;  // as Linux allows
+    constexpr int kMaxLinks = 40;  // as Linux allows
     fs::path target = path;
     std::error_code error;
     for (int links = 0; fs::is_symlink(fs::symlink_status(target, error)); ++links) {
         const fs::path next = fs::read_symlink(target, error);
-        if (error || links == kMostLinks) throw FileError(path, "is a link that leads nowhere");
+        if (error || links == kMaxLinks) throw FileError(path, "is a link that leads nowhere");
         target = target.parent_path() / next;  // an absolute `next` stands alone
     }
     const auto status = fs::status(target, error);

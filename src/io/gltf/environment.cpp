@@ -14,7 +14,7 @@ namespace {
 // The largest half, at which the writers of suns stop that are brighter.
 constexpr float kLargestHalf = 65504;
 // Brighter than the sun's disc by far. Sums of more than this would leave the range of floats.
-constexpr float kMostRadiance = 1e9f;
+constexpr float kMaxRadiance = 1e9f;
 
 bool isExr(const std::string& path) {
     constexpr std::array<char, 4> kMagic = {0x76, 0x2f, 0x31, 0x01};
@@ -28,7 +28,7 @@ float brightestFinite(const Image& image) {
     for (const glm::vec3& rgb : image.pixels)
         for (int c = 0; c < 3; ++c)
             if (std::isfinite(rgb[c])) brightest = std::max(brightest, rgb[c]);
-    return std::min(brightest, kMostRadiance);
+    return std::min(brightest, kMaxRadiance);
 }
 
 }  // namespace
@@ -45,10 +45,10 @@ Environment loadEnvironment(const std::string& path, std::vector<std::string>* n
             // Skies that were filtered or painted hold slightly negative values; light is not.
             rgb[c] = !(before[c] > 0)        ? 0
                      : std::isinf(before[c]) ? infinite
-                                             : std::min(before[c], kMostRadiance);
+                                             : std::min(before[c], kMaxRadiance);
         }
         undefined += nan;
-        clamped += maxComponent(before) > kMostRadiance;
+        clamped += maxComponent(before) > kMaxRadiance;
     }
     if (notes && clamped > 0)
         notes->push_back(

@@ -21,12 +21,12 @@ constexpr const char* kLightExtension = "KHR_lights_punctual";
 constexpr const char* kMark = "phatAddedLight";  // in the extras of nodes
 
 // Less of what the eye sees than this in daylight: a room without windows, whatever leaks at its edges.
-constexpr float kLeastDaylight = 0.002f;
+constexpr float kMinDaylight = 0.002f;
 
 enum class OwnLight : uint8_t { none, decoration, light };
 
 // Labels, screens and dials that shine and light next to nothing of what is seen are no light to see by.
-constexpr float kLeastLit = 0.2f;
+constexpr float kMinLit = 0.2f;
 
 OwnLight ownLightOf(const Scene& scene) {
     const LightSampler lights(scene);
@@ -34,7 +34,7 @@ OwnLight ownLightOf(const Scene& scene) {
     if (!lights.hasArea()) return OwnLight::none;
     const RayScene rays(scene);
     const Camera camera = scene.cameras.empty() ? defaultView(rays, lights).camera : scene.cameras.front();
-    return litFraction(rays, lights, camera) < kLeastLit ? OwnLight::decoration : OwnLight::light;
+    return litFraction(rays, lights, camera) < kMinLit ? OwnLight::decoration : OwnLight::light;
 }
 
 void addLight(Scene& scene, PunctualLight light, const char* name) {
@@ -91,7 +91,7 @@ struct Inside {
 Inside insideOf(const Scene& scene, const RayScene& rays) {
     Inside inside{scene.cameras.empty() ? defaultView(rays, LightSampler(scene)).camera
                                         : scene.cameras.front()};
-    inside.dark = daylightFraction(rays, inside.camera) < kLeastDaylight;
+    inside.dark = daylightFraction(rays, inside.camera) < kMinDaylight;
     return inside;
 }
 
