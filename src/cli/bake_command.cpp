@@ -38,7 +38,8 @@ struct LitInput {
 LitInput loadInput(const BakeOptions& options, GltfSource& source) {
     if (isBakedFile(source) && !options.variant.empty())
         throw CLI::ValidationError("--variant", "the input is baked; choose it of the scene");
-    SceneFile file = readSceneFile(source, options.lighting, BakedLighting::replace, {options.variant});
+    SceneFile file = readSceneFile(source, options.lighting, BakedLighting::replace,
+                                   {options.variant, options.settings.atlas});
     if (file.baked.loaded.scene.triangles.empty()) throw FileError(options.input, "has no triangles to bake");
     return {std::move(file.baked.loaded), std::move(file.added)};
 }

@@ -112,23 +112,29 @@ double offsetOf(double sizeTexels, uint32_t roomTexels) {
     return sizeTexels < 1 ? offset + 0.5 - 0.5 * sizeTexels : offset;
 }
 
-// A rectangle of a chart's texels.
+// Where a piece has its place in a chart.
 struct TexelRect {
     glm::uvec2 origin, size;
+    bool grouped = false;
 };
 
 // Where piece `i` of a chart has its place, ring or gutter included.
 TexelRect placeOfPiece(const Chart& chart, const GroupLayout& layout, size_t i, bool turned) {
     if (layout.origin.empty()) return {chart.originTexel(), chart.sizeTexels()};
     const glm::uvec2 origin = layout.origin[i], size = layout.size[i];
-    if (!turned) return {chart.originTexel() + origin, size};
+    if (!turned) return {chart.originTexel() + origin, size, true};
     const uint32_t height = layout.sizeTiles.y * kTileSize;
-    return {chart.originTexel() + glm::uvec2(height - origin.y - size.y, origin.x), {size.y, size.x}};
+    return {chart.originTexel() + glm::uvec2(height - origin.y - size.y, origin.x), {size.y, size.x}, true};
 }
 
 void placePiece(Atlas& atlas, const FlatChart& flat, uint32_t chartIndex, uint32_t turns, TexelRect place) {
-    const double scale = 1.0 / atlas.charts[chartIndex].texelSizeMeters;
-    const glm::dvec2 size = scale * turnedSize(flat.sizeMeters, turns);
+    glm::dvec2 scale(1.0 / atlas.charts[chartIndex].texelSizeMeters);
+    glm::dvec2 size = scale * turnedSize(flat.sizeMeters, turns);
+    for (int axis = 0; axis < 2 && place.grouped; ++axis)
+        if (isNarrow(size[axis]) && size[axis] > kNarrowTexels) {
+            scale[axis] *= kNarrowTexels / size[axis];
+            size[axis] = kNarrowTexels;
+        }
     const glm::dvec2 low =
         glm::dvec2(place.origin) + glm::dvec2(offsetOf(size.x, place.size.x), offsetOf(size.y, place.size.y));
     for (size_t t = 0; t < flat.triangles.size(); ++t) {

@@ -6,10 +6,10 @@
 
 namespace phat {
 
-/// Extrapolates known values to unknown texels of the same chart, nearest ring first, until no texel with a
-/// known neighbour is left. The first ring continues the slope of what it touches, the others copy. Values
-/// are >= 0. `values` and `known` are [y][x] of the atlas taken at every `step`-th texel.
+/// Extrapolates known values to unknown texels, nearest ring first, four rings far. Neighbours are of the
+/// same chart and lie in the world as they do in it (texel_neighbors.h). The first ring continues the slope
+/// of what it touches, the others copy. Values are >= 0. `values` and `known` are [y][x] of the atlas.
 void fillWithinCharts(std::vector<glm::vec3>& values, std::vector<uint8_t>& known, const Atlas& atlas,
-                      uint32_t step = 1);
+                      const TexelPoints& points);
 
 }  // namespace phat

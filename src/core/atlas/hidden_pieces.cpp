@@ -44,8 +44,9 @@ std::vector<uint8_t> hiddenPieces(const RayScene& rays, const SidedPieces& piece
                 glm::dvec2 b = Rng(seed).uniform2();
                 if (b.x + b.y > 1) b = 1.0 - b;
                 const CoverPoint at{offsetOrigin(glm::vec3(a + b.x * e1 + b.y * e2), normal),
-                                    frameFromNormal(normal), float(texelSizeMeters), seed + 1};
-                open += !isCovered(at, rays, isDark);
+                                    frameFromNormal(normal), kPressedTexels * float(texelSizeMeters),
+                                    seed + 1};
+                open += !coverOf(at, rays, isDark).closed();
                 if (open > kMaxOpen) return false;
             }
         }

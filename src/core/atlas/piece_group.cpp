@@ -31,10 +31,10 @@ constexpr double kSlackTexels = 1e-4;
 
 glm::uvec2 placeOf(glm::dvec2 sizeTexels) {
     glm::uvec2 place;
-    for (int axis = 0; axis < 2; ++axis) {
-        const double whole = std::max(std::ceil(sizeTexels[axis] - kSlackTexels), 1.0);
-        place[axis] = uint32_t(whole) + (sizeTexels[axis] < 1 ? 1 : 2) * kPieceGutter;
-    }
+    for (int axis = 0; axis < 2; ++axis)
+        place[axis] = isNarrow(sizeTexels[axis])
+                          ? 1
+                          : uint32_t(std::ceil(sizeTexels[axis] - kSlackTexels)) + 2 * kPieceGutter;
     return place;
 }
 

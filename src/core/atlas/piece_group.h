@@ -25,6 +25,14 @@ using PieceGroup = std::vector<LaidPiece>;
 /// Texels around each of several pieces in a chart: what bilinear interpolation on the piece reaches. Pieces
 /// narrower than a texel share those along their long sides, which weigh little there.
 inline constexpr uint32_t kPieceGutter = 1;
+// How wide what is narrower than a texel is drawn. Interpolation then takes its own texels and all but
+// nothing of those beside them, and it needs no ring. In an atlas of 16,384 texels, floats still tell its
+// sides apart.
+inline constexpr double kNarrowTexels = 1.0 / 256;
+
+inline bool isNarrow(double sizeTexels) {
+    return sizeTexels < 1;
+}
 
 /// Whether a piece has a chart of its own, with the atlas's gutter. A small one has a ring, alone as well.
 inline bool isLargePiece(glm::dvec2 sizeTexels) {

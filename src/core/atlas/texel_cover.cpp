@@ -15,6 +15,18 @@ namespace {
 // Gutters are checked half a texel above their surface, so that the sag of a finely tessellated concave
 // surface under its own tangent plane (d^2 / 2r) does not count as passing through geometry.
 constexpr float kGutterLiftTexels = 0.5f;
+// The way begins a little inside the triangle: a wall along its edge has to be crossed.
+constexpr float kStartTexels = 0.125f;
+
+constexpr float kNarrowAltitudes = 2;
+
+float altitudeOf(const Scene& scene, uint32_t triangle) {
+    const glm::uvec3& v = scene.triangles[triangle];
+    const glm::vec3 a = scene.positions[v[1]] - scene.positions[v[0]],
+                    b = scene.positions[v[2]] - scene.positions[v[0]];
+    const float longest = std::max({glm::length(a), glm::length(b), glm::distance(a, b)});
+    return longest > 0 ? glm::length(glm::cross(a, b)) / longest : 0.0f;
+}
 
 bool sideLit(const Atlas& atlas, uint32_t triangle, bool backFace) {
     const uint32_t chart = atlas.triangleChart[triangle];
@@ -25,11 +37,39 @@ bool sideLit(const Atlas& atlas, uint32_t triangle, bool backFace) {
 // `texelSizeMeters` here and below: of the texel's chart.
 bool surroundedByDark(const TexelPoints& points, const Atlas& atlas, float texelSizeMeters,
                       const RayScene& rays, size_t i) {
+    // Beside a strip that is much narrower than a texel, much touches it by that measure.
+    const float size =
+        std::min(texelSizeMeters, kNarrowAltitudes * altitudeOf(rays.scene(), points.triangle[i]));
     const CoverPoint point{offsetOrigin(points.position[i], points.normal[i]),
-                           frameFromNormalAndTangent(points.normal[i], points.tangent[i]), texelSizeMeters,
-                           hashOf(i)};
-    return isCovered(point, rays,
-                     [&](const Hit& hit) { return !sideLit(atlas, hit.triangle, hit.backFace); });
+                           frameFromNormalAndTangent(points.normal[i], points.tangent[i]),
+                           kPressedTexels * size, hashOf(i)};
+    const auto isDark = [&](const Hit& hit) { return !sideLit(atlas, hit.triangle, hit.backFace); };
+    return coverOf(point, rays, isDark).closed();
+}
+
+bool isBlocked(const RayScene& rays, glm::vec3 from, glm::vec3 to) {
+    const float distance = glm::distance(from, to);
+    return distance > 0 && rays.anyHit(from, (to - from) / distance, distance);
+}
+
+// Whether something steep stands on the way: the surface itself, where it is curved, is not steep.
+bool isWalled(const RayScene& rays, glm::vec3 from, glm::vec3 to, glm::vec3 normal) {
+    constexpr int kMaxHits = 8;
+    constexpr float kMaxCosine = 0.5f;
+    for (int hits = 0; hits < kMaxHits; ++hits) {
+        const float distance = glm::distance(from, to);
+        if (!(distance > 0)) return false;
+        const glm::vec3 direction = (to - from) / distance;
+        const Hit hit = rays.closestHit(from, direction, distance);
+        if (!hit) return false;
+        const Scene& scene = rays.scene();
+        const glm::uvec3& v = scene.triangles[hit.triangle];
+        const glm::vec3 across = glm::cross(scene.positions[v[1]] - scene.positions[v[0]],
+                                            scene.positions[v[2]] - scene.positions[v[0]]);
+        if (std::abs(glm::dot(across, normal)) < kMaxCosine * glm::length(across)) return true;
+        from = offsetOrigin(from + hit.distance * direction, direction);
+    }
+    return false;
 }
 
 // Whether the segment from the surface's edge to an extrapolated point is occluded.
@@ -42,12 +82,15 @@ bool behindGeometry(const TexelPoints& points, float texelSizeMeters, const RayS
     weights /= weights.x + weights.y + weights.z;
     const glm::vec3 edge = weights.x * scene.positions[v[0]] + weights.y * scene.positions[v[1]] +
                            weights.z * scene.positions[v[2]];
+    const glm::vec3 middle = (scene.positions[v[0]] + scene.positions[v[1]] + scene.positions[v[2]]) / 3.0f;
+    const float toMiddle = glm::distance(edge, middle);
+    const float inward = std::min(kStartTexels * texelSizeMeters, 0.5f * toMiddle);
+    const glm::vec3 start = toMiddle > 0 ? edge + inward / toMiddle * (middle - edge) : edge;
 
     const glm::vec3 lift = kGutterLiftTexels * texelSizeMeters * points.normal[i];
-    const glm::vec3 from = edge + lift, to = points.position[i] + lift;
-    const float distance = glm::distance(from, to);
-    if (!(distance > 0)) return false;
-    return rays.anyHit(from, (to - from) / distance, distance);
+    return isBlocked(rays, start + lift, points.position[i] + lift) ||
+           isWalled(rays, offsetOrigin(start, points.normal[i]),
+                    offsetOrigin(points.position[i], points.normal[i]), points.normal[i]);
 }
 
 }  // namespace

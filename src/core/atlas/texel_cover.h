@@ -8,28 +8,34 @@
 
 namespace phat {
 
+inline constexpr float kPressedTexels = 0.25f;  // above a surface: what touches it
+inline constexpr float kMaxDark = 0.5f, kMaxBlocked = 0.9f;
+
 /// A point from which the hemisphere around the frame's normal is looked at.
 struct CoverPoint {
     glm::vec3 origin{0};
     Frame frame;
-    float texelSizeMeters = 0;
+    float touchMeters = 0;  // what is less than this above the surface touches it
     uint64_t seed = 0;
 };
 
-/// At least half of the rays meet dark sides, or nine tenths of the hemisphere, by cosine, are blocked less
-/// than a quarter of a texel above the surface. `isDark(hit)`: whether that side has no texels.
+/// How much of the hemisphere over a point is closed.
+struct Cover {
+    float dark = 0;     // fraction of the directions in which dark sides are met
+    float touched = 0;  // fraction, by cosine, that is blocked by what touches the surface
+
+    /// Whether the point is inside other geometry, or an object touches it.
+    /// A texel that is inside meets unlit backs everywhere, but corners of texels may be outside; beside a
+    /// wall's foot it meets at most a little less than half. Height instead of distance, weighted by cosine,
+    /// so that the border of a contact is not speckled.
+    bool closed() const { return dark >= kMaxDark || touched >= kMaxBlocked; }
+};
+
+/// `isDark(hit)`: whether that side has no texels.
 template <typename IsDark>
-bool isCovered(const CoverPoint& point, const RayScene& rays, const IsDark& isDark) {
+Cover coverOf(const CoverPoint& point, const RayScene& rays, const IsDark& isDark) {
     constexpr int kStrata = 4;  // per axis: 16 rays
     constexpr int kRays = kStrata * kStrata;
-    // Half of the rays meet unlit backs: the texel is inside or under an object. For texels beside a wall's
-    // foot it is at most a little less than half.
-    constexpr int kMaxDeadRays = kRays / 2;
-    // An object touches the surface. Height instead of distance, weighted by cosine, so that the border of
-    // the contact is not speckled.
-    constexpr float kMaxBlocked = 0.9f;
-    constexpr float kPressedTexels = 0.25f;
-
     Rng rng(point.seed);
     const glm::vec2 shift = rng.uniform2();
     int dead = 0;
@@ -44,9 +50,9 @@ bool isCovered(const CoverPoint& point, const RayScene& rays, const IsDark& isDa
         sky += local.z;
         if (!hit) continue;
         dead += isDark(hit);
-        if (hit.distance * local.z < kPressedTexels * point.texelSizeMeters) blocked += local.z;
+        if (hit.distance * local.z < point.touchMeters) blocked += local.z;
     }
-    return dead >= kMaxDeadRays || blocked >= kMaxBlocked * sky;
+    return {float(dead) / kRays, blocked / sky};
 }
 
 }  // namespace phat

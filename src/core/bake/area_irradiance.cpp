@@ -105,7 +105,7 @@ ResumableTask filterAreaIrradiance(const std::vector<IrradianceEstimate>& estima
         }
     for (size_t i = 0; i < known.size() && !charts.empty(); ++i)
         if (isOther(i)) known[i] = 1;  // nothing to fill
-    fillWithinCharts(filtered, known, atlas);
+    fillWithinCharts(filtered, known, atlas, points);
 }
 
 }  // namespace phat

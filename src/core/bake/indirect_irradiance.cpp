@@ -114,13 +114,17 @@ std::vector<glm::vec3> bounce(const std::vector<NodeRays>& nodes, Progress& prog
 }
 
 /// Light bounces between the nodes of the coarsest level, each hit taking the irradiance of its group's node,
-/// until nothing changes or all bounces are used up.
-ResumableTask solve(IrradianceLevel& level, const std::vector<NodeRays>& nodes, uint32_t width, int bounces,
-                    Progress& progress) {
+/// until nothing changes or all bounces are used up. Small pieces that share a group with the node's may be
+/// behind a wall from it: they count as dark until the finer levels, which lack what two bounces over such
+/// pieces bring.
+ResumableTask solve(IrradianceLevel& level, const std::vector<NodeRays>& nodes, const GatherInput& input,
+                    int bounces, Progress& progress) {
     level.value.assign(nodes.size(), glm::vec3(0));
     for (int i = 0; i < bounces; ++i) {
         std::vector<glm::vec3> next = bounce(nodes, progress, [&](uint32_t texel) {
-            return level.value[level.node[level.groupOf(texel, width)]];
+            const uint32_t node = level.node[level.groupOf(texel, input.atlas.sizeTexels.x)];
+            return lieTogether(input.atlas, input.points, level.texel[node], texel) ? level.value[node]
+                                                                                    : glm::vec3(0);
         });
         float change = 0, largest = 0;
         for (size_t n = 0; n < next.size(); ++n) {
@@ -246,7 +250,7 @@ ResumableTask irradianceFromNodes(GatherContext context, const std::vector<uint3
     for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
     setDistances(coarse, atlas, nearness);
     for (ResumableTask task =
-             solve(coarse, nodes, atlas.sizeTexels.x, context.settings.maxBounces - 1, context.progress);
+             solve(coarse, nodes, context.input, context.settings.maxBounces - 1, context.progress);
          task.next();)
         co_yield task.work();
 

@@ -307,7 +307,7 @@ ResumableTask interpolateLevels(const std::vector<IrradianceLevel>& levels, cons
         });
         co_yield (kTexelWork * (last - first));
     }
-    fillWithinCharts(map, known, atlas);
+    fillWithinCharts(map, known, atlas, points);
 }
 
 }  // namespace phat

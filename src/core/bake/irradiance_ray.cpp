@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/atlas/atlas_position.h"
+#include "core/atlas/texel_neighbors.h"
 #include "core/base/sobol.h"
 #include "core/scene/glass.h"
 #include "core/transport/path.h"
@@ -24,7 +25,7 @@ glm::vec3 diffuseAlbedo(const Brdf& brdf, glm::vec3 towardEyeLocal) {
 }
 
 TexelWorld texelWorldOf(const GatherInput& input) {
-    return {input.scene(), input.atlas, input.irradianceTexels};
+    return {input.scene(), input.atlas, input.points, input.irradianceTexels};
 }
 
 SurfacePoint withoutDiffuse(SurfacePoint point) {
@@ -34,10 +35,16 @@ SurfacePoint withoutDiffuse(SurfacePoint point) {
 
 }  // namespace
 
-std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t>& receives, const Hit& hit) {
+std::optional<uint32_t> texelOfHit(const TexelWorld& world, const Hit& hit) {
+    const Atlas& atlas = world.atlas;
     const AtlasPosition position = atlasPositionOf(atlas, hit);
     if (position.chart == kNoChart) return {};
     const glm::ivec2 center(position.texel), last = glm::ivec2(atlas.sizeTexels) - 1;
+    const size_t own = size_t(center.y) * atlas.sizeTexels.x + size_t(center.x);
+    const auto isOf = [&](size_t texel) {
+        return texel == own || world.points.triangle[own] == kNoTriangle ||
+               lieTogether(atlas, world.points, own, texel);
+    };
     // At edges and contacts the texel's own centre may be off the surface or occluded. The middle first.
     constexpr int kOrder[9] = {4, 1, 3, 5, 7, 0, 2, 6, 8};
     for (const int i : kOrder) {
@@ -45,7 +52,8 @@ std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t
         if (glm::any(glm::lessThan(texel, glm::ivec2(0))) || glm::any(glm::greaterThan(texel, last)))
             continue;
         const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
-        if (receives[index] && atlas.chartAt(texel) == position.chart) return uint32_t(index);
+        if (world.irradianceTexels[index] && atlas.chartAt(texel) == position.chart && isOf(index))
+            return uint32_t(index);
     }
     return {};
 }
@@ -88,7 +96,7 @@ struct Walk {
 // The diffuse part stops here, or the specular part goes on.
 bool Walk::ends(int bouncesLeft) {
     if (maxComponent(reflectance(point.brdf, eyeLocal())) <= 0.0f) return true;
-    const std::optional<uint32_t> texel = texelOfHit(world.atlas, world.irradianceTexels, hit);
+    const std::optional<uint32_t> texel = texelOfHit(world, hit);
     if (!texel) {
         found.light +=
             throughput * traceReflected(world.scene, {point, towardEye}, bouncesLeft, rng, rayCount);
@@ -169,7 +177,7 @@ glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& ir
     if (maxComponent(reflectance(point.brdf, eyeLocal)) <= 0.0f) return glm::vec3(0);
 
     const int paths = std::max(settings.pathsPerHit, 1);
-    const std::optional<uint32_t> texel = texelOfHit(world.atlas, world.irradianceTexels, visible.hit);
+    const std::optional<uint32_t> texel = texelOfHit(world, visible.hit);
     if (!texel) {
         glm::vec3 reflected(0);
         for (int i = 0; i < paths; ++i)

@@ -10,15 +10,17 @@ namespace phat {
 
 inline constexpr uint32_t kNoTexel = ~0u;
 
-/// The receiving texel under a hit, or one beside it; none where the surface has no texels on that side.
-std::optional<uint32_t> texelOfHit(const Atlas& atlas, const std::vector<uint8_t>& receives, const Hit& hit);
-
 /// Input of rays that end in texels.
 struct TexelWorld {
     LitScene scene;
     const Atlas& atlas;
+    const TexelPoints& points;
     const std::vector<uint8_t>& irradianceTexels;  // as GatherInput's
 };
+
+/// The receiving texel under a hit, or one beside it on the surface; none where the surface has no texels on
+/// that side.
+std::optional<uint32_t> texelOfHit(const TexelWorld& world, const Hit& hit);
 
 /// Incident radiance along a ray without direct emission:
 /// light + weight * indirect irradiance of `texel`.

@@ -89,7 +89,7 @@ glm::vec3 LobeRays::estimateByLightSample(Rng& rng) const {
 }
 
 PooledLight LobeRays::trace(int count, int walks, const RayNumbers& numbers, uint64_t stream) const {
-    const TexelWorld world{{scene.rays, scene.lights}, scene.atlas, scene.texels};
+    const TexelWorld world{{scene.rays, scene.lights}, scene.atlas, scene.points, scene.texels};
     const TexelIrradiance irradiance{scene.phatexture.indirectIrradiance, scene.phatexture.areaIrradiance,
                                      true};
     const PathSettings atHits{walks, kMaxBounces};

@@ -52,17 +52,19 @@ struct SurfaceIncident {
 /// What the rays read; all of it must outlive this object. A change of materials does not change the bake.
 struct ReflectionScene {
     ReflectionScene(const RayScene& rayScene, const LightSampler& lightSampler, const Atlas& bakedAtlas,
-                    const TexelPoints& points, const Phatexture& baked)
+                    const TexelPoints& texelPoints, const Phatexture& baked)
         : rays(rayScene),
           lights(lightSampler),
           atlas(bakedAtlas),
+          points(texelPoints),
           phatexture(baked),
-          texels(irradianceTexels(bakedAtlas, points)),
+          texels(irradianceTexels(bakedAtlas, texelPoints)),
           brightest(brightestRadiance(rayScene.scene())) {}
 
     const RayScene& rays;
     const LightSampler& lights;
     const Atlas& atlas;
+    const TexelPoints& points;
     const Phatexture& phatexture;
     std::vector<uint8_t> texels;
     glm::vec3 brightest;

@@ -2,6 +2,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <stdexcept>
@@ -129,6 +130,20 @@ bool RayScene::anyHit(glm::vec3 origin, glm::vec3 direction, float maxDistance) 
     Query context(*scene_);
     rtcOccluded1(bvh_->scene, &context, &ray);
     return ray.tfar < 0.0f;
+}
+
+std::vector<uint32_t> RayScene::trianglesNear(glm::vec3 point, float radius) const {
+    std::vector<uint32_t> found;
+    RTCPointQuery query{point.x, point.y, point.z, 0.0f, radius};
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    const auto keep = [](RTCPointQueryFunctionArguments* arguments) {
+        static_cast<std::vector<uint32_t>*>(arguments->userPtr)->push_back(arguments->primID);
+        return false;  // the radius stays
+    };
+    rtcPointQuery(bvh_->scene, &query, &context, keep, &found);
+    std::sort(found.begin(), found.end());
+    return found;
 }
 
 glm::vec3 offsetOrigin(glm::vec3 p, glm::vec3 normal) {

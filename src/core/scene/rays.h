@@ -56,6 +56,9 @@ class RayScene {
     /// Whether anything lies on the open segment. pre: |direction| = 1.
     bool anyHit(glm::vec3 origin, glm::vec3 direction, float maxDistance) const;
 
+    /// All triangles whose bounds come within `radius` of a point, ascending, and some that do not.
+    std::vector<uint32_t> trianglesNear(glm::vec3 point, float radius) const;
+
   private:
     const Scene* scene_;
     std::shared_ptr<const Bvh> bvh_;

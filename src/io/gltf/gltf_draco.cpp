@@ -16,8 +16,6 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
-constexpr uint32_t kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123,
-                   kUnsignedInt = 5125, kFloat = 5126;
 
 // What a decoder has charged, for as long as its mesh lives.
 class HeldCharge {

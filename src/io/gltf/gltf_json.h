@@ -12,6 +12,10 @@
 
 namespace phat::gltf {
 
+/// Of accessors (specification, section 3.6.2.2).
+inline constexpr uint32_t kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123,
+                          kUnsignedInt = 5125, kFloat = 5126;
+
 /// object.extensions[name], or null where it is none.
 const nlohmann::json* findExtension(const nlohmann::json& object, const char* name);
 

@@ -4,8 +4,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/atlas/divided_surfaces.h"
+#include "core/atlas/expected_texel_size.h"
 #include "io/base/file_error.h"
 #include "io/gltf/gltf_animations.h"
+#include "io/gltf/gltf_divide.h"
 #include "io/gltf/gltf_flatten.h"
 #include "io/gltf/gltf_images.h"
 #include "io/gltf/gltf_lights_cameras.h"
@@ -18,6 +21,31 @@ namespace phat {
 namespace {
 
 using nlohmann::json;
+
+void clearGeometry(Scene& scene) {
+    scene.positions.clear();
+    scene.normals.clear();
+    scene.tangents.clear();
+    scene.uv0.clear();
+    scene.uv1.clear();
+    scene.colors.clear();
+    scene.triangles.clear();
+    scene.triangleSurface.clear();
+    scene.surfaces.clear();
+}
+
+// Divides surfaces in the file and reads all of them again.
+void divideAtWalls(GltfSource& source, const AtlasSettings& atlas, Scene& scene, gltf::MemoryBudget& budget) {
+    const std::vector<DividedSurface> divided =
+        divideAtWalls(RayScene(scene), expectedTexelSizeMeters(scene, atlas));
+    if (divided.empty()) return;
+    gltf::dividePrimitives(source, scene, divided, budget);
+    gltf::Notes sameAsBefore;
+    const gltf::Document document = gltf::checkedDocument(source, budget, sameAsBefore);
+    clearGeometry(scene);
+    gltf::flattenMeshes(document, gltf::worldNodes(document.model(), sameAsBefore), scene, budget,
+                        sameAsBefore);
+}
 
 LoadedScene loadPlain(GltfSource& source, const GltfLoadOptions& options, gltf::MemoryBudget budget) {
     gltf::Notes notes;
@@ -32,6 +60,7 @@ LoadedScene loadPlain(GltfSource& source, const GltfLoadOptions& options, gltf::
     gltf::flattenMeshes(document, nodes, loaded.scene, budget, notes);
     gltf::readLightsAndCameras(document, nodes, loaded.scene, notes);
     gltf::readAnimations(document, nodes, loaded.scene, budget, notes);
+    if (options.divideFor) divideAtWalls(source, *options.divideFor, loaded.scene, budget);
     loaded.notes = gltf::linesOf(notes);
     return loaded;
 }

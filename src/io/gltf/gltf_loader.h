@@ -1,9 +1,11 @@
 #pragma once
 // glTF 2.0 files to Scene.
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/atlas/atlas.h"
 #include "core/scene/scene.h"
 
 namespace phat {
@@ -18,6 +20,8 @@ struct LoadedScene {
 
 struct GltfLoadOptions {
     std::string variant;  // of KHR_materials_variants; empty: the materials that primitives have of their own
+    std::optional<AtlasSettings> divideFor =
+        {};  // divide surfaces at walls (divided_surfaces.h) for this atlas
 };
 
 /// Loads a .glb or .gltf file (buffers and images embedded, as data URIs, or beside it; never from outside

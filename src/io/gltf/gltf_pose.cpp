@@ -16,8 +16,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr uint32_t kFloatType = 5126;
-
 bool isSkinAttribute(const std::string& name) {
     return name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");
 }
@@ -171,7 +169,7 @@ size_t addFloats(GltfSource& source, const std::vector<float>& values, uint32_t 
     std::memcpy(bytes.data(), values.data(), bytes.size());
     const std::string type = fmt::format("VEC{}", components);
     return addAccessor(source,
-                       {{"componentType", kFloatType}, {"type", type}, {"count", values.size() / components}},
+                       {{"componentType", kFloat}, {"type", type}, {"count", values.size() / components}},
                        std::move(bytes));
 }
 

@@ -17,8 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr uint32_t kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123,
-                   kUnsignedInt = 5125, kFloat = 5126;
+using gltf::kByte, gltf::kFloat, gltf::kShort, gltf::kUnsignedByte, gltf::kUnsignedInt, gltf::kUnsignedShort;
 
 std::string texCoordName(uint64_t index) {
     return fmt::format("TEXCOORD_{}", index);

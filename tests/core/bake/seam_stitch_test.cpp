@@ -60,7 +60,7 @@ IrradianceMap mapOf(const Sheet& sheet, const ValueAt& value) {
     std::vector<uint8_t> known = sheet.receives;
     for (size_t i = 0; i < map.size(); ++i)
         if (known[i]) map[i] = value(sheet.points.position[i]);
-    fillWithinCharts(map, known, sheet.atlas);
+    fillWithinCharts(map, known, sheet.atlas, sheet.points);
     return map;
 }
 

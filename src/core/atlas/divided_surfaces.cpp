@@ -1,0 +1,180 @@
+#include "core/atlas/divided_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/atlas/wall_regions.h"
+
+namespace phat {
+namespace {
+
+constexpr double kToleranceTexels = 0.01;
+
+// What is nearer than this is one point: rounding at the scene's far end counts, too.
+double toleranceOf(const Scene& scene, double texelSizeMeters) {
+    const Bounds bounds = boundsOf(scene);
+    if (bounds.empty()) return 0;
+    const glm::vec3 far = glm::max(glm::abs(bounds.low), glm::abs(bounds.high));
+    return std::max(kToleranceTexels * texelSizeMeters, 0x1p-20 * double(maxComponent(far)));
+}
+
+void cutAll(MeshCutter& cutter, const std::vector<WallSection>& sections) {
+    for (uint32_t i = 0; i < sections.size(); ++i) cutter.cut(sections[i], i);
+}
+
+// The surfaces with more than one part. Triangles of the cut mesh are gathered by the surface's own
+// triangles.
+std::vector<DividedSurface> divisionOf(const Scene& scene, const MeshCutter& cutter,
+                                       const WallRegions& regions) {
+    std::vector<std::vector<uint32_t>> pieces(scene.triangles.size());
+    for (uint32_t t = 0; t < cutter.triangles().size(); ++t) pieces[cutter.origin(t)].push_back(t);
+    const auto partOf = [&](uint32_t triangle) { return regions.part[regions.ofTriangle[triangle]]; };
+
+    std::vector<uint32_t> local(scene.positions.size() + cutter.newVertices().size(), ~0u);
+    std::vector<DividedSurface> result;
+    for (uint32_t s = 0; s < scene.surfaces.size(); ++s) {
+        const Surface& surface = scene.surfaces[s];
+        DividedSurface divided;
+        divided.surface = s;
+        const auto localOf = [&](uint32_t vertex) {
+            if (vertex < scene.positions.size()) return vertex - surface.firstVertex;
+            return local[vertex];
+        };
+        std::vector<uint32_t> made;
+        for (uint32_t t = surface.firstTriangle; t < surface.firstTriangle + surface.triangleCount; ++t)
+            for (const uint32_t piece : pieces[t]) {
+                divided.part.push_back(partOf(piece));
+                divided.partCount = std::max(divided.partCount, divided.part.back() + 1);
+                for (int i = 0; i < 3; ++i)
+                    if (cutter.triangles()[piece][i] >= scene.positions.size())
+                        made.push_back(cutter.triangles()[piece][i]);
+            }
+        if (divided.partCount < 2) continue;
+        // A new vertex comes from earlier ones, which may no longer be corners of any triangle.
+        std::vector<uint32_t> open = made;
+        while (!open.empty()) {
+            const CutVertex vertex = cutter.newVertices()[open.back() - scene.positions.size()];
+            open.pop_back();
+            for (const uint32_t from : vertex.from)
+                if (from >= scene.positions.size()) {
+                    made.push_back(from);
+                    open.push_back(from);
+                }
+        }
+        std::sort(made.begin(), made.end());
+        made.erase(std::unique(made.begin(), made.end()), made.end());
+        for (const uint32_t vertex : made) {
+            local[vertex] = surface.vertexCount + uint32_t(divided.vertices.size());
+            CutVertex added = cutter.newVertices()[vertex - scene.positions.size()];
+            for (uint32_t& from : added.from) from = localOf(from);
+            divided.vertices.push_back(added);
+        }
+        for (uint32_t t = surface.firstTriangle; t < surface.firstTriangle + surface.triangleCount; ++t)
+            for (const uint32_t piece : pieces[t]) {
+                const glm::uvec3& v = cutter.triangles()[piece];
+                divided.triangles.push_back({localOf(v[0]), localOf(v[1]), localOf(v[2])});
+            }
+        result.push_back(std::move(divided));
+    }
+    return result;
+}
+
+template <typename T>
+T blend(const std::vector<T>& values, uint32_t first, const CutVertex& vertex) {
+    T sum(0);
+    for (int i = 0; i < 3; ++i) sum += float(vertex.weight[i]) * values[first + vertex.from[i]];
+    return sum;
+}
+
+void addBlendedVertex(Scene& scene, uint32_t first, const CutVertex& vertex) {
+    scene.positions.push_back(blend(scene.positions, first, vertex));
+    scene.uv0.push_back(blend(scene.uv0, first, vertex));
+    scene.uv1.push_back(blend(scene.uv1, first, vertex));
+    scene.colors.push_back(blend(scene.colors, first, vertex));
+    const glm::vec3 normal = blend(scene.normals, first, vertex);
+    scene.normals.push_back(glm::length(normal) > 0 ? glm::normalize(normal)
+                                                    : scene.normals[first + vertex.from[0]]);
+    glm::vec4 tangent = scene.tangents[first + vertex.from[0]];
+    const glm::vec3 along = blend(scene.tangents, first, vertex);
+    if (glm::length(along) > 0) tangent = glm::vec4(glm::normalize(along), tangent.w);
+    scene.tangents.push_back(tangent);
+}
+
+template <typename T>
+void appendRange(std::vector<T>& all, const std::vector<T>& from, uint32_t first, uint32_t count) {
+    all.insert(all.end(), from.begin() + first, from.begin() + first + count);
+}
+
+void appendVertices(Scene& out, const Scene& scene, const Surface& surface) {
+    appendRange(out.positions, scene.positions, surface.firstVertex, surface.vertexCount);
+    appendRange(out.normals, scene.normals, surface.firstVertex, surface.vertexCount);
+    appendRange(out.tangents, scene.tangents, surface.firstVertex, surface.vertexCount);
+    appendRange(out.uv0, scene.uv0, surface.firstVertex, surface.vertexCount);
+    appendRange(out.uv1, scene.uv1, surface.firstVertex, surface.vertexCount);
+    appendRange(out.colors, scene.colors, surface.firstVertex, surface.vertexCount);
+}
+
+}  // namespace
+
+std::vector<DividedSurface> divideAtWalls(const RayScene& rays, double texelSizeMeters) {
+    const Scene& scene = rays.scene();
+    const MeshTopology topology = buildTopology(scene);
+    std::vector<WallSection> sections = wallSections(rays, topology, texelSizeMeters);
+    if (sections.empty()) return {};
+    const double tolerance = toleranceOf(scene, texelSizeMeters);
+    {
+        MeshCutter trial(scene, topology, tolerance);
+        cutAll(trial, sections);
+        const WallRegions regions = findWallRegions(trial, rays, topology, texelSizeMeters, sections.size());
+        std::vector<WallSection> needed;
+        for (size_t i = 0; i < sections.size(); ++i)
+            if (regions.separates[i]) needed.push_back(sections[i]);
+        sections = std::move(needed);
+    }
+    if (sections.empty()) return {};
+    MeshCutter cutter(scene, topology, tolerance);
+    cutAll(cutter, sections);
+    return divisionOf(scene, cutter,
+                      findWallRegions(cutter, rays, topology, texelSizeMeters, sections.size()));
+}
+
+Scene withParts(const Scene& scene, std::span<const DividedSurface> divided) {
+    Scene out = scene;
+    out.positions.clear();
+    out.normals.clear();
+    out.tangents.clear();
+    out.uv0.clear();
+    out.uv1.clear();
+    out.colors.clear();
+    out.triangles.clear();
+    out.triangleSurface.clear();
+    out.surfaces.clear();
+    auto next = divided.begin();
+    for (uint32_t s = 0; s < scene.surfaces.size(); ++s) {
+        const Surface& surface = scene.surfaces[s];
+        const DividedSurface* parts = next != divided.end() && next->surface == s ? &*next++ : nullptr;
+        for (uint32_t part = 0; part < (parts ? parts->partCount : 1); ++part) {
+            Surface own = surface;
+            own.firstVertex = uint32_t(out.positions.size());
+            own.firstTriangle = uint32_t(out.triangles.size());
+            appendVertices(out, scene, surface);
+            for (uint32_t t = 0; t < surface.triangleCount && !parts; ++t)
+                out.triangles.push_back(scene.triangles[surface.firstTriangle + t] - surface.firstVertex +
+                                        own.firstVertex);
+            if (parts) {
+                for (const CutVertex& vertex : parts->vertices)
+                    addBlendedVertex(out, own.firstVertex, vertex);
+                for (size_t t = 0; t < parts->triangles.size(); ++t)
+                    if (parts->part[t] == part)
+                        out.triangles.push_back(parts->triangles[t] + own.firstVertex);
+            }
+            own.vertexCount = uint32_t(out.positions.size()) - own.firstVertex;
+            own.triangleCount = uint32_t(out.triangles.size()) - own.firstTriangle;
+            out.triangleSurface.resize(out.triangles.size(), uint32_t(out.surfaces.size()));
+            out.surfaces.push_back(std::move(own));
+        }
+    }
+    return out;
+}
+
+}  // namespace phat
