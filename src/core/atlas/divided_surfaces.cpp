@@ -22,7 +22,7 @@ void cutAll(MeshCutter& cutter, const std::vector<WallSection>& sections) {
     for (uint32_t i = 0; i < sections.size(); ++i) cutter.cut(sections[i], i);
 }
 
-// The surfaces with more than one part. Triangles of the cut mesh are gathered by the surface's own
+// The surfaces with cut triangles. Triangles of the cut mesh are gathered by the surface's own
 // triangles.
 std::vector<DividedSurface> divisionOf(const Scene& scene, const MeshCutter& cutter,
                                        const WallRegions& regions) {
@@ -49,7 +49,7 @@ std::vector<DividedSurface> divisionOf(const Scene& scene, const MeshCutter& cut
                     if (cutter.triangles()[piece][i] >= scene.positions.size())
                         made.push_back(cutter.triangles()[piece][i]);
             }
-        if (divided.partCount < 2) continue;
+        if (divided.partCount < 2 && divided.part.size() == surface.triangleCount) continue;
         // A new vertex comes from earlier ones, which may no longer be corners of any triangle.
         std::vector<uint32_t> open = made;
         while (!open.empty()) {

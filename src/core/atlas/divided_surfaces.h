@@ -14,7 +14,8 @@
 
 namespace phat {
 
-/// A surface and the parts that walls divide it into.
+/// A surface and the parts that walls divide it into; only one where an edge that it shares with another
+/// surface is cut there.
 struct DividedSurface {
     uint32_t surface = 0;               // Scene::surfaces
     std::vector<CutVertex> vertices;    // new ones, counted on from those of the surface; from: counted in it
@@ -23,10 +24,10 @@ struct DividedSurface {
     uint32_t partCount = 0;
 };
 
-/// The surfaces of a scene that walls divide, ascending. A part is a set of regions that do not touch: a
-/// region is what hangs together without crossing a wall. Walls that end within a region, such as those with
-/// a doorway, do not divide it. What is under objects belongs to the region beside it, and so does what is
-/// smaller than a texel. `texelSizeMeters`: about that of the atlas to come.
+/// The surfaces of a scene that change when walls divide surfaces, ascending. A part is a set of regions that
+/// do not touch: a region is what hangs together without crossing a wall. Walls that end within a region,
+/// such as those with a doorway, do not divide it. What is under objects belongs to the region beside it, and
+/// so does what is smaller than a texel. `texelSizeMeters`: about that of the atlas to come.
 std::vector<DividedSurface> divideAtWalls(const RayScene& rays, double texelSizeMeters);
 
 /// The scene with the parts as surfaces, those of a surface after each other.

@@ -1,9 +1,13 @@
 #include "core/atlas/mesh_cutter.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <tuple>
 
 namespace phat {
 
@@ -15,12 +19,35 @@ struct MeshCutter::Line {
     double along(glm::dvec3 point) const { return glm::dot(point - from, direction); }
 };
 
+namespace {
+
+bool isBefore(glm::vec3 a, glm::vec3 b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
+
+// The first vertex at each one's position, of whatever surface.
+std::vector<uint32_t> weldAll(const std::vector<glm::vec3>& positions) {
+    std::vector<uint32_t> order(positions.size()), welded(positions.size());
+    std::iota(order.begin(), order.end(), 0u);
+    tbb::parallel_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+        if (positions[a] != positions[b]) return isBefore(positions[a], positions[b]);
+        return a < b;
+    });
+    for (size_t i = 0; i < order.size(); ++i) {
+        const bool same = i > 0 && positions[order[i]] == positions[order[i - 1]];
+        welded[order[i]] = same ? welded[order[i - 1]] : order[i];
+    }
+    return welded;
+}
+
+}  // namespace
+
 MeshCutter::MeshCutter(const Scene& scene, const MeshTopology& topology, double toleranceMeters)
     : scene_(scene),
       topology_(topology),
       tolerance_(toleranceMeters),
       positions_(scene.positions.begin(), scene.positions.end()),
-      welded_(topology.weldedVertex),
+      welded_(weldAll(scene.positions)),
       pieces_(scene.triangles.size()) {
     for (uint32_t t = 0; t < scene.triangles.size(); ++t) addTriangle(scene.triangles[t], t);
 }
@@ -63,10 +90,6 @@ void MeshCutter::setTriangle(uint32_t triangle, glm::uvec3 corners) {
 
 // `t` from a to b. Every triangle at the edge becomes two.
 void MeshCutter::splitEdge(uint32_t a, uint32_t b, double t) {
-    if (welded_[a] > welded_[b]) {
-        std::swap(a, b);
-        t = 1 - t;
-    }
     const Edge edge = edgeOf(a, b);
     const std::vector<uint32_t> users = std::move(edges_[edge]);
     edges_.erase(edge);

@@ -18,8 +18,9 @@ struct CutVertex {
     std::array<double, 3> weight{};  // sum 1
 };
 
-/// Cuts the triangles of a scene. Edges are split in all triangles that have them, so that no vertex comes to
-/// lie on the edge of a triangle of the same surface without being one of its corners. Vertices are those of
+/// Cuts the triangles of a scene. Edges are split in all triangles that have them, of all surfaces, so that
+/// no new vertex lies on the edge of a triangle without being one of its corners: a picture would have holes
+/// there. Vertices are those of
 /// the scene and, behind them, new ones.
 class MeshCutter {
   public:
@@ -56,7 +57,7 @@ class MeshCutter {
     const MeshTopology& topology_;
     double tolerance_;
     std::vector<glm::dvec3> positions_;
-    std::vector<uint32_t> welded_;  // per vertex: stands for all of its surface at its position
+    std::vector<uint32_t> welded_;  // per vertex: stands for all at its position
     std::vector<CutVertex> added_;
     std::vector<glm::uvec3> triangles_;
     std::vector<uint32_t> origin_;

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
+#include <set>
+#include <tuple>
 
 #include "core/atlas/texel_cover.h"
 #include "core/base/disjoint_sets.h"
@@ -25,7 +26,6 @@ constexpr double kMinCover = 0.75;
 struct Contact {
     uint32_t a, b;
     const std::vector<uint32_t>* sections;  // of the walls between them; null: none
-    double length;
 };
 
 class RegionFinder {
@@ -60,52 +60,50 @@ class RegionFinder {
         for (const auto& [edge, users] : cutter_.edges()) {
             const std::vector<uint32_t>* sections = cutter_.sectionsOf(edge);
             for (size_t i = 0; i < users.size(); ++i)
-                for (size_t j = i + 1; j < users.size(); ++j)
-                    addContact(users[i], users[j], sections, lengthOf(edge));
+                for (size_t j = i + 1; j < users.size(); ++j) addContact(users[i], users[j], sections);
         }
-        std::sort(contacts_.begin(), contacts_.end(), [](const Contact& x, const Contact& y) {
-            return std::tie(x.a, x.b, x.length) < std::tie(y.a, y.b, y.length);
-        });
+        std::sort(contacts_.begin(), contacts_.end(),
+                  [](const Contact& x, const Contact& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
     }
 
-    void addContact(uint32_t a, uint32_t b, const std::vector<uint32_t>* sections, double length) {
+    void addContact(uint32_t a, uint32_t b, const std::vector<uint32_t>* sections) {
+        const std::vector<uint32_t>& surface = rays_.scene().triangleSurface;
+        if (surface[cutter_.origin(a)] != surface[cutter_.origin(b)]) return;
         if (glm::dot(normal(a), normal(b)) < kMaxTurn) return;
-        contacts_.push_back({std::min(a, b), std::max(a, b), sections, length});
+        contacts_.push_back({std::min(a, b), std::max(a, b), sections});
     }
 
-    double lengthOf(MeshCutter::Edge edge) const {
-        return glm::distance(cutter_.position(uint32_t(edge >> 32)), cutter_.position(uint32_t(edge)));
-    }
-
-    // Regions under objects and tiny ones go to the neighbour with which they have the longest wall.
+    // Regions under objects and tiny ones go to the smallest neighbour: what is under the walls of a room to
+    // the room, so that the cut is where nobody inside sees it.
     void uniteMinorRegions() {
-        std::map<uint32_t, std::map<uint32_t, double>> walls;  // by region and neighbour
+        std::map<uint32_t, std::set<uint32_t>> neighborsOf;  // across walls
         for (const Contact& contact : contacts_) {
             const uint32_t a = sets_.find(contact.a), b = sets_.find(contact.b);
             if (a == b) continue;
-            walls[a][b] += contact.length;
-            walls[b][a] += contact.length;
+            neighborsOf[a].insert(b);
+            neighborsOf[b].insert(a);
         }
         std::map<uint32_t, std::vector<uint32_t>> members;
-        for (const auto& [region, ignored] : walls) members[region];
+        for (const auto& [region, ignored] : neighborsOf) members[region];
         for (uint32_t t = 0; t < cutter_.triangles().size(); ++t)
             if (const auto found = members.find(sets_.find(t)); found != members.end())
                 found->second.push_back(t);
         std::map<uint32_t, bool> minor;
-        for (const auto& [region, triangles] : members) minor[region] = isMinor(triangles);
-        for (const auto& [region, neighbors] : walls) {
+        std::map<uint32_t, double> areas;
+        for (const auto& [region, triangles] : members) {
+            for (const uint32_t t : triangles) areas[region] += area(t);
+            minor[region] = isMinor(triangles, areas[region]);
+        }
+        for (const auto& [region, neighbors] : neighborsOf) {
             if (!minor[region]) continue;
-            const auto better = [&](const auto& x, const auto& y) {
-                return std::make_tuple(!minor[x.first], x.second) <
-                       std::make_tuple(!minor[y.first], y.second);
+            const auto isBetter = [&](uint32_t x, uint32_t y) {
+                return std::make_tuple(minor[x], areas[x]) < std::make_tuple(minor[y], areas[y]);
             };
-            sets_.unite(region, std::max_element(neighbors.begin(), neighbors.end(), better)->first);
+            sets_.unite(region, *std::min_element(neighbors.begin(), neighbors.end(), isBetter));
         }
     }
 
-    bool isMinor(const std::vector<uint32_t>& triangles) const {
-        double total = 0;
-        for (const uint32_t t : triangles) total += area(t);
+    bool isMinor(const std::vector<uint32_t>& triangles, double total) const {
         if (total < kMinAreaTexels * texelSize_ * texelSize_) return true;
         const bool both = rays_.scene().materialOf(cutter_.origin(triangles[0])).doubleSided;
         return isHidden(triangles, total, 1) && (!both || isHidden(triangles, total, -1));
