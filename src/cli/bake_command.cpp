@@ -105,6 +105,7 @@ void bakeOnce(const BakeOptions& options, const GltfSource& source, const LitInp
                                                 {&progress, options.maxBytes.value_or(~uint64_t(0))}))
             notes.push_back(std::move(note));
         report = reportOf(options.output, result, journal.resumedRecords(), progress.stageTimes(), notes);
+        if (auto note = resolutionNote(result, options.settings.atlas)) notes.push_back(std::move(*note));
     } catch (const std::exception& error) {
         if (journal.empty() || dynamic_cast<const FileTooLarge*>(&error)) journal.remove();
         failWith(error, options.input,
