@@ -20,6 +20,9 @@ uniform sampler2DArray shadowTints;  // rgb: what all glass on the way lets thro
 struct PunctualSample {
     vec3 towardLight;
     vec3 irradiance;  // W/m2 on a plane facing the light
+// twin: kMinConeWidth in src/core/scene/light_punctual.cpp.
+const float kMinConeWidth = 2e-7;
+
     float distance;
 };
 
@@ -47,7 +50,7 @@ PunctualSample samplePunctual(int light, vec3 point) {
         vec4 directionInner = lightRow(light, 2);
         float cosOuter = lightRow(light, 3).x;
         float cosine = dot(-towardLight, directionInner.xyz);
-        float cone = clamp((cosine - cosOuter) / max(directionInner.w - cosOuter, 1e-3), 0.0, 1.0);
+        float cone = clamp((cosine - cosOuter) / max(directionInner.w - cosOuter, kMinConeWidth), 0.0, 1.0);
         attenuation *= cone * cone;
     }
     return PunctualSample(towardLight, intensityRange.rgb * attenuation, d);

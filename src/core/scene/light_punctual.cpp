@@ -5,6 +5,11 @@ namespace {
 
 // 1 at cosine base + width, clipped where that lies beyond the axis (cones narrower than the least width).
 struct ConeMass {
+// A hard edge must not divide by zero. Three steps of a float below 1; the extension's example code has
+// .001, which is all of a cone of less than 2.6 degrees and contradicts its text: within the inner cone
+// nothing falls off. twin: kMinConeWidth in shaders/lib/lights.glsl.
+constexpr float kMinConeWidth = 2e-7f;
+
     float ring = 0;  // of the falloff over the cosine, the soft part
     float cap = 0;   // the full part
 };
@@ -23,8 +28,7 @@ float rangeAttenuation(float distanceMeters, float rangeMeters) {
 }
 
 SpotCone spotCone(const PunctualLight& spot) {
-    // The least width is the extension's, so that a hard edge does not divide by zero.
-    return {spot.cosOuterCone, std::max(0.001f, spot.cosInnerCone - spot.cosOuterCone)};
+    return {spot.cosOuterCone, std::max(kMinConeWidth, spot.cosInnerCone - spot.cosOuterCone)};
 }
 
 float spotFalloff(const SpotCone& cone, float cosAngle) {
