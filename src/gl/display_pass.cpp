@@ -1,9 +1,8 @@
 #include "gl/display_pass.h"
 
 #include <algorithm>
-#include <glm/gtc/matrix_transform.hpp>
 
-#include "core/base/random.h"
+#include "gl/camera_matrices.h"
 #include "gl/draw_order.h"
 #include "gl/inspect_pass.h"
 #include "gl/material_table.h"
@@ -16,30 +15,7 @@ namespace {
 constexpr int kFirstMaterialUnit = 7;
 // And more where there is glass: its own slots, and the shadows that it casts. Most GPUs have 32.
 constexpr int kTintUnit = kFirstMaterialUnit + kSlotCount, kGlassUnits = kTintUnit + 1;
-
-struct CameraMatrices {
-    glm::mat4 clipFromWorld{1};
-    glm::mat4 worldFromClipRotation{1};  // with the eye at the origin
-};
-
-// The picture's shape, not the camera's: a view of another shape shows more or less to the sides,
-// undistorted. `jitter` in pixels.
-CameraMatrices matricesOf(const Camera& camera, glm::uvec2 size, const Bounds& bounds, glm::vec2 jitter) {
-    const float aspect = float(size.x) / float(size.y);
-    const glm::vec3 eye(camera.worldFromCamera[3]);
-    const float reach = glm::distance(eye, bounds.center()) + 0.5f * bounds.diagonal();
-    const float nearMeters = std::max(camera.znear, 1e-5f);
-    const float farMeters = std::max(2 * nearMeters, 1.01f * reach);
-    glm::mat4 clipFromCamera = camera.perspective
-                                   ? glm::perspective(camera.yfovRadians, aspect, nearMeters, farMeters)
-                                   : glm::ortho(-camera.ymag * aspect, camera.ymag * aspect, -camera.ymag,
-                                                camera.ymag, nearMeters, farMeters);
-    const glm::vec2 shift = 2.0f * jitter / glm::vec2(size);
-    clipFromCamera = glm::translate(glm::mat4(1), glm::vec3(shift, 0)) * clipFromCamera;
-    const glm::mat4 cameraFromWorld = glm::inverse(camera.worldFromCamera);
-    return {clipFromCamera * cameraFromWorld,
-            glm::inverse(clipFromCamera * glm::mat4(glm::mat3(cameraFromWorld)))};
-}
+constexpr int kDepthUnit = kGlassUnits;  // and where a light is a disc
 
 // Measured: see notes/experiments.md, "Lookup".
 LookupSampling samplingOf(Quality quality) {
@@ -60,7 +36,7 @@ void drawBackground(const DisplayPass& pass, const DisplayInput& input, const Ca
                     glm::uvec2 size, bool shown) {
     const GLfloat black[4] = {0, 0, 0, 0};
     glClearBufferfv(GL_COLOR, 0, black);
-    const GLfloat farthest = 1;
+    const GLfloat farthest = 0;
     glDepthMask(GL_TRUE);
     glClearBufferfv(GL_DEPTH, 0, &farthest);
     if (!shown || !input.scene.environment) return;
@@ -75,7 +51,7 @@ void drawBackground(const DisplayPass& pass, const DisplayInput& input, const Ca
 void drawDepth(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& camera) {
     const ShaderProgram& program = pass.shadows.depth;
     glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_LESS);
+    glDepthFunc(GL_GREATER);
     glDepthMask(GL_TRUE);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     program.set("clipFromWorld", camera.clipFromWorld);
@@ -140,7 +116,7 @@ void drawBlended(const DisplayPass& pass, const DisplayInput& input, const Camer
     if (!input.materials.glass.empty()) bindShared(pass.glassProgram, input, matrices, settings, nullptr);
     bindShared(pass.displayProgram, input, matrices, settings, nullptr);
     glEnable(GL_BLEND);
-    glDepthFunc(GL_LESS);
+    glDepthFunc(GL_GREATER);
     glDepthMask(GL_FALSE);
     glEnable(GL_CULL_FACE);
     for (uint32_t i : order) {
@@ -255,6 +231,7 @@ void prepareSample(const DisplayPass& pass, const DisplayInput& input, const Fra
     const FrameSettings& settings = sample.settings;
     const CameraMatrices camera =
         matricesOf(settings.camera, targets.size, input.scene.bounds, sample.jitter);
+    const ReversedDepth reversed;
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
     glViewport(0, 0, GLsizei(targets.size.x), GLsizei(targets.size.y));
     glDisable(GL_BLEND);
@@ -275,6 +252,7 @@ void displaySample(const DisplayPass& pass, const DisplayInput& input, const Fra
     const FrameSettings& settings = sample.settings;
     const CameraMatrices camera =
         matricesOf(settings.camera, targets.size, input.scene.bounds, sample.jitter);
+    const ReversedDepth reversed;
     const bool traced = !sample.surfaces.empty();
     if (traced) {
         uploadReflections(*input.reflectionPass, targets.reflections, sample.surfaces, incident,
@@ -310,18 +288,6 @@ void addSample(const DisplayPass& pass, const FrameTargets& targets, PictureSum&
     ++sum.samples;
 }
 
-// Sobol's first two dimensions [Kollig and Keller 2002 for the second], moved so that the first of many
-// points is near the pixel's centre and the mean of a power of two of them is there.
-glm::vec2 jitterOf(int index, int count) {
-    if (count == 1) return glm::vec2(0);
-    uint32_t y = 0;
-    for (uint32_t direction = 1u << 31, i = uint32_t(index); i != 0; i >>= 1, direction ^= direction >> 1)
-        if (i & 1) y ^= direction;
-    const glm::vec2 point = glm::vec2(glm::uvec2(reverseBits(uint32_t(index), 16), y >> 16)) / 65536.0f +
-                            0.5f + 0.5f / float(count);
-    return glm::fract(point) - 0.5f;
-}
-
 glm::vec3 shownParts(Component component) {
     switch (component) {
         case Component::all:
@@ -336,11 +302,6 @@ glm::vec3 shownParts(Component component) {
             return {0, 0, 1};
     }
     return glm::vec3(1);
-}
-
-Eye eyeOf(const Camera& camera) {
-    if (camera.perspective) return {glm::vec3(camera.worldFromCamera[3]), false};
-    return {glm::normalize(glm::vec3(camera.worldFromCamera[2])), true};
 }
 
 }  // namespace phat

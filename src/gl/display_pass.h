@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "gl/camera_matrices.h"
 #include "gl/fullscreen.h"
 #include "gl/lookup_pass.h"
 #include "gl/pass_clock.h"
@@ -63,13 +64,7 @@ void displaySample(const DisplayPass& pass, const DisplayInput& input, const Fra
 /// Adds the picture that was displayed; the first one clears `sum`.
 void addSample(const DisplayPass& pass, const FrameTargets& targets, PictureSum& sum);
 
-/// Where in the pixel sample `index` of `count` lies, from -.5 to .5. twin: jitterOf in
-/// web/src/sample_numbers.js.
-glm::vec2 jitterOf(int index, int count);
 /// Direct, glossy indirect and diffuse indirect light: 1 for those that are shown.
 glm::vec3 shownParts(Component component);
-
-/// The eye of a camera.
-Eye eyeOf(const Camera& camera);
 
 }  // namespace phat
