@@ -73,11 +73,8 @@ PunctualLight workLight(const RayScene& rays, const Camera& camera) {
     light.position = step(step(eye, forward, kTowardTarget), {0, 1, 0}, kTowardCeiling);
     constexpr int kDirections = 64;
     std::vector<float> distances;
-    for (int i = 0; i < kDirections; ++i) {
-        const float y = 1 - (2 * float(i) + 1) / kDirections, radius = std::sqrt(1 - y * y);
-        const float angle = 2.3999632f * float(i);
-        distances.push_back(reach(light.position, {radius * std::cos(angle), y, radius * std::sin(angle)}));
-    }
+    for (int i = 0; i < kDirections; ++i)
+        distances.push_back(reach(light.position, spherePoint(i, kDirections)));
     std::nth_element(distances.begin(), distances.begin() + kDirections / 2, distances.end());
     light.intensity = glm::vec3(square(distances[kDirections / 2]));
     return light;
