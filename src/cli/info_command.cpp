@@ -13,6 +13,7 @@
 #include "core/scene/default_camera.h"
 #include "core/scene/scene.h"
 #include "core/scene/transparency.h"
+#include "io/gltf/blender_units.h"
 #include "io/gltf/gltf_source.h"
 #include "io/gltf/gltf_variants.h"
 #include "io/phat/bake_record.h"
@@ -136,6 +137,8 @@ Json describe(const std::string& path) {
     }
     report["scene"]["variants"] = gltfVariants(source);
     return report;
+        if (const auto units = blenderUnitsNote(source, loaded.scene))
+            report["scene"]["notes"].push_back(*units);
 }
 
 std::string megabytes(const Json& bytes) {
