@@ -48,8 +48,11 @@ Json describeScene(const LoadedScene& loaded, const Scene& lit) {
     constexpr const char* kLightTypes[] = {"point", "spot", "directional"};
     const Scene& scene = loaded.scene;
     Json lights = Json::array();
-    for (const PunctualLight& light : scene.lights)
+    for (const PunctualLight& light : scene.lights) {
         lights.push_back({{"name", light.name}, {"type", kLightTypes[size_t(light.type)]}});
+        if (light.angularRadius > 0)
+            lights.back()["angularDiameterDegrees"] = 2 * glm::degrees(light.angularRadius);
+    }
     size_t emissive = 0, transmissive = 0;
     for (const Material& material : scene.materials) {
         emissive += maxComponent(material.emission) > 0;
@@ -134,11 +137,11 @@ Json describe(const std::string& path) {
         const AddedLighting added = addLighting({}, lit);
         report["scene"] = describeScene(loaded, lit);
         for (const std::string& line : added.lines) report["scene"]["notes"].push_back(line);
+        if (const auto units = blenderUnitsNote(source, loaded.scene))
+            report["scene"]["notes"].push_back(*units);
     }
     report["scene"]["variants"] = gltfVariants(source);
     return report;
-        if (const auto units = blenderUnitsNote(source, loaded.scene))
-            report["scene"]["notes"].push_back(*units);
 }
 
 std::string megabytes(const Json& bytes) {

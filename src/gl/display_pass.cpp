@@ -91,6 +91,7 @@ void bindShared(const ShaderProgram& program, const DisplayInput& input, const C
     program.bind("lightTable", 5, input.shadows.lightTable.name());
     program.bind("shadowMaps", 6, input.shadows.depth.name());
     if (input.shadows.tints) program.bind("shadowTints", kTintUnit, input.shadows.tints.name());
+    if (input.shadows.depthValues) program.bind("shadowDepths", kDepthUnit, input.shadows.depthValues.name());
     program.set("lightCount", input.shadows.lightCount);
     program.set("show", shownParts(settings.component));
     bindCamera(program, camera, settings);
@@ -196,26 +197,28 @@ FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool 
     return targets;
 }
 
-DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat, bool glass,
-                              bool paper, bool countReads) {
+DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas,
+                              const DisplayFeatures& features) {
     std::vector<std::string> defines;
     if (atlas.sources.size() > 1) defines.push_back("AREA");
-    if (clearcoat) defines.push_back("CLEARCOAT");
-    // Where the units do not suffice, glass is without its own textures and casts no shadows.
+    if (features.clearcoat) defines.push_back("CLEARCOAT");
+    // Where the units do not suffice, glass is without its own textures and casts no shadows, and a sun's
+    // shadows are hard.
     GLint units = 0;
     glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
-    const bool shadowTints = glass && units >= kGlassUnits;
+    const bool shadowTints = features.glass && units >= kGlassUnits;
     if (shadowTints) defines.push_back("SHADOW_TINTS");
+    if (features.discs && units > kDepthUnit) defines.push_back("SUN_DISC");
     DisplayPass pass;
     const auto display = [&](std::vector<std::string> indirect) {
         indirect.insert(indirect.end(), defines.begin(), defines.end());
         return ShaderProgram(folder, "surface.vert", "display.frag", indirect);
     };
-    pass.displayProgram = paper ? display({"PAPER"}) : display({});
-    pass.lookedUpProgram = countReads ? display({"LOOKUP", "COUNT_READS"}) : display({"LOOKUP"});
-    if (glass) {
+    pass.displayProgram = features.paper ? display({"PAPER"}) : display({});
+    pass.lookedUpProgram = features.countReads ? display({"LOOKUP", "COUNT_READS"}) : display({"LOOKUP"});
+    if (features.glass) {
         std::vector<std::string> ofGlass{"GLASS"};
-        if (paper) ofGlass.push_back("PAPER");
+        if (features.paper) ofGlass.push_back("PAPER");
         if (shadowTints) ofGlass.push_back("GLASS_TEXTURES");
         pass.glassProgram = display(std::move(ofGlass));
         pass.shadows.tints = ShaderProgram(folder, "surface.vert", "shadow_tint.frag");
@@ -228,10 +231,10 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, 
 
 void prepareSample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
                    PendingSample& sample) {
+    const ReversedDepth reversed;
     const FrameSettings& settings = sample.settings;
     const CameraMatrices camera =
         matricesOf(settings.camera, targets.size, input.scene.bounds, sample.jitter);
-    const ReversedDepth reversed;
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
     glViewport(0, 0, GLsizei(targets.size.x), GLsizei(targets.size.y));
     glDisable(GL_BLEND);
@@ -249,10 +252,10 @@ void prepareSample(const DisplayPass& pass, const DisplayInput& input, const Fra
 
 void displaySample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
                    const PendingSample& sample, std::span<const SurfaceIncident> incident) {
+    const ReversedDepth reversed;
     const FrameSettings& settings = sample.settings;
     const CameraMatrices camera =
         matricesOf(settings.camera, targets.size, input.scene.bounds, sample.jitter);
-    const ReversedDepth reversed;
     const bool traced = !sample.surfaces.empty();
     if (traced) {
         uploadReflections(*input.reflectionPass, targets.reflections, sample.surfaces, incident,

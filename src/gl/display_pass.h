@@ -33,10 +33,16 @@ struct DisplayPass {
     FullscreenProgram background, accumulate;
 };
 
-/// `glass`: whether there is any; `paper`: as of the RelightPass whose pyramid is displayed; `countReads`:
-/// see createLookupPass.
-DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat,
-                              bool glass, bool paper, bool countReads);
+/// What the programs of a DisplayPass can do.
+struct DisplayFeatures {
+    bool clearcoat = false;
+    bool glass = false;       // whether there is any
+    bool discs = false;       // whether a light is one
+    bool paper = false;       // as of the RelightPass whose pyramid is displayed
+    bool countReads = false;  // see createLookupPass
+};
+DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas,
+                              const DisplayFeatures& features);
 
 struct DisplayInput {
     const GpuScene& scene;

@@ -105,6 +105,7 @@ TEST(Lit, ABakeHoldsItsDaylight) {
     const json info = infoOf();
     ASSERT_EQ(info["scene"]["lights"].size(), 1u);
     EXPECT_EQ(info["scene"]["lights"][0]["type"], "directional");
+    EXPECT_NEAR(info["scene"]["lights"][0]["angularDiameterDegrees"].get<double>(), 0.533, 1e-3);
     EXPECT_FALSE(info["scene"]["environment"].is_null());
     EXPECT_EQ(info["bake"]["record"]["settings"]["sky"], "sun=210,40,turbidity=3");
     EXPECT_EQ(info["scene"]["defaultCamera"]["where"], "outside");
@@ -132,7 +133,6 @@ TEST(Lit, ABakeHoldsItsDaylight) {
     EXPECT_EQ(runPhat({"render", baked, "-o", folder.file("no.png"), "--sky", "sun=0,30"}).exitCode, 2);
 }
 
-TEST(Lit, AClosedRoomGetsAWorkLight) {
 // The yard with a light of an exporter.
 std::string writeLamp(const TemporaryFolder& folder, const json& generator, const char* type,
                       double intensity) {
@@ -203,6 +203,7 @@ TEST(Lit, LightsInBlendersStandardUnitsAreNamed) {
     EXPECT_EQ(countOf(result.out, "Unitless"), 0u) << "said before the bake, not again after it";
 }
 
+TEST(Lit, AClosedRoomGetsAWorkLight) {
     const TemporaryFolder folder;
     const std::string room = writeRoom(folder);
     const Drawn drawn = draw(folder, room, "a.png");

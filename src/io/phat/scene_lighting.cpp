@@ -153,6 +153,11 @@ std::array<float, 4> rotationToward(glm::vec3 direction) {
     return {float(q.x), float(q.y), float(q.z), float(q.w)};
 }
 
+bool isAdded(const json& node) {
+    const auto extras = node.find("extras");
+    return extras != node.end() && extras->is_object() && extras->contains(kMark);
+}
+
 json lightOf(const PunctualLight& light) {
     const char* type = light.type == PunctualLight::Type::directional ? "directional" : "point";
     const float intensity = maxComponent(light.intensity);
@@ -167,32 +172,32 @@ json lightOf(const PunctualLight& light) {
 
 AddedLighting addLighting(const SceneLighting& lighting, Scene& scene) {
     AddedLighting added;
+    LazyRays rays(scene);
+    const OwnLight own = scene.triangles.empty() ? OwnLight::light : ownLightOf(scene, rays);
     if (lighting.asked()) {
         if (!lighting.environment.empty()) addEnvironment(lighting, scene, added);
         if (lighting.sky == SkyChoice::given) added.sky = addDaylight(lighting.daylight, scene);
         if (own != OwnLight::light && insideOf(rays.get()).dark)
-    LazyRays rays(scene);
-    const OwnLight own = scene.triangles.empty() ? OwnLight::light : ownLightOf(scene, rays);
             added.lines.push_back(
                 fmt::format("nothing reaches the inside: {}, or leave --sky and --environment away", kHelp));
     } else if (own != OwnLight::light && lighting.sky == SkyChoice::automatic) {
         lightUnlitScene(lighting, own, rays.get(), scene, added);
     } else if (own == OwnLight::none) {
         added.lines.push_back("nothing emits light, so that all is black; without --sky none it is lit");
+    }
+    added.bvh = rays.bvh();
     return added;
 }
 
-void writeAddedLights(const Scene& scene, json& gltf) {
-    const size_t fileNodes = gltf.contains("nodes") ? gltf["nodes"].size() : 0;
-    }
-    added.bvh = rays.bvh();
-    bool any = false;
-    for (const PunctualLight& light : scene.lights) {
-        if (light.node < fileNodes) continue;
 RayScene raysOf(const Scene& scene, const AddedLighting& added) {
     return added.bvh ? RayScene(scene, added.bvh) : RayScene(scene);
 }
 
+void writeAddedLights(const Scene& scene, json& gltf) {
+    const size_t fileNodes = gltf.contains("nodes") ? gltf["nodes"].size() : 0;
+    bool any = false;
+    for (const PunctualLight& light : scene.lights) {
+        if (light.node < fileNodes) continue;
         any = true;
         json& lights = gltf["extensions"][kLightExtension]["lights"];
         json node = {{"name", light.name},
@@ -213,11 +218,16 @@ RayScene raysOf(const Scene& scene, const AddedLighting& added) {
         used.push_back(kLightExtension);
 }
 
+void restoreAddedLights(const json& gltf, Scene& scene) {
+    for (PunctualLight& light : scene.lights)
+        if (light.type == PunctualLight::Type::directional && isAdded(gltf.at("nodes").at(light.node)))
+            light.angularRadius = kSunAngularRadius;
+}
+
 void removeAddedLights(json& gltf) {
     if (!gltf.contains("nodes")) return;
     for (json& node : gltf["nodes"]) {
-        const auto extras = node.find("extras");
-        if (extras == node.end() || !extras->is_object() || !extras->contains(kMark)) continue;
+        if (!isAdded(node)) continue;
         node.erase("extras");
         if (node.contains("extensions")) node["extensions"].erase(kLightExtension);
     }

@@ -44,6 +44,9 @@ AddedLighting addLighting(const SceneLighting& lighting, Scene& scene);
 /// Writes the lights whose nodes are past the file's into its JSON, as KHR_lights_punctual.
 void writeAddedLights(const Scene& scene, nlohmann::json& gltf);
 
+/// Gives the suns that an earlier bake added their size, which KHR_lights_punctual has no place for.
+void restoreAddedLights(const nlohmann::json& gltf, Scene& scene);
+
 /// Takes the lights out that an earlier bake added.
 void removeAddedLights(nlohmann::json& gltf);
 
