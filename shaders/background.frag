@@ -3,7 +3,7 @@
 #include "lib/hemisphere_map.glsl"
 
 uniform sampler2D environment;   // column 0 at azimuth atan(z, x) = -pi, row 0 at +Y
-uniform mat4 worldFromClip;      // of the camera's rotation alone
+uniform mat4 worldFromClip;      // of the camera's rotation alone, depth from -1 to 1
 uniform vec2 viewport;
 uniform float turn;              // of the environment, in turns; see turned in src/core/scene/environment_sampling.h
 

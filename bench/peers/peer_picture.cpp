@@ -14,12 +14,11 @@ uint32_t materialNamed(const Scene& scene, const std::string& name) {
 
 Integrator peerIntegrator(const RayScene& rays, const Scene& materials, uint32_t material, Shade shade) {
     splitSumTable();  // integrated now, rather than on the clock of the first sample
-    return
-        [&rays, &materials, material, shade = std::move(shade)](const CameraRay& ray, PixelSample& sample) {
-            const Hit hit = visibleHit(rays, ray, sample.rays);
-            if (!hit || materialAt(materials, hit.triangle) != material) return glm::vec3(0);
-            return shade(hit, surfaceAt(materials, hit, ray.direction), -ray.direction);
-        };
+    return [&rays, &materials, material, shade = std::move(shade)](const Ray& ray, PixelSample& sample) {
+        const Hit hit = visibleHit(rays, ray, sample.rays);
+        if (!hit || materialAt(materials, hit.triangle) != material) return glm::vec3(0);
+        return shade(hit, surfaceAt(materials, hit, ray.direction), -ray.direction);
+    };
 }
 
 Image materialMask(const RayScene& rays, uint32_t material, const Camera& camera, int width, int height) {

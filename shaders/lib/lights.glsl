@@ -9,13 +9,19 @@ const int kLightSpot = 1;
 const int kLightDirectional = 2;
 
 // A light's rows: (position, type), (intensity, range), (direction, cosInner), (cosOuter, first shadow layer,
-// layer count). After all lights, the columns of each shadow layer's clipFromWorld.
+// layer count, disc: radius in texels of the shadow of a disc's light at the map's whole depth; 0: no disc). After all lights, the columns of each shadow layer's clipFromWorld.
 uniform sampler2D lightTable;
 uniform sampler2DArrayShadow shadowMaps;
 uniform int lightCount;
+#ifdef SUN_DISC
+uniform sampler2DArray shadowDepths;  // the maps without comparison
+#endif
 #ifdef SHADOW_TINTS
 uniform sampler2DArray shadowTints;  // rgb: what all glass on the way lets through; a: the depth of the nearest
 #endif
+
+// twin: kMinConeWidth in src/core/scene/light_punctual.cpp.
+const float kMinConeWidth = 2e-7;
 
 struct PunctualSample {
     vec3 towardLight;
@@ -47,7 +53,7 @@ PunctualSample samplePunctual(int light, vec3 point) {
         vec4 directionInner = lightRow(light, 2);
         float cosOuter = lightRow(light, 3).x;
         float cosine = dot(-towardLight, directionInner.xyz);
-        float cone = clamp((cosine - cosOuter) / max(directionInner.w - cosOuter, 1e-3), 0.0, 1.0);
+        float cone = clamp((cosine - cosOuter) / max(directionInner.w - cosOuter, kMinConeWidth), 0.0, 1.0);
         attenuation *= cone * cone;
     }
     return PunctualSample(towardLight, intensityRange.rgb * attenuation, d);
@@ -59,12 +65,22 @@ mat4 shadowClipFromWorld(int layer, int firstRow) {
                 texelFetch(lightTable, tableTexel(row + 2), 0), texelFetch(lightTable, tableTexel(row + 3), 0));
 }
 
-// Visibility of the light, by 4x4 depth comparisons under a 3x3 box that moves with the point.
-//
-// Every comparison is made against the receiver's own plane, extended under the tap (Isidoro 2006, "Shadow
-// Mapping: GPU-based Tips and Techniques"), so that a flat surface neither shadows itself nor needs an offset
-// that would detach the shadow where things touch.
-float shadowLayerVisibility(int layer, int firstRow, vec3 point, vec3 normalGeometric) {
+// A point in a layer of the shadow maps, with its surface's plane: every comparison is made against the plane,
+// extended under the tap (Isidoro 2006, "Shadow Mapping: GPU-based Tips and Techniques"), so that a flat surface
+// neither shadows itself nor needs an offset that would detach the shadow where things touch.
+struct ShadowReceiver {
+    int layer;
+    float size;   // of the map, texels
+    vec2 texel;   // of the point
+    float depth;  // 0 to 1, as in the map
+    vec2 slope;   // of the plane's depth, per texel
+    float bias;
+};
+
+// What the receiver is lit by without any map: 1 outside of them; 0 where the plane is seen edge on and receives next
+// to nothing; else -1.
+float shadowReceiver(int layer, int firstRow, vec3 point, vec3 normalGeometric, out ShadowReceiver r) {
+    r = ShadowReceiver(layer, float(textureSize(shadowMaps, 0).x), vec2(0.0), 0.0, vec2(0.0), 0.0);
     mat4 clipFromWorld = shadowClipFromWorld(layer, firstRow);
     vec4 clip = clipFromWorld * vec4(point, 1.0);
     if (clip.w <= 0.0) return 1.0;
@@ -79,29 +95,90 @@ float shadowLayerVisibility(int layer, int firstRow, vec3 point, vec3 normalGeom
     vec3 dT = alongT.xyz - ndc * alongT.w;
     vec3 dB = alongB.xyz - ndc * alongB.w;
     float determinant = dT.x * dB.y - dT.y * dB.x;
-    // Seen edge on, the plane has no depth of its own in the map; such a point receives next to nothing.
     if (abs(determinant) < 1e-6 * (length(dT) * length(dB))) return 0.0;
     vec2 slope = vec2(dT.z * dB.y - dB.z * dT.y, dB.z * dT.x - dT.z * dB.x) / determinant;
 
-    float size = float(textureSize(shadowMaps, 0).x);
-    vec2 texel = (0.5 * ndc.xy + 0.5) * size;
-    vec2 corner = floor(texel - 0.5);
-    vec2 f = texel - 0.5 - corner;
+    r.texel = (0.5 * ndc.xy + 0.5) * r.size;
+    r.depth = 0.5 * ndc.z + 0.5;
+    r.slope = slope / r.size;
     // Half a texel of slope covers triangles that meet at an angle; the rest is rounding.
-    float bias = 1e-6 + 0.5 * (abs(slope.x) + abs(slope.y)) / size;
+    r.bias = 1e-6 + 0.5 * (abs(r.slope.x) + abs(r.slope.y));
+    return -1.0;
+}
 
+// Visibility of a point of light, by 4x4 depth comparisons under a 3x3 box that moves with the point.
+float boxVisibility(ShadowReceiver r) {
+    vec2 corner = floor(r.texel - 0.5);
+    vec2 f = r.texel - 0.5 - corner;
     float lit = 0.0;
     for (int y = 0; y < 4; ++y) {
         float weightY = y == 0 ? 1.0 - f.y : y == 3 ? f.y : 1.0;
         for (int x = 0; x < 4; ++x) {
             float weightX = x == 0 ? 1.0 - f.x : x == 3 ? f.x : 1.0;
             vec2 tap = corner + vec2(float(x) - 0.5, float(y) - 0.5);
-            float depth = ndc.z + dot(slope, (tap - texel) * (2.0 / size));
-            lit += weightX * weightY *
-                   texture(shadowMaps, vec4(tap / size, float(layer), 0.5 * depth + 0.5 - bias));
+            float depth = r.depth + dot(r.slope, tap - r.texel);
+            lit += weightX * weightY * texture(shadowMaps, vec4(tap / r.size, float(r.layer), depth - r.bias));
         }
     }
     return lit / 9.0;
+}
+
+#ifdef SUN_DISC
+// How far before the receiver's plane a texel's surface is, of the map's depth; 0: not before it, or so near that
+// none of the disc is behind it as the receiver sees it. `disc`: see the light's rows.
+float casterDepth(ShadowReceiver r, ivec2 texel, float disc) {
+    vec2 offset = vec2(texel) + 0.5 - r.texel;
+    ivec2 last = ivec2(int(r.size) - 1);
+    float depth = texelFetch(shadowDepths, ivec3(clamp(texel, ivec2(0), last), r.layer), 0).r;
+    float before = r.depth + dot(r.slope, offset) - depth;
+    return before > r.bias && length(offset) <= disc * before + 0.75 ? before : 0.0;
+}
+
+// The fraction of a disc that is seen: the texels that cast a shadow, by the mean distance of the casters, over those
+// of a disc of that size (Fernando 2005, "Percentage-Closer Soft Shadows"). Of one straight edge the fraction is
+// exact but for the texels. `box`: boxVisibility, which is what is left where the disc's shadow is no larger than that.
+float discVisibility(ShadowReceiver r, float disc, float box) {
+    const int kSearch = 4;  // places on either side
+    float reach = disc * r.depth, sum = 0.0;
+    int casters = 0, places = 0;
+    for (int y = -kSearch; y <= kSearch; ++y) {
+        for (int x = -kSearch; x <= kSearch; ++x) {
+            if (x * x + y * y > kSearch * kSearch) continue;
+            vec2 offset = vec2(x, y) * (reach / float(kSearch));
+            float before = casterDepth(r, ivec2(floor(r.texel + offset)), disc);
+            sum += before;
+            casters += before > 0.0 ? 1 : 0;
+            ++places;
+        }
+    }
+    if (casters == 0) return box;
+    if (casters == places && box == 0.0) return 0.0;
+    const float kBoxRadius = 1.5;
+    float radius = min(disc * sum / float(casters), reach);
+    if (radius <= kBoxRadius) return box;
+    ivec2 low = ivec2(floor(r.texel - radius - 0.5)), high = ivec2(floor(r.texel + radius + 0.5));
+    float lit = 0.0, all = 0.0;
+    for (int y = low.y; y <= high.y; ++y) {
+        for (int x = low.x; x <= high.x; ++x) {
+            float weight = clamp(radius + 0.5 - distance(vec2(x, y) + 0.5, r.texel), 0.0, 1.0);
+            if (weight <= 0.0) continue;
+            all += weight;
+            if (casterDepth(r, ivec2(x, y), disc) <= 0.0) lit += weight;
+        }
+    }
+    return mix(box, lit / all, min(radius - kBoxRadius, 1.0));
+}
+#endif
+
+float shadowLayerVisibility(int layer, int firstRow, vec3 point, vec3 normalGeometric, float disc) {
+    ShadowReceiver r;
+    float known = shadowReceiver(layer, firstRow, point, normalGeometric, r);
+    if (known >= 0.0) return known;
+    float box = boxVisibility(r);
+#ifdef SUN_DISC
+    if (disc > 0.0) return discVisibility(r, disc, box);
+#endif
+    return box;
 }
 
 #ifdef SHADOW_TINTS
@@ -138,7 +215,7 @@ vec3 shadowVisibility(int light, vec3 point, vec3 normalGeometric) {
         else if (a.y >= a.z) layer += d.y > 0.0 ? 2 : 3;
         else layer += d.z > 0.0 ? 4 : 5;
     }
-    vec3 visibility = vec3(shadowLayerVisibility(layer, lightCount * kLightRows, point, normalGeometric));
+    vec3 visibility = vec3(shadowLayerVisibility(layer, lightCount * kLightRows, point, normalGeometric, row.w));
 #ifdef SHADOW_TINTS
     if (visibility.x > 0.0) visibility *= shadowTint(layer, lightCount * kLightRows, point);
 #endif

@@ -92,7 +92,8 @@ BakeRecord fullRecord(const BakeOptions& options, const AddedLighting& added) {
     return record;
 }
 
-void bakeOnce(const BakeOptions& options, const GltfSource& source, const LitInput& input) {
+void bakeOnce(const BakeOptions& options, const GltfSource& source, const LitInput& input,
+              const RayScene& rays) {
     const LoadedScene& loaded = input.loaded;
     const BakeRecord record = fullRecord(options, input.added);
     const std::string journalPath = nameBeside(options.output, ".journal");
@@ -100,11 +101,12 @@ void bakeOnce(const BakeOptions& options, const GltfSource& source, const LitInp
     json report;
     try {
         ProgressBar progress(progressStyle(options.quiet), bakeStages(options.settings));
-        const Bake result = bake(loaded.scene, options.settings, progress, &journal);
+        const Bake result = bake(rays, options.settings, progress, &journal);
         std::vector<std::string> notes = loaded.notes;
         for (std::string& note : writeBakedFile(options.output, source, loaded.scene, result, record,
                                                 {&progress, options.maxBytes.value_or(~uint64_t(0))}))
             notes.push_back(std::move(note));
+        if (auto note = resolutionNote(result, options.settings.atlas)) notes.push_back(std::move(*note));
         report = reportOf(options.output, result, journal.resumedRecords(), progress.stageTimes(), notes);
     } catch (const std::exception& error) {
         if (journal.empty() || dynamic_cast<const FileTooLarge*>(&error)) journal.remove();
@@ -138,11 +140,12 @@ void runBake(BakeOptions options) {
                                                 options.storage));
     if (texels < kMinTexels) throw FileError(options.output, "would not fit into --max-megabytes");
     refuseTooLarge(options, loaded.scene);
+    const RayScene rays = raysOf(loaded.scene, input.added);
     // How well light is compressed shows when it is there.
     constexpr int kAttempts = 3;
     for (int attempt = 1;; ++attempt) {
         try {
-            return bakeOnce(options, source, input);
+            return bakeOnce(options, source, input, rays);
         } catch (const FileTooLarge& error) {
             texels = uint64_t(0.97 * double(texels) * double(*options.maxBytes) / double(error.bytes));
             if (attempt == kAttempts || texels < kMinTexels)

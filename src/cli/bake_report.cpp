@@ -14,7 +14,29 @@ using nlohmann::json;
 // A stage that takes less of the whole is not worth a line.
 constexpr double kMinFractionShown = 0.02;
 
+// An atlas that is off its size by more than this is worth one.
+constexpr double kMaxOffFraction = 0.1;
+
 }  // namespace
+
+std::optional<std::string> resolutionNote(const Bake& result, const AtlasSettings& asked) {
+    if (asked.texelSizeMeters > 0) return {};
+    const auto made = double(result.atlas.texelCount()), wanted = double(asked.texelBudget);
+    if (std::abs(made - wanted) <= kMaxOffFraction * wanted) return {};
+    const std::string reason =
+        made > wanted
+            ? fmt::format(
+                  "its {} charts are whole tiles of {}x{} texels with a gutter around them, and larger "
+                  "texels would not make these fewer",
+                  result.stats.atlas.chartCount, kTileSize, kTileSize)
+            : fmt::format(
+                  "charts grow by whole tiles of {}x{} texels up to {} texels a side, and finer ones "
+                  "would be more than that",
+                  kTileSize, kTileSize, asked.maxSizeTexels);
+    return fmt::format(
+        "the atlas has {} texels, {:.0f} % of them occupied, and not the {} that were asked for: {}",
+        result.atlas.texelCount(), 100 * double(result.stats.atlas.coverage), asked.texelBudget, reason);
+}
 
 json reportOf(const std::string& output, const Bake& result, size_t resumedParts,
               const std::vector<StageTime>& stageTimes, const std::vector<std::string>& notes) {

@@ -2,6 +2,7 @@
 // The report at the end of a bake.
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,9 @@
 #include "core/bake/bake.h"
 
 namespace phat {
+
+/// A line where the atlas has other than about the number of texels that was asked for.
+std::optional<std::string> resolutionNote(const Bake& result, const AtlasSettings& asked);
 
 /// The output of `phat bake --json`. pre: `output` is written.
 nlohmann::json reportOf(const std::string& output, const Bake& result, size_t resumedParts,

@@ -13,6 +13,7 @@
 #include "core/scene/default_camera.h"
 #include "core/scene/scene.h"
 #include "core/scene/transparency.h"
+#include "io/gltf/blender_units.h"
 #include "io/gltf/gltf_source.h"
 #include "io/gltf/gltf_variants.h"
 #include "io/phat/bake_record.h"
@@ -47,8 +48,11 @@ Json describeScene(const LoadedScene& loaded, const Scene& lit) {
     constexpr const char* kLightTypes[] = {"point", "spot", "directional"};
     const Scene& scene = loaded.scene;
     Json lights = Json::array();
-    for (const PunctualLight& light : scene.lights)
+    for (const PunctualLight& light : scene.lights) {
         lights.push_back({{"name", light.name}, {"type", kLightTypes[size_t(light.type)]}});
+        if (light.angularRadius > 0)
+            lights.back()["angularDiameterDegrees"] = 2 * glm::degrees(light.angularRadius);
+    }
     size_t emissive = 0, transmissive = 0;
     for (const Material& material : scene.materials) {
         emissive += maxComponent(material.emission) > 0;
@@ -133,6 +137,8 @@ Json describe(const std::string& path) {
         const AddedLighting added = addLighting({}, lit);
         report["scene"] = describeScene(loaded, lit);
         for (const std::string& line : added.lines) report["scene"]["notes"].push_back(line);
+        if (const auto units = blenderUnitsNote(source, loaded.scene))
+            report["scene"]["notes"].push_back(*units);
     }
     report["scene"]["variants"] = gltfVariants(source);
     return report;

@@ -100,7 +100,7 @@ SceneFile loadBaked(const RenderOptions& options, Progress& progress) {
     if (!options.quiet) printLines(options.input, file.added.lines);
     checkAgainst(options, baked.loaded.scene);
     if (baked.phatexture.indirect.empty()) {
-        Bake result = bake(baked.loaded.scene, BakeSettings(), progress);
+        Bake result = bake(raysOf(baked.loaded.scene, file.added), BakeSettings(), progress);
         baked.atlas = std::move(result.atlas);
         baked.points = std::move(result.points);
         baked.phatexture = std::move(result.phatexture);

@@ -67,7 +67,7 @@ TracedScene::TracedScene(const RenderOptions& options, Progress& progress)
       baked(file.baked),
       scene(baked.loaded.scene),
       viewedScene(makeViewedScene(options, scene)),
-      rays(scene),
+      rays(raysOf(scene, file.added)),
       lights(scene),
       photons(photonsFor(*this, options, progress)),
       index(photons.photons),

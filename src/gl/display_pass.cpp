@@ -1,9 +1,8 @@
 #include "gl/display_pass.h"
 
 #include <algorithm>
-#include <glm/gtc/matrix_transform.hpp>
 
-#include "core/base/random.h"
+#include "gl/camera_matrices.h"
 #include "gl/draw_order.h"
 #include "gl/inspect_pass.h"
 #include "gl/material_table.h"
@@ -16,30 +15,7 @@ namespace {
 constexpr int kFirstMaterialUnit = 7;
 // And more where there is glass: its own slots, and the shadows that it casts. Most GPUs have 32.
 constexpr int kTintUnit = kFirstMaterialUnit + kSlotCount, kGlassUnits = kTintUnit + 1;
-
-struct CameraMatrices {
-    glm::mat4 clipFromWorld{1};
-    glm::mat4 worldFromClipRotation{1};  // with the eye at the origin
-};
-
-// The picture's shape, not the camera's: a view of another shape shows more or less to the sides,
-// undistorted. `jitter` in pixels.
-CameraMatrices matricesOf(const Camera& camera, glm::uvec2 size, const Bounds& bounds, glm::vec2 jitter) {
-    const float aspect = float(size.x) / float(size.y);
-    const glm::vec3 eye(camera.worldFromCamera[3]);
-    const float reach = glm::distance(eye, bounds.center()) + 0.5f * bounds.diagonal();
-    const float nearMeters = std::max(camera.znear, 1e-5f);
-    const float farMeters = std::max(2 * nearMeters, 1.01f * reach);
-    glm::mat4 clipFromCamera = camera.perspective
-                                   ? glm::perspective(camera.yfovRadians, aspect, nearMeters, farMeters)
-                                   : glm::ortho(-camera.ymag * aspect, camera.ymag * aspect, -camera.ymag,
-                                                camera.ymag, nearMeters, farMeters);
-    const glm::vec2 shift = 2.0f * jitter / glm::vec2(size);
-    clipFromCamera = glm::translate(glm::mat4(1), glm::vec3(shift, 0)) * clipFromCamera;
-    const glm::mat4 cameraFromWorld = glm::inverse(camera.worldFromCamera);
-    return {clipFromCamera * cameraFromWorld,
-            glm::inverse(clipFromCamera * glm::mat4(glm::mat3(cameraFromWorld)))};
-}
+constexpr int kDepthUnit = kGlassUnits;  // and where a light is a disc
 
 // Measured: see notes/experiments.md, "Lookup".
 LookupSampling samplingOf(Quality quality) {
@@ -60,7 +36,7 @@ void drawBackground(const DisplayPass& pass, const DisplayInput& input, const Ca
                     glm::uvec2 size, bool shown) {
     const GLfloat black[4] = {0, 0, 0, 0};
     glClearBufferfv(GL_COLOR, 0, black);
-    const GLfloat farthest = 1;
+    const GLfloat farthest = 0;
     glDepthMask(GL_TRUE);
     glClearBufferfv(GL_DEPTH, 0, &farthest);
     if (!shown || !input.scene.environment) return;
@@ -75,7 +51,7 @@ void drawBackground(const DisplayPass& pass, const DisplayInput& input, const Ca
 void drawDepth(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& camera) {
     const ShaderProgram& program = pass.shadows.depth;
     glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_LESS);
+    glDepthFunc(GL_GREATER);
     glDepthMask(GL_TRUE);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     program.set("clipFromWorld", camera.clipFromWorld);
@@ -115,6 +91,7 @@ void bindShared(const ShaderProgram& program, const DisplayInput& input, const C
     program.bind("lightTable", 5, input.shadows.lightTable.name());
     program.bind("shadowMaps", 6, input.shadows.depth.name());
     if (input.shadows.tints) program.bind("shadowTints", kTintUnit, input.shadows.tints.name());
+    if (input.shadows.depthValues) program.bind("shadowDepths", kDepthUnit, input.shadows.depthValues.name());
     program.set("lightCount", input.shadows.lightCount);
     program.set("show", shownParts(settings.component));
     bindCamera(program, camera, settings);
@@ -140,7 +117,7 @@ void drawBlended(const DisplayPass& pass, const DisplayInput& input, const Camer
     if (!input.materials.glass.empty()) bindShared(pass.glassProgram, input, matrices, settings, nullptr);
     bindShared(pass.displayProgram, input, matrices, settings, nullptr);
     glEnable(GL_BLEND);
-    glDepthFunc(GL_LESS);
+    glDepthFunc(GL_GREATER);
     glDepthMask(GL_FALSE);
     glEnable(GL_CULL_FACE);
     for (uint32_t i : order) {
@@ -220,26 +197,28 @@ FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool 
     return targets;
 }
 
-DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, bool clearcoat, bool glass,
-                              bool paper, bool countReads) {
+DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas,
+                              const DisplayFeatures& features) {
     std::vector<std::string> defines;
     if (atlas.sources.size() > 1) defines.push_back("AREA");
-    if (clearcoat) defines.push_back("CLEARCOAT");
-    // Where the units do not suffice, glass is without its own textures and casts no shadows.
+    if (features.clearcoat) defines.push_back("CLEARCOAT");
+    // Where the units do not suffice, glass is without its own textures and casts no shadows, and a sun's
+    // shadows are hard.
     GLint units = 0;
     glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
-    const bool shadowTints = glass && units >= kGlassUnits;
+    const bool shadowTints = features.glass && units >= kGlassUnits;
     if (shadowTints) defines.push_back("SHADOW_TINTS");
+    if (features.discs && units > kDepthUnit) defines.push_back("SUN_DISC");
     DisplayPass pass;
     const auto display = [&](std::vector<std::string> indirect) {
         indirect.insert(indirect.end(), defines.begin(), defines.end());
         return ShaderProgram(folder, "surface.vert", "display.frag", indirect);
     };
-    pass.displayProgram = paper ? display({"PAPER"}) : display({});
-    pass.lookedUpProgram = countReads ? display({"LOOKUP", "COUNT_READS"}) : display({"LOOKUP"});
-    if (glass) {
+    pass.displayProgram = features.paper ? display({"PAPER"}) : display({});
+    pass.lookedUpProgram = features.countReads ? display({"LOOKUP", "COUNT_READS"}) : display({"LOOKUP"});
+    if (features.glass) {
         std::vector<std::string> ofGlass{"GLASS"};
-        if (paper) ofGlass.push_back("PAPER");
+        if (features.paper) ofGlass.push_back("PAPER");
         if (shadowTints) ofGlass.push_back("GLASS_TEXTURES");
         pass.glassProgram = display(std::move(ofGlass));
         pass.shadows.tints = ShaderProgram(folder, "surface.vert", "shadow_tint.frag");
@@ -252,6 +231,7 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas, 
 
 void prepareSample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
                    PendingSample& sample) {
+    const ReversedDepth reversed;
     const FrameSettings& settings = sample.settings;
     const CameraMatrices camera =
         matricesOf(settings.camera, targets.size, input.scene.bounds, sample.jitter);
@@ -272,6 +252,7 @@ void prepareSample(const DisplayPass& pass, const DisplayInput& input, const Fra
 
 void displaySample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
                    const PendingSample& sample, std::span<const SurfaceIncident> incident) {
+    const ReversedDepth reversed;
     const FrameSettings& settings = sample.settings;
     const CameraMatrices camera =
         matricesOf(settings.camera, targets.size, input.scene.bounds, sample.jitter);
@@ -310,18 +291,6 @@ void addSample(const DisplayPass& pass, const FrameTargets& targets, PictureSum&
     ++sum.samples;
 }
 
-// Sobol's first two dimensions [Kollig and Keller 2002 for the second], moved so that the first of many
-// points is near the pixel's centre and the mean of a power of two of them is there.
-glm::vec2 jitterOf(int index, int count) {
-    if (count == 1) return glm::vec2(0);
-    uint32_t y = 0;
-    for (uint32_t direction = 1u << 31, i = uint32_t(index); i != 0; i >>= 1, direction ^= direction >> 1)
-        if (i & 1) y ^= direction;
-    const glm::vec2 point = glm::vec2(glm::uvec2(reverseBits(uint32_t(index), 16), y >> 16)) / 65536.0f +
-                            0.5f + 0.5f / float(count);
-    return glm::fract(point) - 0.5f;
-}
-
 glm::vec3 shownParts(Component component) {
     switch (component) {
         case Component::all:
@@ -336,11 +305,6 @@ glm::vec3 shownParts(Component component) {
             return {0, 0, 1};
     }
     return glm::vec3(1);
-}
-
-Eye eyeOf(const Camera& camera) {
-    if (camera.perspective) return {glm::vec3(camera.worldFromCamera[3]), false};
-    return {glm::normalize(glm::vec3(camera.worldFromCamera[2])), true};
 }
 
 }  // namespace phat

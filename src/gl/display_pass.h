@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "gl/camera_matrices.h"
 #include "gl/fullscreen.h"
 #include "gl/lookup_pass.h"
 #include "gl/pass_clock.h"
@@ -32,10 +33,16 @@ struct DisplayPass {
     FullscreenProgram background, accumulate;
 };
 
-/// `glass`: whether there is any; `paper`: as of the RelightPass whose pyramid is displayed; `countReads`:
-/// see createLookupPass.
-DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat,
-                              bool glass, bool paper, bool countReads);
+/// What the programs of a DisplayPass can do.
+struct DisplayFeatures {
+    bool clearcoat = false;
+    bool glass = false;       // whether there is any
+    bool discs = false;       // whether a light is one
+    bool paper = false;       // as of the RelightPass whose pyramid is displayed
+    bool countReads = false;  // see createLookupPass
+};
+DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas,
+                              const DisplayFeatures& features);
 
 struct DisplayInput {
     const GpuScene& scene;
@@ -63,13 +70,7 @@ void displaySample(const DisplayPass& pass, const DisplayInput& input, const Fra
 /// Adds the picture that was displayed; the first one clears `sum`.
 void addSample(const DisplayPass& pass, const FrameTargets& targets, PictureSum& sum);
 
-/// Where in the pixel sample `index` of `count` lies, from -.5 to .5. twin: jitterOf in
-/// web/src/sample_numbers.js.
-glm::vec2 jitterOf(int index, int count);
 /// Direct, glossy indirect and diffuse indirect light: 1 for those that are shown.
 glm::vec3 shownParts(Component component);
-
-/// The eye of a camera.
-Eye eyeOf(const Camera& camera);
 
 }  // namespace phat

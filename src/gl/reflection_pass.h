@@ -31,7 +31,7 @@ void beginReflections(const ReflectionPass& pass, const GpuAtlas& atlas, const G
                       const ReflectionTargets& targets, Reflections reflections, uint32_t frame);
 
 /// The surfaces that were drawn and are to be traced; `jitter`: where in the pixels, see jitterOf in
-/// display_pass.cpp.
+/// camera_matrices.h.
 std::vector<TracedSurface> readTracedSurfaces(const ReflectionTargets& targets, glm::vec2 jitter);
 
 /// Writes their incident radiance to layers `firstLayer` on of `pictures` (RGBA32UI): indirect and area, then

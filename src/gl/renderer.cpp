@@ -142,6 +142,7 @@ void Renderer::setMaterials(const std::vector<Material>& materials) {
 
 void Renderer::setLights(const std::vector<PunctualLight>& lights) {
     if (lights == state_->lights) return;
+    if (hasDisc(lights) != hasDisc(state_->lights)) state_->dropPasses();
     state_->lights = lights;
     state_->shadows = {};
 }

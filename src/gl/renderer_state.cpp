@@ -100,8 +100,12 @@ const DisplayPass& Renderer::State::displayFor(bool paper, bool counting) {
     std::optional<DisplayPass>& made = paper ? displayPaper : counting ? countingDisplay : display;
     const bool glassAppears = made && !glass.empty() && made->glassProgram.name() == 0;
     if (!made || glassAppears)
-        made =
-            createDisplayPass(shaderFolder, atlas, anyClearcoat(materials), !glass.empty(), paper, counting);
+        made = createDisplayPass(shaderFolder, atlas,
+                                 {.clearcoat = anyClearcoat(materials),
+                                  .glass = !glass.empty(),
+                                  .discs = hasDisc(lights),
+                                  .paper = paper,
+                                  .countReads = counting});
     return *made;
 }
 

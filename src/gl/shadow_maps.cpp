@@ -1,5 +1,6 @@
 #include "gl/shadow_maps.h"
 
+#include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "gl/textures.h"
@@ -27,12 +28,21 @@ glm::mat4 perspectiveView(glm::vec3 eye, glm::vec3 direction, float tangent, int
     return glm::perspective(2 * std::atan(widened), 1.0f, nearMeters, farMeters) * view;
 }
 
+// Of a directional light's map, in radii of the scene.
+constexpr float kParallelNear = 0.9f, kParallelFar = 3.1f;
+
 glm::mat4 parallelView(glm::vec3 direction, const Bounds& bounds, int size) {
     const float radius = std::max(0.5f * bounds.diagonal(), 1e-3f);
     const float half = radius * float(size) / (float(size) - 2 * kBorderTexels);
     const glm::vec3 up = std::abs(direction.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
     const glm::mat4 view = glm::lookAt(bounds.center() - 2 * radius * direction, bounds.center(), up);
-    return glm::ortho(-half, half, -half, half, 0.9f * radius, 3.1f * radius) * view;
+    return glm::ortho(-half, half, -half, half, kParallelNear * radius, kParallelFar * radius) * view;
+}
+
+// Radius in texels of the disc's shadow where caster and receiver are the map's whole depth apart.
+float discTexels(const PunctualLight& light, int size) {
+    const float texelsPerRadius = 0.5f * (float(size) - 2 * kBorderTexels);
+    return std::tan(light.angularRadius) * (kParallelFar - kParallelNear) * texelsPerRadius;
 }
 
 int layersOf(const PunctualLight& light) {
@@ -71,6 +81,17 @@ GlTexture createDepthArray(int size, int layers) {
     glTextureParameteri(depth.name(), GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     glTextureParameteri(depth.name(), GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
     return depth;
+}
+
+// The depths themselves, of the same memory.
+GlTexture viewWithoutComparison(const GlTexture& depth, int layers) {
+    GLuint name = 0;
+    glGenTextures(1, &name);  // a view's name must be of no texture yet
+    GlTexture view(name);
+    glTextureView(name, GL_TEXTURE_2D_ARRAY, depth.name(), GL_DEPTH_COMPONENT32F, 0, 1, 0, GLuint(layers));
+    glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    return view;
 }
 
 // Binds a layer to be drawn to while what it returns lives.
@@ -136,14 +157,15 @@ GlTexture drawAllTints(const std::vector<PunctualLight>& lights, const std::vect
     return tints;
 }
 
-GlTexture createLightTable(const std::vector<PunctualLight>& lights, const std::vector<glm::mat4>& views) {
+GlTexture createLightTable(const std::vector<PunctualLight>& lights, const std::vector<glm::mat4>& views,
+                           int size) {
     std::vector<glm::vec4> rows;
     int layer = 0;
     for (const PunctualLight& light : lights) {
         rows.emplace_back(light.position, float(light.type));
         rows.emplace_back(light.intensity, light.rangeMeters);
         rows.emplace_back(light.direction, light.cosInnerCone);
-        rows.emplace_back(light.cosOuterCone, float(layer), float(layersOf(light)), 0.0f);
+        rows.emplace_back(light.cosOuterCone, float(layer), float(layersOf(light)), discTexels(light, size));
         layer += layersOf(light);
     }
     for (const glm::mat4& clipFromWorld : views)
@@ -152,6 +174,11 @@ GlTexture createLightTable(const std::vector<PunctualLight>& lights, const std::
 }
 
 }  // namespace
+
+bool hasDisc(const std::vector<PunctualLight>& lights) {
+    return std::any_of(lights.begin(), lights.end(),
+                       [](const PunctualLight& light) { return light.angularRadius > 0; });
+}
 
 ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, const GpuScene& gpu,
                             const DrawnMaterials& materials, const ShadowPrograms& programs) {
@@ -164,7 +191,8 @@ ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, const GpuS
     ShadowMaps maps;
     maps.lightCount = int(lights.size());
     maps.depth = createDepthArray(size, std::max(1, int(views.size())));
-    maps.lightTable = createLightTable(lights, views);
+    if (hasDisc(lights)) maps.depthValues = viewWithoutComparison(maps.depth, std::max(1, int(views.size())));
+    maps.lightTable = createLightTable(lights, views, size);
 
     // Both sides cast shadows, as they stop rays.
     glDisable(GL_CULL_FACE);

@@ -10,9 +10,10 @@
 namespace phat {
 
 struct ShadowMaps {
-    GlTexture depth;       // DEPTH32F array with comparison; one layer even without lights
-    GlTexture tints;       // RGBA32F array, a quarter of the size: of glass; empty where there is none
-    GlTexture lightTable;  // see shaders/lib/lights.glsl
+    GlTexture depth;        // DEPTH32F array with comparison; one layer even without lights
+    GlTexture tints;        // RGBA32F array, a quarter of the size: of glass; empty where there is none
+    GlTexture depthValues;  // a view of `depth` without comparison; empty where no light is a disc
+    GlTexture lightTable;   // see shaders/lib/lights.glsl
     int lightCount = 0;
 };
 
@@ -20,6 +21,9 @@ struct ShadowPrograms {
     ShaderProgram depth;
     ShaderProgram tints;  // empty where there is no glass
 };
+
+/// Whether a light has a penumbra: SUN_DISC of shaders/lib/lights.glsl.
+bool hasDisc(const std::vector<PunctualLight>& lights);
 
 /// Six layers for a point light or a wide spot, one for a spot or a directional light. Throws GlError.
 ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, const GpuScene& gpu,

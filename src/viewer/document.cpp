@@ -48,7 +48,9 @@ Document::Document(const std::string& file, const SceneLighting& asked, SceneFil
       posed(std::move(baked.loaded.scene)),
       hasBake(!baked.phatexture.indirect.empty()),
       edits(noEdits(scene())),
-      inFile_(edits.now()) {}
+      inFile_(edits.now()) {
+    added.bvh.reset();  // the snapshots of the scene have their own
+}
 
 Document::Changes Document::show() {
     if (edits.revision() == shownRevision_ && playback.animation == shownPlayback_.animation &&

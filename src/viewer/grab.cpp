@@ -13,7 +13,7 @@
 namespace phat {
 namespace {
 
-CameraRay rayAt(const ViewerState& state, glm::vec2 pixel) {
+Ray rayAt(const ViewerState& state, glm::vec2 pixel) {
     return cameraRay(state.navigation.camera, state.pictureSize.x, state.pictureSize.y, pixel);
 }
 
@@ -25,7 +25,7 @@ glm::vec3 axisOf(int axis) {
 
 // Under the mouse, as far away as the pivot.
 glm::vec3 inPlane(const ViewerState& state, glm::vec3 pivot, glm::vec2 pixel) {
-    const CameraRay ray = rayAt(state, pixel);
+    const Ray ray = rayAt(state, pixel);
     const glm::vec3 forward = -glm::vec3(state.navigation.camera.worldFromCamera[2]);
     return ray.origin +
            ray.direction * (glm::dot(pivot - ray.origin, forward) / glm::dot(ray.direction, forward));
@@ -33,7 +33,7 @@ glm::vec3 inPlane(const ViewerState& state, glm::vec3 pivot, glm::vec2 pixel) {
 
 // Metres from the pivot to where the axis comes nearest to the mouse's ray.
 float alongAxis(const ViewerState& state, glm::vec3 pivot, glm::vec3 axis, glm::vec2 pixel) {
-    const CameraRay ray = rayAt(state, pixel);
+    const Ray ray = rayAt(state, pixel);
     const float cosine = glm::dot(axis, ray.direction), sineSquared = 1 - cosine * cosine;
     if (sineSquared < 1e-4f) return 0;  // seen from its end
     return glm::dot(ray.origin - pivot, axis - cosine * ray.direction) / sineSquared;

@@ -24,7 +24,7 @@ Bounds boundsOf(const Scene& scene, const Surface& surface) {
 }
 
 std::optional<uint32_t> pick(const ViewerState& state, glm::vec2 pixel, glm::vec2 size) {
-    const CameraRay ray = cameraRay(state.navigation.camera, int(size.x), int(size.y), pixel);
+    const Ray ray = cameraRay(state.navigation.camera, int(size.x), int(size.y), pixel);
     uint64_t rays = 0;
     const Hit hit = visibleHit(state.document->rays(), ray, rays);
     if (!hit) return std::nullopt;

@@ -5,8 +5,7 @@ namespace phat {
 std::optional<TexelUnderMouse> texelUnderMouse(const ViewerState& state) {
     const Document& document = *state.document;
     if (state.mouse.x < 0 || !document.hasBake) return std::nullopt;
-    const CameraRay ray =
-        cameraRay(state.navigation.camera, state.pictureSize.x, state.pictureSize.y, state.mouse);
+    const Ray ray = cameraRay(state.navigation.camera, state.pictureSize.x, state.pictureSize.y, state.mouse);
     uint64_t rays = 0;
     const Hit hit = visibleHit(document.rays(), ray, rays);
     if (!hit) return std::nullopt;

@@ -14,8 +14,12 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "core/base/hemisphere_map.h"
+#include "core/base/random.h"
 #include "core/base/stopwatch.h"
+#include "support/gltf_writer.h"
 #include "support/run_program.h"
+#include "support/scene_builder.h"
 
 namespace phat {
 namespace {
@@ -112,6 +116,49 @@ TEST(ConductBake, NamesTheFileAndTheReasonInOneLine) {
     EXPECT_EQ(unwritable.exitCode, 1);
     EXPECT_EQ(lineCount(unwritable.err), 1) << unwritable.err;
     EXPECT_EQ(folder.fileCount(), 1u);
+}
+
+// Hundreds of loose squares need a tile each, whatever their size; a floor takes what it is given.
+TEST(ConductBake, SaysWhereAResolutionCannotBeKept) {
+    const TemporaryFolder folder;
+    const auto noteOf = [&](const Scene& scene, const std::vector<std::string>& more) {
+        test::writeGltf(folder.file("a.gltf"), scene);
+        std::vector<std::string> arguments = {
+            "bake",    folder.file("a.gltf"), "-o", folder.file("a.phat.glb"),
+            "--json",  "--photons",           "1k", "--paths",
+            "1",       "--bounces",           "1",  "--sky",
+            "sun=0,60"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const ProgramResult result = runPhat(arguments);
+        EXPECT_EQ(result.exitCode, 0) << result.err;
+        const auto report = nlohmann::json::parse(result.out, nullptr, false);
+        std::string found;
+        for (const std::string note : report["notes"])
+            if (note.find("that were asked for") != std::string::npos) found = note;
+        const uint64_t made =
+            report["atlas"]["width"].get<uint64_t>() * report["atlas"]["height"].get<uint64_t>();
+        if (!found.empty()) {
+            EXPECT_NE(found.find("the atlas has " + std::to_string(made) + " texels, "), std::string::npos);
+        }
+        return std::pair(found, made);
+    };
+    Scene floor;
+    test::addFloor(floor, test::lambert(0.5f), 4);
+    const auto [kept, keptTexels] = noteOf(floor, {"--resolution", "30k"});
+    EXPECT_EQ(kept, "") << keptTexels;
+    EXPECT_NEAR(double(keptTexels), 30'000, 3000);
+
+    Scene loose;
+    Rng rng(1);
+    for (int i = 0; i < 300; ++i) {
+        const glm::vec3 at(20 * rng.uniform(), 20 * rng.uniform(), 20 * rng.uniform());
+        const glm::vec3 along = squareToHemisphere(rng.uniform2());
+        test::addQuad(loose, test::lambert(0.5f), at, along, frameFromNormal(along).tangent);
+    }
+    const auto [many, manyTexels] = noteOf(loose, {"--resolution", "4k"});
+    EXPECT_NE(many.find("and not the 4000 that were asked for: its "), std::string::npos) << many;
+    EXPECT_GT(manyTexels, 4400u);
+    EXPECT_EQ(noteOf(loose, {"--texel-size", "0.3"}).first, "") << "nothing was asked for";
 }
 
 TEST(ConductBake, RefusesWrongUsage) {

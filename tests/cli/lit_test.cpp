@@ -105,6 +105,7 @@ TEST(Lit, ABakeHoldsItsDaylight) {
     const json info = infoOf();
     ASSERT_EQ(info["scene"]["lights"].size(), 1u);
     EXPECT_EQ(info["scene"]["lights"][0]["type"], "directional");
+    EXPECT_NEAR(info["scene"]["lights"][0].value("angularDiameterDegrees", 0.0), 0.533, 1e-3);
     EXPECT_FALSE(info["scene"]["environment"].is_null());
     EXPECT_EQ(info["bake"]["record"]["settings"]["sky"], "sun=210,40,turbidity=3");
     EXPECT_EQ(info["scene"]["defaultCamera"]["where"], "outside");
@@ -130,6 +131,76 @@ TEST(Lit, ABakeHoldsItsDaylight) {
     EXPECT_NEAR(draw(folder, baked, "again.exr", {"--method", "path"}, "64").mean, other.mean,
                 0.01 * other.mean);
     EXPECT_EQ(runPhat({"render", baked, "-o", folder.file("no.png"), "--sky", "sun=0,30"}).exitCode, 2);
+}
+
+// The yard with a light of an exporter.
+std::string writeLamp(const TemporaryFolder& folder, const json& generator, const char* type,
+                      double intensity) {
+    const std::string path = writeYard(folder);
+    const auto bytes = readBytes(path);
+    json gltf = json::parse(bytes.begin(), bytes.end());
+    if (!generator.is_null()) gltf["asset"]["generator"] = generator;
+    gltf["extensionsUsed"] = {"KHR_lights_punctual"};
+    gltf["extensions"]["KHR_lights_punctual"]["lights"] = json::array(
+        {{{"type", type}, {"name", "Lamp"}, {"color", {0.5, 1, 0.25}}, {"intensity", intensity}}});
+    if (std::string(type) == "spot")
+        gltf["extensions"]["KHR_lights_punctual"]["lights"][0]["spot"] = json::object();
+    gltf["nodes"].push_back({{"translation", {0, 2, 0}},
+                             {"rotation", {-0.7071068, 0, 0, 0.7071068}},
+                             {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    gltf["scenes"][0]["nodes"].push_back(1);
+    const std::string text = gltf.dump();
+    writeBytes(path, {text.begin(), text.end()});
+    return path;
+}
+
+TEST(Lit, LightsInBlendersStandardUnitsAreNamed) {
+    const json blender = "Khronos glTF Blender I/O v4.2.60";
+    const struct {
+        json generator;
+        const char* type;
+        double intensity;
+        std::string unit;  // empty: nothing is said
+    } cases[] = {{blender, "point", 54351.4, "54351 candela"},
+                 {blender, "spot", 543.5, "544 candela"},
+                 {blender, "directional", 683, "683 lux"},
+                 {blender, "point", 79.6, ""},
+                 {blender, "point", 190, ""},
+                 {blender, "directional", 95, ""},
+                 {json(), "point", 54351.4, ""},
+                 {json(7), "point", 54351.4, ""},
+                 {"another program", "directional", 683, ""}};
+    for (const auto& c : cases) {
+        const TemporaryFolder folder;
+        const std::string file = writeLamp(folder, c.generator, c.type, c.intensity);
+        const Drawn drawn = draw(folder, file, "a.png", {"--method", "path"}, "1");
+        const std::string line =
+            c.unit.empty() ? "Blender"
+                           : file + ": light \"Lamp\" has " + c.unit + ": Blender's lighting mode Standard";
+        EXPECT_EQ(countOf(drawn.result.err, line), c.unit.empty() ? 0u : 1u) << drawn.result.err;
+        EXPECT_EQ(countOf(runPhat({"info", file, "--json"}).out, "Unitless"), c.unit.empty() ? 0u : 1u);
+        EXPECT_EQ(countOf(drawn.result.err, "Unitless"), c.unit.empty() ? 0u : 1u);
+    }
+    // Said of the scene and not of its bake again, whose sun is as bright.
+    const TemporaryFolder folder;
+    const std::string yard = writeYard(folder), baked = folder.file("b.phat.glb");
+    const auto bytes = readBytes(yard);
+    json gltf = json::parse(bytes.begin(), bytes.end());
+    gltf["asset"]["generator"] = blender;
+    const std::string text = gltf.dump();
+    writeBytes(yard, {text.begin(), text.end()});
+    for (const std::string& input : {yard, baked}) {
+        const ProgramResult result =
+            runPhat({"bake", input, "-o", input == yard ? baked : folder.file("c.phat.glb"), "--resolution",
+                     "8k", "--photons", "2k"});
+        EXPECT_EQ(result.exitCode, 0) << result.err;
+        EXPECT_EQ(countOf(result.err + result.out, "Blender"), 0u) << result.err;
+    }
+    const std::string lamp = writeLamp(folder, blender, "point", 54351.4);
+    const ProgramResult result =
+        runPhat({"bake", lamp, "-o", folder.file("d.phat.glb"), "--resolution", "8k", "--photons", "2k"});
+    EXPECT_EQ(countOf(result.err, "Unitless"), 1u) << result.err;
+    EXPECT_EQ(countOf(result.out, "Unitless"), 0u) << "said before the bake, not again after it";
 }
 
 TEST(Lit, AClosedRoomGetsAWorkLight) {

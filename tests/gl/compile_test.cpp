@@ -19,6 +19,7 @@ std::vector<std::vector<std::string>> variants() {
             {"AREA", "CLEARCOAT"},
             {"TEXEL_PDF"},
             {"LOOKUP", "AREA", "CLEARCOAT"},
+            {"LOOKUP", "SUN_DISC"},
             {"SCRAMBLES", "CLEARCOAT"},
             {"PAPER", "AREA", "CLEARCOAT"}};
 }

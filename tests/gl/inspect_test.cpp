@@ -59,7 +59,7 @@ class Inspect : public ::testing::Test {
         for (int y = 0; y < kHeight; ++y) {
             for (int x = 0; x < kWidth; ++x) {
                 uint64_t count = 0;
-                const CameraRay ray = cameraRay(camera_, kWidth, kHeight, glm::vec2(x, y) + 0.5f);
+                const Ray ray = cameraRay(camera_, kWidth, kHeight, glm::vec2(x, y) + 0.5f);
                 const Hit hit = visibleHit(rays_, ray, count);
                 if (!hit) continue;
                 const auto& corners = world_.atlas.triangleTexels[hit.triangle];
@@ -217,7 +217,7 @@ TEST_F(Inspect, SampleCountsAreEffectiveNumbers) {
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
             uint64_t count = 0;
-            const CameraRay ray = cameraRay(camera_, kWidth, kHeight, glm::vec2(x, y) + 0.5f);
+            const Ray ray = cameraRay(camera_, kWidth, kHeight, glm::vec2(x, y) + 0.5f);
             ones += visibleHit(rays_, ray, count) && sparse.at(x, y) == glm::vec3(0);
         }
     EXPECT_GT(ones, 100u);

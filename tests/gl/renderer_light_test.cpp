@@ -7,6 +7,7 @@
 #include "core/scene/rays.h"
 #include "core/scene/shading.h"
 #include "gl/renderer_world.h"
+#include "support/penumbra.h"
 
 namespace phat::test {
 namespace {
@@ -134,6 +135,84 @@ TEST_F(RendererLight, DirectionalLight) {
     Scene scene = floorAndShelf(0.5f);
     scene.lights.push_back(directionalLight({3, 3, 2}, glm::normalize(glm::vec3(0.4f, -1, 0.1f))));
     comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 100);
+}
+
+// In the middle row of a picture of the floor, by the closed form. An edge in the map is off by up to half a
+// texel, of which the disc's shadow has eight in its radius.
+TEST_F(RendererLight, PenumbraOfADiscBehindAStraightEdge) {
+    constexpr float kRadius = 0.00465f, kShadowRadius = kRadius * kEdgeHeight;
+    RendererWorld world = worldOfQuads(floorBehindEdge(kRadius), 2);
+    Renderer renderer(world.input(), kShaderFolder);
+    const Camera camera = lookAtCamera({0, 1, 0}, {0, 0, 0}, 7);
+    const FrameSettings settings = frame(camera);
+    const Image soft = renderer.render(settings);
+    world.scene.lights[0].angularRadius = 0;
+    renderer.setLights(world.scene.lights);
+    const Image hard = renderer.render(settings);
+    constexpr double kTexelError = 0.5 / 8 * 2 / 3.14159265358979;  // by the slope of the profile's middle
+    int between = 0, hardBetween = 0;
+    const int y = soft.height / 2;
+    for (int x = 0; x < soft.width; ++x) {
+        const glm::vec3 ray = pixelDirection(camera, x, y, soft.width, soft.height);
+        const double offset = double(ray.x / -ray.y / kShadowRadius);
+        const double seen = double(kPi * soft.at(x, y).x), sharp = double(kPi * hard.at(x, y).x);
+        EXPECT_NEAR(seen, discFraction(offset), kTexelError) << "pixel " << x;
+        between += seen > 0.02 && seen < 0.98;
+        hardBetween += sharp > 0.02 && sharp < 0.98;
+        if (std::abs(offset) > 0.3) {
+            EXPECT_NEAR(sharp, offset > 0 ? 1 : 0, 1e-4);
+        }
+    }
+    EXPECT_GT(between, 40);
+    EXPECT_LT(hardBetween, 20);
+    world.scene.lights[0].angularRadius = kRadius;
+    renderer.setLights(world.scene.lights);
+    EXPECT_EQ(renderer.render(settings).pixels, soft.pixels) << "the disc is back";
+}
+
+// As large as a shadow's filter or smaller, where the caster stands on the floor.
+TEST_F(RendererLight, ADiscsShadowTouchesItsCaster) {
+    Scene scene;
+    addFloor(scene, lambert(0.8f), 4);
+    addQuad(scene, lambert(0.5f), {0, 0, -1}, {0, 1, 0}, {0, 0, 2});
+    scene.materials.back().doubleSided = true;
+    scene.lights.push_back(directionalLight(glm::vec3(10), glm::normalize(glm::vec3(1, -1, 0))));
+    scene.lights.back().angularRadius = 0.00465f;
+    comparePictures(worldOfQuads(scene, 2), lookAtCamera({0.5f, 0.5f, 0.6f}, {0.02f, 0, 0}, 30), 200);
+}
+
+// Within the inner cone nothing falls off, however narrow and hard the cone is.
+TEST_F(RendererLight, HardAndNarrowSpots) {
+    for (const auto& [inner, outer] :
+         std::vector<std::pair<float, float>>{{20, 20}, {5, 5}, {1.5f, 1.5f}, {0.5f, 0.5f}, {3, 3.5f}}) {
+        Scene scene;
+        addFloor(scene, lambert(1), 4);
+        scene.lights.push_back(spotLight(glm::vec3(8), {0, 2, 0}, {0, -1, 0}, inner, outer));
+        const RendererWorld world = worldOfQuads(scene, 2);
+        Renderer renderer(world.input(), kShaderFolder);
+        const float radius = 2 * std::tan(glm::radians(outer));
+        const Camera camera = lookAtCamera({0, 1, 0}, {0, 0, 0}, 2 * glm::degrees(std::atan(1.5f * radius)));
+        const Image image = renderer.render(frame(camera));
+        int lit = 0, dark = 0;
+        for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < image.width; ++x) {
+                const glm::vec3 ray = pixelDirection(camera, x, y, image.width, image.height);
+                const double across = double(glm::length(glm::vec2(ray.x, ray.z)) / -ray.y);
+                const double angle = glm::degrees(std::atan(across / 2)), distance2 = 4 + across * across;
+                const double value = double(image.at(x, y).x);
+                if (angle < 0.98 * double(inner)) {
+                    const double expected = 8 / distance2 * 2 / std::sqrt(distance2) / double(kPi);
+                    ASSERT_NEAR(value, expected, 2e-3 * expected) << inner << " at " << angle;
+                    ++lit;
+                }
+                if (angle > 1.02 * double(outer)) {
+                    ASSERT_EQ(value, 0) << outer << " at " << angle;
+                    ++dark;
+                }
+            }
+        EXPECT_GT(lit, 500);
+        EXPECT_GT(dark, 500);
+    }
 }
 
 // The window sets lights and materials after every edit, whatever it was of.

@@ -62,7 +62,7 @@ export function sampleNumberTables(sampleCount, seed) {
     return { sampleNumbers, ranks };
 }
 
-// Position of picture `index` of `count` inside the pixel. twin: jitterOf in src/gl/display_pass.cpp.
+// Position of picture `index` of `count` inside the pixel. twin: jitterOf in src/gl/camera_matrices.cpp.
 export function jitterOf(index, count) {
     if (count === 1) return [0, 0];
     const [x, y] = sobolBits(index);

@@ -96,19 +96,18 @@ Phatexture gatherLight(const GatherContext& context) {
     return result;
 }
 
-Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress, BakeJournal* journal) {
+Bake bake(const RayScene& rays, const BakeSettings& settings, Progress& progress, BakeJournal* journal) {
     if (settings.radiance == RadianceSource::splat && !choosesPhotons(settings.directions))
         throw std::invalid_argument("splatted radiance needs directions from photons");
     const Stopwatch start;
     Bake result;
-    const RayScene rays(scene);
-    const LightSampler lights(scene);
+    const LightSampler lights(rays.scene());
 
     const PhotonMap photons = tracePhotons(rays, lights, settings.photons, progress);
     const PhotonIndex index(photons.photons);
     result.atlas =
         buildAtlas(rays, litSides({rays, lights}, photons), settings.atlas, progress, &result.stats.atlas);
-    result.points = buildTexelPoints(scene, result.atlas);
+    result.points = buildTexelPoints(rays.scene(), result.atlas);
     markOccludedTexels(result.points, result.atlas, rays, progress);
     const std::vector<Frame> frames = blockFrames(result.atlas, result.points);
     const std::vector<uint8_t> receivers = irradianceTexels(result.atlas, result.points);

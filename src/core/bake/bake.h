@@ -6,7 +6,7 @@
 #include "core/bake/journal.h"
 #include "core/base/progress.h"
 #include "core/phatexel/phatexture.h"
-#include "core/scene/scene.h"
+#include "core/scene/rays.h"
 
 namespace phat {
 
@@ -28,8 +28,12 @@ struct Bake {
 
 /// Throws Interrupted when `progress` requests it, std::invalid_argument for splats without photon
 /// directions.
-Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress,
+Bake bake(const RayScene& rays, const BakeSettings& settings, Progress& progress,
           BakeJournal* journal = nullptr);
+inline Bake bake(const Scene& scene, const BakeSettings& settings, Progress& progress,
+                 BakeJournal* journal = nullptr) {
+    return bake(RayScene(scene), settings, progress, journal);
+}
 
 /// Upper estimate of the memory that bake() needs, in bytes, before anything is allocated.
 uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings);

@@ -20,4 +20,10 @@ Frame frameFromNormalAndTangent(glm::vec3 normal, glm::vec3 tangent) {
     return {unit, glm::cross(normal, unit), normal};
 }
 
+glm::vec3 spherePoint(int index, int count) {
+    const double y = 1 - (2 * index + 1.0) / count, radius = std::sqrt(std::max(0.0, 1 - y * y));
+    const double angle = 2.399963229728653 * index;  // the golden one
+    return {radius * std::cos(angle), y, radius * std::sin(angle)};
+}
+
 }  // namespace phat

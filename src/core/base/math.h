@@ -52,4 +52,8 @@ Frame frameFromNormal(glm::vec3 normal);
 /// when the two are parallel or `tangent` is zero. pre: |normal| = 1.
 Frame frameFromNormalAndTangent(glm::vec3 normal, glm::vec3 tangent);
 
+/// Point `index` of `count` spread evenly over the unit sphere. source: Swinbank and Purser 2006, "Fibonacci
+/// grids".
+glm::vec3 spherePoint(int index, int count);
+
 }  // namespace phat

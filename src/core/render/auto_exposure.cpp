@@ -62,7 +62,7 @@ std::vector<uint32_t> meteredPixels(const RayScene& rays, const Camera& camera, 
     std::vector<uint8_t> counts(size_t(columns) * size_t(rows));
     tbb::parallel_for(0, rows, [&](int row) {
         for (int column = 0; column < columns; ++column) {
-            const CameraRay ray =
+            const Ray ray =
                 cameraRay(camera, width, height, {float(column * step) + 0.5f, float(row * step) + 0.5f});
             uint64_t count = 0;
             const Hit hit = visibleHit(rays, ray, count);

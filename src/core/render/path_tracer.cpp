@@ -48,18 +48,18 @@ Integrator pathTracer(const RayScene& rays, const LightSampler& lights, Componen
     const int maxBounces = component == Component::direct ? 1 : kMaxPathBounces;
     const FirstReflection first = firstReflectionOf(component);
     const RayScene viewed(viewedScene, rays.bvh());
-    return [&, component, showsLights, maxBounces, first, guide, viewed](const CameraRay& ray,
-                                                                         PixelSample& sample) {
-        const SeenThrough seen = visibleThrough(viewed, ray, sample);
-        const glm::vec3 direction = seen.ray.direction;
-        if (!seen.hit)
-            return showsLights ? seen.throughput * lights.environmentRadiance(direction) : glm::vec3(0);
-        const SurfacePoint point = surfaceAt(viewed.scene(), seen.hit, direction);
-        const ReflectedRadiance reflected = tracePath({rays, lights}, {point, -direction, first, guide},
-                                                      maxBounces, sample.numbers, sample.rays);
-        return seen.throughput *
-               ((showsLights ? point.emission : glm::vec3(0)) + partOf(reflected, component));
-    };
+    return
+        [&, component, showsLights, maxBounces, first, guide, viewed](const Ray& ray, PixelSample& sample) {
+            const SeenThrough seen = visibleThrough(viewed, ray, sample);
+            const glm::vec3 direction = seen.ray.direction;
+            if (!seen.hit)
+                return showsLights ? seen.throughput * lights.environmentRadiance(direction) : glm::vec3(0);
+            const SurfacePoint point = surfaceAt(viewed.scene(), seen.hit, direction);
+            const ReflectedRadiance reflected = tracePath({rays, lights}, {point, -direction, first, guide},
+                                                          maxBounces, sample.numbers, sample.rays);
+            return seen.throughput *
+                   ((showsLights ? point.emission : glm::vec3(0)) + partOf(reflected, component));
+        };
 }
 
 PathGuide learnGuide(const RayScene& rays, const LightSampler& lights, double paths, uint64_t seed,

@@ -51,7 +51,7 @@ class PhatGather {
                               scene.points, frames);
     }
 
-    glm::vec3 radianceAlong(const CameraRay& ray, PixelSample& sample) const;
+    glm::vec3 radianceAlong(const Ray& ray, PixelSample& sample) const;
 
   private:
     bool showsDirect() const { return phat::showsDirect(settings_.component); }
@@ -209,7 +209,7 @@ glm::vec3 PhatGather::diffuse(const Visible& visible) const {
     return albedo * irradiance / kPi;
 }
 
-glm::vec3 PhatGather::radianceAlong(const CameraRay& ray, PixelSample& sample) const {
+glm::vec3 PhatGather::radianceAlong(const Ray& ray, PixelSample& sample) const {
     const SeenThrough seen = visibleThrough(scene_.rays, ray, sample);
     const glm::vec3 direction = seen.ray.direction;
     if (!seen.hit)
@@ -229,7 +229,7 @@ glm::vec3 PhatGather::radianceAlong(const CameraRay& ray, PixelSample& sample) c
 
 Integrator phatGather(const PhatGatherScene& scene, const PhatGatherSettings& settings) {
     const auto gather = std::make_shared<const PhatGather>(scene, settings);
-    return [gather](const CameraRay& ray, PixelSample& sample) { return gather->radianceAlong(ray, sample); };
+    return [gather](const Ray& ray, PixelSample& sample) { return gather->radianceAlong(ray, sample); };
 }
 
 }  // namespace phat

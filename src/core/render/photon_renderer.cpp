@@ -61,7 +61,7 @@ glm::vec3 indirectByGathering(const PhotonScene& scene, const PhotonRendererSett
 Integrator photonRenderer(const PhotonScene& scene, const PhotonRendererSettings& settings,
                           IndirectLight indirectLight) {
     const Scene& viewedScene = scene.viewedScene ? *scene.viewedScene : scene.rays.scene();
-    return [=, viewed = RayScene(viewedScene, scene.rays.bvh())](const CameraRay& ray, PixelSample& sample) {
+    return [=, viewed = RayScene(viewedScene, scene.rays.bvh())](const Ray& ray, PixelSample& sample) {
         const bool direct = showsDirect(settings.component);
         const SeenThrough seen = visibleThrough(viewed, ray, sample);
         const glm::vec3 direction = seen.ray.direction;

@@ -23,8 +23,6 @@ struct PixelSums {
 
 constexpr size_t kRangePixels = 64;
 
-constexpr float kMinNearMeters = 1e-5f;  // the rasteriser's too
-
 // Under a time limit, progress is in milliseconds, not samples.
 class ClockProgress : public Progress {
   public:
@@ -82,49 +80,11 @@ glm::dvec3 varianceOfMean(const PixelSums& sums, int samples, int batches) {
 
 }  // namespace
 
-CameraRay cameraRay(const Camera& camera, int width, int height, glm::vec2 position) {
-    const float aspect = float(width) / float(height);
-    const glm::vec2 ndc(2 * position.x / float(width) - 1, 1 - 2 * position.y / float(height));
-    const glm::mat3 rotation(camera.worldFromCamera);
-    const glm::vec3 eye(camera.worldFromCamera[3]);
-    const float nearMeters = std::max(camera.znear, kMinNearMeters);
-    if (camera.perspective) {
-        const float half = std::tan(0.5f * camera.yfovRadians);
-        const glm::vec3 toPlane = rotation * glm::vec3(ndc.x * half * aspect, ndc.y * half, -1);
-        return {eye + nearMeters * toPlane, glm::normalize(toPlane)};
-    }
-    const glm::vec3 onPlane(ndc.x * camera.ymag * aspect, ndc.y * camera.ymag, -nearMeters);
-    return {eye + rotation * onPlane, glm::normalize(rotation * glm::vec3(0, 0, -1))};
-}
-
-Hit visibleHit(const RayScene& rays, const CameraRay& ray, uint64_t& rayCount) {
-    const Scene& scene = rays.scene();
-    glm::vec3 origin = ray.origin;
-    for (;;) {
-        ++rayCount;
-        Hit hit = rays.closestHit(origin, ray.direction);
-        if (!hit) return hit;
-        const glm::vec3 position = origin + hit.distance * ray.direction;
-        if (!hit.backFace || scene.materialOf(hit.triangle).doubleSided) {
-            hit.distance = glm::distance(ray.origin, position);
-            return hit;
-        }
-        const glm::uvec3 corner = scene.triangles[hit.triangle];
-        const glm::vec3 a = scene.positions[corner.x];
-        const glm::vec3 front = glm::cross(scene.positions[corner.y] - a, scene.positions[corner.z] - a);
-        const glm::vec3 beyond = offsetOrigin(position, glm::normalize(front));
-        // Where floats are too coarse to get past it, the ray ends rather than stays.
-        if (!(glm::dot(beyond - origin, ray.direction) > 0)) return {};
-        origin = beyond;
-    }
-}
-
-SeenThrough visibleThrough(const RayScene& rays, const CameraRay& ray, PixelSample& sample) {
-    const Ray seen{ray.origin, ray.direction};
-    if (!rays.hasGlass()) return {visibleHit(rays, ray, sample.rays), seen};
+SeenThrough visibleThrough(const RayScene& rays, const Ray& ray, PixelSample& sample) {
+    if (!rays.hasGlass()) return {visibleHit(rays, ray, sample.rays), ray};
     ++sample.rays;
     // Samples of one pixel may have the same ray.
-    return seeThrough(rays, seen, sample.rng.bits64(), sample.rays, SeenSides::visible);
+    return seeThrough(rays, ray, sample.rng.bits64(), sample.rays, SeenSides::visible);
 }
 
 TracedPicture tracePicture(const PictureSettings& settings, const Integrator& integrator,

@@ -6,8 +6,8 @@
 #include "core/base/image.h"
 #include "core/base/progress.h"
 #include "core/base/random.h"
+#include "core/scene/camera_ray.h"
 #include "core/scene/glass.h"
-#include "core/scene/rays.h"
 #include "core/scene/scene.h"
 #include "core/transport/path_numbers.h"
 
@@ -16,19 +16,6 @@ namespace phat {
 /// Parts of a picture. `direct` is light that was never reflected before it met the visible surface, with
 /// directly visible emission; the others are the rest, by the lobe of the visible surface that reflects it.
 enum class Component : uint8_t { all, direct, indirect, glossyIndirect, diffuseIndirect };
-
-struct CameraRay {
-    glm::vec3 origin{0};
-    glm::vec3 direction{0, 0, -1};  // unit
-};
-
-/// The ray through `position` in pixels, (0, 0) the picture's upper left corner; it begins on the near plane.
-/// twin: matricesOf in src/gl/display_pass.cpp, the rasteriser's camera.
-CameraRay cameraRay(const Camera& camera, int width, int height, glm::vec2 position);
-
-/// The first visible hit along `ray`: backs of single-sided materials are skipped, as the rasteriser
-/// culls them. (To all other rays they are black.) The hit's distance is from the ray's origin.
-Hit visibleHit(const RayScene& rays, const CameraRay& ray, uint64_t& rayCount);
 
 /// One sample of one pixel, beside its ray.
 struct PixelSample {
@@ -39,12 +26,12 @@ struct PixelSample {
 };
 
 /// The same behind glass: one of the ways that light goes there (seeThrough), chosen by the sample's numbers.
-SeenThrough visibleThrough(const RayScene& rays, const CameraRay& ray, PixelSample& sample);
+SeenThrough visibleThrough(const RayScene& rays, const Ray& ray, PixelSample& sample);
 
 enum class PixelFilter : uint8_t { box, center };
 
 /// Radiance that arrives along a ray.
-using Integrator = std::function<glm::vec3(const CameraRay& ray, PixelSample& sample)>;
+using Integrator = std::function<glm::vec3(const Ray& ray, PixelSample& sample)>;
 
 struct PictureSettings {
     int width = 640;

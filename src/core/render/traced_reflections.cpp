@@ -28,7 +28,7 @@ constexpr uint64_t kStream = 0x5e1f;  // of hashOf
 
 // Barycentric coordinates of the point that a pixel shows. By rounding, the ray may miss a triangle that the
 // rasteriser drew; then the nearest point of the triangle.
-glm::vec2 barycentricOn(const Scene& scene, uint32_t triangle, const CameraRay& ray) {
+glm::vec2 barycentricOn(const Scene& scene, uint32_t triangle, const Ray& ray) {
     const glm::uvec3 t = scene.triangles[triangle];
     const glm::dvec3 a(scene.positions[t.x]);
     const glm::dvec3 ab = glm::dvec3(scene.positions[t.y]) - a, ac = glm::dvec3(scene.positions[t.z]) - a;
@@ -252,7 +252,7 @@ std::vector<SurfaceIncident> traceReflections(const ReflectionScene& scene, cons
     splitSumTable();  // integrated here, so that no thread waits for it
     std::vector<PrimaryRay> primaryRays;
     for (const TracedSurface& s : surfaces) {
-        const CameraRay eye = cameraRay(view.camera, view.width, view.height, s.position);
+        const Ray eye = cameraRay(view.camera, view.width, view.height, s.position);
         primaryRays.push_back({eye.direction, barycentricOn(scene.rays.scene(), s.triangle, eye)});
     }
     const LobeTracer base(scene, view, surfaces, primaryRays, &TracedSurface::base, 0);

@@ -104,6 +104,7 @@ PunctualLight sunLight(const Daylight& day) {
     light.type = PunctualLight::Type::directional;
     light.intensity = sunIrradiance(day);
     light.direction = -towardSun(day.sun);
+    light.angularRadius = kSunAngularRadius;
     return light;
 }
 

@@ -25,8 +25,10 @@ glm::vec3 skyRadiance(const Daylight& day, glm::vec3 direction);
 /// The sun's irradiance on a plane that faces it, W/m2.
 glm::vec3 sunIrradiance(const Daylight& day);
 
-/// The sun as a light of its own: directional, because its disc of half a degree blurs a shadow by less than
-/// a hundredth of the distance that casts it.
+/// The sun's disc as seen from the earth, in the mean over the year: half of .533 degrees.
+inline constexpr float kSunAngularRadius = 0.00465f;
+
+/// The sun as a light of its own: directional, a disc of kSunAngularRadius.
 PunctualLight sunLight(const Daylight& day);
 
 /// The sky, and below the horizon a plain of reflectance kGroundReflectance in its and the sun's light.

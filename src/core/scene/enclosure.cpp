@@ -2,6 +2,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "core/scene/camera_ray.h"
+
 namespace phat {
 namespace {
 
@@ -27,14 +29,6 @@ constexpr float kMinRoomHeight = 0.5f;
 constexpr size_t kMinPoints = 8;
 // Rooms within these heights are taken to be in metres.
 constexpr float kMinRoomMeters = 2, kMaxRoomMeters = 12;
-
-// Point `index` of `count` spread evenly over the sphere. source: Swinbank and Purser 2006, "Fibonacci
-// grids".
-glm::vec3 spherePoint(int index, int count) {
-    const double y = 1 - (2 * index + 1.0) / count, radius = std::sqrt(std::max(0.0, 1 - y * y));
-    const double angle = 2.399963229728653 * index;  // the golden one
-    return {radius * std::cos(angle), y, radius * std::sin(angle)};
-}
 
 // Heights at which the vertical line through (x, z) crosses surfaces, downward.
 std::vector<float> crossings(const RayScene& rays, const Bounds& bounds, float x, float z) {
@@ -70,7 +64,7 @@ bool lookAround(const RayScene& rays, StandPoint& point) {
         if (!first) continue;
         ++met;
         fronts += !first.backFace;
-        const Hit hit = isCulled(rays.scene(), first) ? seenFrom(rays, point.eye, direction) : first;
+        const Hit hit = isCulled(rays.scene(), first) ? visibleHit(rays, {point.eye, direction}) : first;
         if (!hit) continue;
         ++seen;
         point.nearest = std::min(point.nearest, hit.distance);
@@ -117,22 +111,6 @@ glm::vec3 cornerOf(const Scene& scene, uint32_t triangle, int corner) {
 }
 
 }  // namespace
-
-bool isCulled(const Scene& scene, const Hit& hit) {
-    return hit.backFace && !scene.materialOf(hit.triangle).doubleSided;
-}
-
-Hit seenFrom(const RayScene& rays, glm::vec3 origin, glm::vec3 direction) {
-    float passed = 0;
-    for (int i = 0; i < kMaxLineHits; ++i) {
-        Hit hit = rays.closestHit(origin + passed * direction, direction);
-        if (!hit) return hit;
-        hit.distance += passed;
-        if (!isCulled(rays.scene(), hit)) return hit;
-        passed = hit.distance * (1 + 1e-5f) + 1e-6f * hit.distance;
-    }
-    return {};
-}
 
 std::vector<bool> trianglesWithoutGround(const Scene& scene) {
     std::vector<bool> counts(scene.triangles.size(), true);

@@ -7,13 +7,6 @@
 
 namespace phat {
 
-/// Whether a hit is on the back of a single-sided material, which eyes do not see and light does not pass.
-bool isCulled(const Scene& scene, const Hit& hit);
-
-/// The nearest hit that an eye sees: backs of single-sided materials are skipped, as the rasteriser culls
-/// them. pre: |direction| = 1.
-Hit seenFrom(const RayScene& rays, glm::vec3 origin, glm::vec3 direction);
-
 /// Box around the triangles without a ground: flat triangles beneath all else that reach much farther than
 /// it. Of a scene that is nothing else, all.
 Bounds boundsWithoutGround(const Scene& scene);

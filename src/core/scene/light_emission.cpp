@@ -39,6 +39,10 @@ std::array<float, dimensions> lowDiscrepancy(uint64_t index, uint64_t stream) {
     return point;
 }
 
+std::array<float, 4> withZeros(std::array<float, 2> point) {
+    return {point[0], point[1], 0, 0};
+}
+
 // The cosine-weighted hemisphere is the uniform disk lifted up (Malley's method).
 glm::vec2 squareToDisk(glm::vec2 square) {
     return glm::vec2(squareToCosineHemisphere(square));
@@ -131,7 +135,9 @@ EmittedPhoton LightSampler::emitPhoton(uint64_t index, uint64_t count, uint64_t 
 
 EmittedPhoton LightSampler::fromPunctual(const PhotonSource& source, const PhotonTurn& turn) const {
     const PunctualLight& light = scene_->lights[source.first];
-    const auto [u, v] = lowDiscrepancy<2>(turn.within, turn.stream);
+    const auto [u, v, discU, discV] = light.angularRadius > 0
+                                          ? lowDiscrepancy<4>(turn.within, turn.stream)
+                                          : withZeros(lowDiscrepancy<2>(turn.within, turn.stream));
     EmittedPhoton photon;
     photon.punctual = true;
     photon.rangeMeters = light.rangeMeters;
@@ -147,8 +153,8 @@ EmittedPhoton LightSampler::fromPunctual(const PhotonSource& source, const Photo
             break;
         }
         case PunctualLight::Type::directional:
-            photon.direction = light.direction;
-            photon.origin = originBeforeScene(sceneCenter_, sceneRadius_, light.direction, {u, v});
+            photon.direction = -sampleLightDisc(light, {discU, discV});
+            photon.origin = originBeforeScene(sceneCenter_, sceneRadius_, photon.direction, {u, v});
             photon.rangeMeters = 0;
             break;
     }

@@ -1,7 +1,14 @@
 #include "core/scene/light_punctual.h"
 
+#include "core/scene/brdf.h"
+
 namespace phat {
 namespace {
+
+// A hard edge must not divide by zero. Three steps of a float below 1; the extension's example code has
+// .001, which is all of a cone of less than 2.6 degrees and contradicts its text: within the inner cone
+// nothing falls off. twin: kMinConeWidth in shaders/lib/lights.glsl.
+constexpr float kMinConeWidth = 2e-7f;
 
 // 1 at cosine base + width, clipped where that lies beyond the axis (cones narrower than the least width).
 struct ConeMass {
@@ -23,8 +30,7 @@ float rangeAttenuation(float distanceMeters, float rangeMeters) {
 }
 
 SpotCone spotCone(const PunctualLight& spot) {
-    // The least width is the extension's, so that a hard edge does not divide by zero.
-    return {spot.cosOuterCone, std::max(0.001f, spot.cosInnerCone - spot.cosOuterCone)};
+    return {spot.cosOuterCone, std::max(kMinConeWidth, spot.cosInnerCone - spot.cosOuterCone)};
 }
 
 float spotFalloff(const SpotCone& cone, float cosAngle) {
@@ -41,6 +47,14 @@ float sampleSpotCosine(const SpotCone& cone, float unit) {
     const float target = unit * (mass.ring + mass.cap);
     if (target >= mass.ring) return std::min(1.0f, cone.base + cone.width + (target - mass.ring));
     return std::min(1.0f, cone.base + std::cbrt(3.0f * square(cone.width) * target));
+}
+
+glm::vec3 sampleLightDisc(const PunctualLight& light, glm::vec2 square) {
+    if (light.angularRadius <= 0) return -light.direction;
+    // The cosine-weighted hemisphere is the uniform disc lifted up (Malley's method).
+    const glm::vec2 disc = std::tan(light.angularRadius) * glm::vec2(squareToCosineHemisphere(square));
+    const Frame frame = frameFromNormal(-light.direction);
+    return glm::normalize(frame.toWorld({disc, 1}));
 }
 
 glm::vec3 punctualPower(const PunctualLight& light, float sphereRadiusMeters) {

@@ -22,6 +22,10 @@ float spotSolidAngle(const SpotCone& cone);
 /// Cosine distributed as the falloff: pdf over directions = spotFalloff / spotSolidAngle.
 float sampleSpotCosine(const SpotCone& cone, float unit);
 
+/// Direction toward a point of a directional light's disc, uniform over the disc; toward its middle where it
+/// has no size.
+glm::vec3 sampleLightDisc(const PunctualLight& light, glm::vec2 square);
+
 /// Emitted power in W, as if the range were unlimited. Directional lights: what enters a sphere of this
 /// radius.
 glm::vec3 punctualPower(const PunctualLight& light, float sphereRadiusMeters);

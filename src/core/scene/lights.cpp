@@ -32,7 +32,10 @@ LightSampler::LightSampler(const Scene& scene, SharedValue<Environment> environm
         sceneCenter_ = bounds.center();
         sceneRadius_ = 0.5f * bounds.diagonal();
     }
-    for (const PunctualLight& light : scene.lights) powerPunctual_ += punctualPower(light, sceneRadius_);
+    for (const PunctualLight& light : scene.lights) {
+        powerPunctual_ += punctualPower(light, sceneRadius_);
+        hasDiscs_ = hasDiscs_ || light.angularRadius > 0;
+    }
 
     std::vector<double> weights(emitters_.size());
     glm::dvec3 emittersWatts(0);
@@ -135,13 +138,13 @@ glm::vec3 LightSampler::environmentRadiance(glm::vec3 direction) const {
     return environment_ ? phat::environmentRadiance(*sky_, direction) : glm::vec3(0);
 }
 
-LightSample LightSampler::samplePunctual(size_t index, glm::vec3 point) const {
+LightSample LightSampler::samplePunctual(size_t index, glm::vec3 point, glm::vec2 square) const {
     assert(index < scene_->lights.size());
     const PunctualLight& light = scene_->lights[index];
     LightSample sample;
     sample.delta = true;
     if (light.type == PunctualLight::Type::directional) {
-        sample.towardLight = -light.direction;
+        sample.towardLight = sampleLightDisc(light, square);
         sample.distance = kInfinityMeters;
         sample.radiance = light.intensity;
         sample.pdf = 1.0f;

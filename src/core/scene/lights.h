@@ -43,6 +43,8 @@ class LightSampler {
 
     bool empty() const;
     bool hasPunctual() const;
+    /// Directional lights that are discs: samplePunctual asks for a point of them.
+    bool hasDiscs() const { return hasDiscs_; }
     /// Emissive triangles or environment: light that the bake, not the run-time shader, brings to surfaces.
     bool hasArea() const;
 
@@ -62,8 +64,9 @@ class LightSampler {
     glm::vec3 environmentRadiance(glm::vec3 direction) const;
 
     /// Irradiance (on a plane facing the light) of punctual light `index` at `point`; delta, pdf 1.
-    /// No sample (pdf 0) at the light itself and beyond its cone or range.
-    LightSample samplePunctual(size_t index, glm::vec3 point) const;
+    /// No sample (pdf 0) at the light itself and beyond its cone or range. `square`: of a light that is a
+    /// disc, the point on it; the irradiance is that of all of the disc. Visibility is the caller's.
+    LightSample samplePunctual(size_t index, glm::vec3 point, glm::vec2 square = glm::vec2(0)) const;
 
     /// Photon `index` of `count`: systematic over lights by power, low-discrepancy within each. The sum of
     /// fluxWatts over all of them equals the lights' power: exactly for untextured lights that are due at
@@ -91,6 +94,7 @@ class LightSampler {
     SharedValue<Environment> sky_;
     glm::vec3 sceneCenter_{0};
     float sceneRadius_ = 0;  // metres, of the sphere around the scene's bounds
+    bool hasDiscs_ = false;
     glm::vec3 powerPunctual_{0};
     glm::vec3 powerArea_{0};
 

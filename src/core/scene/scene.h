@@ -97,6 +97,7 @@ struct PunctualLight {
     glm::vec3 intensity{0};  // colour * intensity: W/sr, or W/m2 for directional
     glm::vec3 position{0};
     glm::vec3 direction{0, 0, -1};  // of propagation; unit
+    float angularRadius = 0;        // of a directional light that is a disc; radians
     float cosInnerCone = 1;
     float cosOuterCone = 0.70710678f;
     float rangeMeters = 0;  // 0: unlimited

@@ -3,37 +3,25 @@
 #include <tbb/parallel_for.h>
 
 #include "core/base/random.h"
-#include "core/scene/enclosure.h"
+#include "core/scene/camera_ray.h"
 #include "core/scene/shading.h"
 
 namespace phat {
 namespace {
 
-constexpr int kWidth = 30, kHeight = 20;
+constexpr int kHeight = 20, kMaxWidth = 10 * kHeight;
 constexpr float kAspect = 1.5f;  // of cameras that have none
-
-glm::vec3 cornerOf(const Scene& scene, uint32_t triangle, int corner) {
-    return scene.positions[scene.triangles[triangle][corner]];
-}
-
-Ray rayOf(const Camera& camera, size_t pixel) {
-    const float aspect = camera.aspect > 0 ? camera.aspect : kAspect;
-    const glm::vec2 at(aspect * ((float(pixel % kWidth) + 0.5f) / kWidth * 2 - 1),
-                       (float(pixel / kWidth) + 0.5f) / kHeight * 2 - 1);
-    const glm::mat3 turn(camera.worldFromCamera);
-    const glm::vec3 eye(camera.worldFromCamera[3]);
-    if (!camera.perspective) return {eye + turn * glm::vec3(at * camera.ymag, 0), -turn[2]};
-    const float slope = std::tan(0.5f * camera.yfovRadians);
-    return {eye, glm::normalize(turn * glm::vec3(at * slope, -1))};
-}
 
 // Samples of what is seen: all, and those that count.
 template <class Count>
 glm::ivec2 overPicture(const RayScene& rays, const Camera& camera, const Count& count) {
-    std::vector<glm::ivec2> counts(size_t(kWidth) * kHeight, glm::ivec2(0));
+    const float aspect = camera.aspect > 0 ? camera.aspect : kAspect;
+    const int width = int(std::clamp(std::round(aspect * kHeight), 1.0f, float(kMaxWidth)));
+    std::vector<glm::ivec2> counts(size_t(width) * kHeight, glm::ivec2(0));
     tbb::parallel_for(size_t(0), counts.size(), [&](size_t i) {
-        const Ray ray = rayOf(camera, i);
-        if (const Hit hit = seenFrom(rays, ray.origin, ray.direction)) counts[i] = count(i, ray, hit);
+        const glm::vec2 pixel(i % size_t(width), i / size_t(width));
+        const Ray ray = cameraRay(camera, width, kHeight, pixel + 0.5f);
+        if (const Hit hit = visibleHit(rays, ray)) counts[i] = count(i, ray, hit);
     });
     glm::ivec2 sum(0);
     for (const glm::ivec2& pixel : counts) sum += pixel;
@@ -45,17 +33,9 @@ bool reachesSky(const RayScene& rays, glm::vec3 origin, glm::vec3 direction, Hit
     constexpr int kBounces = 6;
     const Scene& scene = rays.scene();
     for (int bounce = 0; bounce <= kBounces; ++bounce) {
-        const uint32_t t = hit.triangle;
-        const glm::vec3 across = glm::cross(cornerOf(scene, t, 1) - cornerOf(scene, t, 0),
-                                            cornerOf(scene, t, 2) - cornerOf(scene, t, 0));
-        const float length = glm::length(across);
-        if (!(length > 0)) return false;
-        const glm::vec3 normal = across / (glm::dot(across, direction) > 0 ? -length : length);
-        const glm::vec2 u = rng.uniform2();
-        const float radius = std::sqrt(u.x), angle = 2 * kPi * u.y;
-        const glm::vec3 local(radius * std::cos(angle), radius * std::sin(angle), std::sqrt(1 - u.x));
+        const glm::vec3 normal = surfaceAt(scene, hit, direction).normalGeometric;
         origin = offsetOrigin(origin + hit.distance * direction, normal);
-        direction = glm::normalize(frameFromNormal(normal).toWorld(local));
+        direction = glm::normalize(frameFromNormal(normal).toWorld(squareToCosineHemisphere(rng.uniform2())));
         hit = rays.closestHit(origin, direction);
         if (!hit) return true;
         if (isCulled(scene, hit)) return false;  // a black back

@@ -76,9 +76,10 @@ struct UnshadowedLight {
     glm::vec3 reflected{0};
 };
 
-UnshadowedLight unshadowed(const LightSampler& lights, size_t index, const PathVertex& vertex) {
+UnshadowedLight unshadowed(const LightSampler& lights, size_t index, const PathVertex& vertex,
+                           glm::vec2 square) {
     const SurfacePoint& point = vertex.point;
-    UnshadowedLight found{lights.samplePunctual(index, point.position), glm::vec3(0)};
+    UnshadowedLight found{lights.samplePunctual(index, point.position, square), glm::vec3(0)};
     if (found.light.pdf > 0.0f && leavesSurface(point, found.light.towardLight))
         found.reflected =
             found.light.radiance * evaluateBrdf(vertex.brdf, point.shading.toLocal(found.light.towardLight));
@@ -95,11 +96,12 @@ glm::vec3 shadowed(const RayScene& rays, const SurfacePoint& point, const Unshad
 
 // One of the lights in proportion to its unshadowed contribution, by a weighted reservoir. One number
 // decides for all lights: rescaled after each decision, it is uniform again.
-glm::vec3 oneOfManyLights(const LitScene& scene, const PathVertex& vertex, float choice, uint64_t& rayCount) {
+glm::vec3 oneOfManyLights(const LitScene& scene, const PathVertex& vertex, glm::vec3 numbers,
+                          uint64_t& rayCount) {
     UnshadowedLight chosen;
-    double sum = 0, chosenWeight = 0, left = double(choice);
+    double sum = 0, chosenWeight = 0, left = double(numbers.x);
     for (size_t i = 0; i < scene.rays.scene().lights.size(); ++i) {
-        const UnshadowedLight candidate = unshadowed(scene.lights, i, vertex);
+        const UnshadowedLight candidate = unshadowed(scene.lights, i, vertex, {numbers.y, numbers.z});
         const double weight = double(maxComponent(candidate.reflected));
         if (!(weight > 0)) continue;
         sum += weight;
@@ -118,12 +120,15 @@ glm::vec3 oneOfManyLights(const LitScene& scene, const PathVertex& vertex, float
 
 }  // namespace
 
-glm::vec3 punctualLight(const LitScene& scene, const PathVertex& vertex, float choice, uint64_t& rayCount) {
+glm::vec3 punctualLight(const LitScene& scene, const PathVertex& vertex, glm::vec3 numbers,
+                        uint64_t& rayCount) {
     const size_t count = scene.rays.scene().lights.size();
-    if (count > kMaxLightsEach) return oneOfManyLights(scene, vertex, choice, rayCount);
+    if (count > kMaxLightsEach) return oneOfManyLights(scene, vertex, numbers, rayCount);
     glm::vec3 sum(0);
-    for (size_t i = 0; i < count; ++i)
-        sum += shadowed(scene.rays, vertex.point, unshadowed(scene.lights, i, vertex), rayCount);
+    for (size_t i = 0; i < count; ++i) {
+        const UnshadowedLight candidate = unshadowed(scene.lights, i, vertex, {numbers.y, numbers.z});
+        sum += shadowed(scene.rays, vertex.point, candidate, rayCount);
+    }
     return sum;
 }
 
@@ -244,7 +249,9 @@ ReflectedRadiance tracePath(const LitScene& scene, const PathStart& start, int m
             vertex.guide = start.guide->at(point.position, point.normalGeometric);
         glm::vec3& radiance = bounce == 0 ? reflected.direct : indirect;
         if (bounce > 0 || start.first.direct) {
-            radiance += throughput * punctualLight(scene, vertex, lightNumbers.w, rayCount);
+            // A sun shares the point's numbers with the area lights: the two are added, not multiplied.
+            const glm::vec3 punctual(lightNumbers.w, lightNumbers.y, lightNumbers.z);
+            radiance += throughput * punctualLight(scene, vertex, punctual, rayCount);
             if (scene.lights.hasArea())
                 radiance += throughput * areaLight(scene, vertex, glm::vec3(lightNumbers), rayCount);
         }

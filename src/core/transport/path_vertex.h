@@ -38,11 +38,14 @@ BrdfSample sampleDirection(const PathVertex& vertex, float lobe, glm::vec2 squar
 float sampleDirectionPdf(const PathVertex& vertex, glm::vec3 local);
 
 /// Radiance that the vertex reflects of the punctual lights, by shadow rays: to each of a few, or to one of
-/// many that is sampled by its unoccluded contribution. `choice` in [0, 1).
-glm::vec3 punctualLight(const LitScene& scene, const PathVertex& vertex, float choice, uint64_t& rayCount);
+/// many that is sampled by its unoccluded contribution. `numbers` in [0, 1): the light, the point on it.
+glm::vec3 punctualLight(const LitScene& scene, const PathVertex& vertex, glm::vec3 numbers,
+                        uint64_t& rayCount);
 inline glm::vec3 punctualLight(const LitScene& scene, const SurfacePoint& point, glm::vec3 towardEye,
                                Rng& rng, uint64_t& rayCount) {
-    return punctualLight(scene, PathVertex(point, towardEye), rng.uniform(), rayCount);
+    const float choice = rng.uniform();
+    const glm::vec2 onDisc = scene.lights.hasDiscs() ? rng.uniform2() : glm::vec2(0);
+    return punctualLight(scene, PathVertex(point, towardEye), {choice, onDisc}, rayCount);
 }
 
 /// The same of one point on the area lights, weighted against sampleDirection by the balance heuristic (Veach

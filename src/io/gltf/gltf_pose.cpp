@@ -10,6 +10,7 @@
 #include "io/gltf/gltf_json.h"
 #include "io/gltf/gltf_nodes.h"
 #include "io/gltf/gltf_plain.h"
+#include "io/gltf/gltf_skin.h"
 
 namespace phat::gltf {
 namespace {
@@ -68,16 +69,6 @@ std::vector<glm::dmat4> jointMatrices(const GltfSource& source, Hierarchy& hiera
     return matrices;
 }
 
-// What deforms: each a vector per vertex, empty where the primitive has none.
-struct Geometry {
-    std::vector<float> positions, normals, tangents;
-
-    std::vector<float>* of(const std::string& name) {
-        if (name == "POSITION") return &positions;
-        if (name == "NORMAL") return &normals;
-        return name == "TANGENT" ? &tangents : nullptr;
-    }
-};
 constexpr const char* kDeformed[] = {"POSITION", "NORMAL", "TANGENT"};
 
 uint32_t vectorSize(const std::string& name) {
@@ -113,57 +104,6 @@ void addTargets(const GltfSource& source, const json& primitive, const std::vect
     }
 }
 
-// The joints and weights of a primitive, four of each a set. Weights are normalised: quantised ones add up to
-// one only nearly.
-std::vector<glm::dmat4> blendedMatrices(const GltfSource& source, const json& attributes, uint64_t count,
-                                        const std::vector<glm::dmat4>& joints) {
-    std::vector<glm::dmat4> blended(count, glm::dmat4(0.0));
-    std::vector<double> sums(count, 0.0);
-    for (int set = 0; attributes.contains(fmt::format("JOINTS_{}", set)); ++set) {
-        const std::string jointName = fmt::format("JOINTS_{}", set),
-                          weightName = fmt::format("WEIGHTS_{}", set);
-        const auto indices =
-            accessorFloats(source, wholeNumber(attributes, jointName.c_str()), 4, false, count);
-        const auto weights =
-            accessorFloats(source, wholeNumber(attributes, weightName.c_str()), 4, true, count);
-        for (size_t i = 0; i < count * 4; ++i) {
-            if (!(weights[i] > 0) || !std::isfinite(weights[i])) continue;
-            if (!(indices[i] >= 0 && size_t(indices[i]) < joints.size()))
-                throw Problem(fmt::format("joint {} of {} does not exist", indices[i], joints.size()));
-            blended[i / 4] += double(weights[i]) * joints[size_t(indices[i])];
-            sums[i / 4] += double(weights[i]);
-        }
-    }
-    for (size_t v = 0; v < count; ++v)
-        blended[v] = sums[v] > 0 ? blended[v] / sums[v] : joints.empty() ? glm::dmat4(1.0) : joints[0];
-    return blended;
-}
-
-void skinGeometry(const std::vector<glm::dmat4>& matrices, Geometry& geometry) {
-    const auto write = [](std::vector<float>& to, size_t at, glm::dvec3 value) {
-        for (int c = 0; c < 3; ++c) to[at + size_t(c)] = float(value[c]);
-    };
-    const auto read = [](const std::vector<float>& from, size_t at) {
-        return glm::dvec3(from[at], from[at + 1], from[at + 2]);
-    };
-    for (size_t v = 0; v < matrices.size(); ++v) {
-        const glm::dmat4& m = matrices[v];
-        const glm::dmat3 linear(m);
-        write(geometry.positions, 3 * v, m * glm::dvec4(read(geometry.positions, 3 * v), 1.0));
-        if (!geometry.normals.empty()) {
-            // The cofactors: the inverse transpose up to a factor, defined for flattened joints too.
-            const glm::dmat3 cofactors(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
-                                       glm::cross(linear[0], linear[1]));
-            const double sign = glm::determinant(linear) < 0 ? -1.0 : 1.0;
-            const glm::dvec3 normal = sign * (cofactors * read(geometry.normals, 3 * v));
-            const double length = glm::length(normal);
-            write(geometry.normals, 3 * v, length > 0 && std::isfinite(length) ? normal / length : normal);
-        }
-        if (!geometry.tangents.empty())
-            write(geometry.tangents, 4 * v, linear * read(geometry.tangents, 4 * v));
-    }
-}
-
 size_t addFloats(GltfSource& source, const std::vector<float>& values, uint32_t components) {
     std::vector<uint8_t> bytes(values.size() * sizeof(float));
     std::memcpy(bytes.data(), values.data(), bytes.size());
@@ -190,8 +130,11 @@ void posePrimitive(GltfSource& source, json& primitive, const Pose& pose, Memory
         budget.charge(count * kVertexBytes, "its posed meshes");
         Geometry geometry = readGeometry(source, attributes, count);
         addTargets(source, primitive, pose.weights, count, geometry);
-        if (pose.joints && attributes.contains("JOINTS_0"))
-            skinGeometry(blendedMatrices(source, attributes, count, *pose.joints), geometry);
+        if (pose.joints && attributes.contains("JOINTS_0")) {
+            const std::vector<glm::dmat4> matrices = blendedMatrices(source, attributes, count, *pose.joints);
+            skinGeometry(matrices, geometry);
+            turnMirrored(source, primitive, matrices, budget);
+        }
         for (const char* name : kDeformed)
             if (attributes.contains(name))
                 attributes[name] = addFloats(source, *geometry.of(name), vectorSize(name));

@@ -121,38 +121,6 @@ void applySparse(const GltfSource& source, const json& sparse, AccessorElements&
 
 using Corners = std::array<uint32_t, 3>;
 
-// The primitive's triangles, strips and fans taken apart (glTF 2.0, section 3.7.2.1).
-std::vector<Corners> listedTriangles(const GltfSource& source, const json& primitive, uint32_t vertexCount) {
-    std::vector<uint32_t> order;
-    if (primitive.contains("indices")) {
-        const AccessorElements indices = readAccessor(source, wholeNumber(primitive, "indices"));
-        for (uint64_t i = 0; i < indices.count; ++i)
-            order.push_back(uint32_t(indexAt(indices.bytes, indices.elementSize, i)));
-    } else {
-        order.resize(vertexCount);
-        std::iota(order.begin(), order.end(), 0u);
-    }
-    for (const uint32_t vertex : order)
-        if (vertex >= vertexCount) fail("a vertex index is out of range");
-
-    constexpr uint64_t kList = 4, kStrip = 5;
-    const uint64_t mode = wholeNumber(primitive, "mode", kList);
-    std::vector<Corners> triangles;
-    if (mode == kList) {
-        for (size_t i = 0; i + 2 < order.size(); i += 3)
-            triangles.push_back({order[i], order[i + 1], order[i + 2]});
-    } else {
-        for (size_t i = 0; i + 2 < order.size(); ++i) {
-            const size_t odd = i % 2;
-            if (mode == kStrip)
-                triangles.push_back({order[i], order[i + 1 + odd], order[i + 2 - odd]});
-            else
-                triangles.push_back({order[i + 1], order[i + 2], order[0]});
-        }
-    }
-    return triangles;
-}
-
 int signOf(double value) {
     return (value > 0) - (value < 0);
 }
@@ -287,6 +255,38 @@ AccessorElements readAccessor(const GltfSource& source, uint64_t index,
     return elements;
 }
 
+std::vector<Corners> primitiveTriangles(const GltfSource& source, const json& primitive,
+                                        uint32_t vertexCount) {
+    std::vector<uint32_t> order;
+    if (primitive.contains("indices")) {
+        const AccessorElements indices = readAccessor(source, wholeNumber(primitive, "indices"));
+        for (uint64_t i = 0; i < indices.count; ++i)
+            order.push_back(uint32_t(indexAt(indices.bytes, indices.elementSize, i)));
+    } else {
+        order.resize(vertexCount);
+        std::iota(order.begin(), order.end(), 0u);
+    }
+    for (const uint32_t vertex : order)
+        if (vertex >= vertexCount) fail("a vertex index is out of range");
+
+    constexpr uint64_t kList = 4, kStrip = 5;
+    const uint64_t mode = wholeNumber(primitive, "mode", kList);
+    std::vector<Corners> triangles;
+    if (mode == kList) {
+        for (size_t i = 0; i + 2 < order.size(); i += 3)
+            triangles.push_back({order[i], order[i + 1], order[i + 2]});
+    } else {
+        for (size_t i = 0; i + 2 < order.size(); ++i) {
+            const size_t odd = i % 2;
+            if (mode == kStrip)
+                triangles.push_back({order[i], order[i + 1 + odd], order[i + 2 - odd]});
+            else
+                triangles.push_back({order[i + 1], order[i + 2], order[0]});
+        }
+    }
+    return triangles;
+}
+
 SurfaceCorners surfaceCorners(const GltfSource& source, const Scene& scene, const Surface& surface) {
     const json& primitive =
         gltfItem(source.json, "meshes", surface.mesh).at("primitives").at(surface.primitive);
@@ -295,7 +295,7 @@ SurfaceCorners surfaceCorners(const GltfSource& source, const Scene& scene, cons
     SurfaceCorners corners;
     corners.vertexCount = uint32_t(wholeNumber(positions, "count"));
     corners.swapped = isMirrored(source.json, scene, surface.node);
-    const std::vector<Corners> listed = listedTriangles(source, primitive, corners.vertexCount);
+    const std::vector<Corners> listed = primitiveTriangles(source, primitive, corners.vertexCount);
 
     // Without normals every corner has a vertex of its own, in the order of the file.
     const bool flat = !attributes.contains("NORMAL");

@@ -60,6 +60,12 @@ struct AccessorElements {
 AccessorElements readAccessor(const GltfSource& source, uint64_t accessor,
                               std::optional<uint64_t> expectedCount = {});
 
+/// The vertices of a primitive's triangles, strips and fans taken apart (specification, section 3.7.2.1).
+/// Throws where an index is not below `vertexCount`.
+std::vector<std::array<uint32_t, 3>> primitiveTriangles(const GltfSource& source,
+                                                        const nlohmann::json& primitive,
+                                                        uint32_t vertexCount);
+
 /// For each triangle of a surface, in the scene's order: which vertices of the file's primitive its corners
 /// are. Throws where the file does not hold what the scene was loaded from.
 struct SurfaceCorners {

@@ -15,6 +15,7 @@
 #include "io/phat/baked_layout.h"
 #include "io/phat/payload_reader.h"
 #include "io/phat/phatexture_read.h"
+#include "io/phat/scene_lighting.h"
 
 namespace phat {
 namespace {
@@ -246,6 +247,7 @@ void readExtension(const GltfSource& source, BakedScene& baked) {
 
     Scene& scene = baked.loaded.scene;
     baked.record = readRecord(extension, storage);
+    restoreAddedLights(source.json, scene);
     restoreSurfaceOrder(extension, scene);
     baked.atlas = readAtlas(reader, extension, scene);
     baked.points = readTexelPoints(reader, extension.at("atlas"), scene, baked.atlas);

@@ -1,6 +1,7 @@
 #include "io/phat/scene_file.h"
 
 #include "io/base/file_error.h"
+#include "io/gltf/blender_units.h"
 #include "io/gltf/gltf_source.h"
 
 namespace phat {
@@ -13,6 +14,7 @@ SceneFile readSceneFile(const std::string& path, const SceneLighting& lighting) 
 SceneFile readSceneFile(GltfSource& source, const SceneLighting& lighting, BakedLighting whenBaked,
                         const GltfLoadOptions& options) {
     SceneFile file;
+    std::optional<std::string> units;
     if (isBakedFile(source)) {
         if (lighting.asked() && whenBaked == BakedLighting::refuse)
             throw FileError(source.path, "has the light that it was baked in; bake it again to change that");
@@ -22,10 +24,12 @@ SceneFile readSceneFile(GltfSource& source, const SceneLighting& lighting, Baked
         file.baked.loaded.scene.environment = {};
     } else {
         file.baked.loaded = loadGltf(source, options);
+        units = blenderUnitsNote(source, file.baked.loaded.scene);
     }
     if (whenBaked == BakedLighting::refuse && file.baked.loaded.scene.triangles.empty())
         throw FileError(source.path, "has no triangles to bake");
     file.added = addLighting(lighting, file.baked.loaded.scene);
+    if (units) file.added.lines.push_back(std::move(*units));
     for (const std::string& line : file.added.lines) file.baked.loaded.notes.push_back(line);
     return file;
 }

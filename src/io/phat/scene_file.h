@@ -6,7 +6,7 @@
 
 namespace phat {
 
-/// A file's scene and bake, and what was added to its light.
+/// A file's scene and bake, and what was added to its light or is to be said of it.
 struct SceneFile {
     BakedScene baked;  // of a scene without a bake `phatexture.indirect` is empty
     AddedLighting added;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/scene/default_camera.h"
 #include "core/scene/enclosure.h"
@@ -28,11 +29,26 @@ enum class OwnLight : uint8_t { none, decoration, light };
 // Labels, screens and dials that shine and light next to nothing of what is seen are no light to see by.
 constexpr float kMinLit = 0.2f;
 
-OwnLight ownLightOf(const Scene& scene) {
+// The rays of a scene whose lights may change, but not its surfaces; made when they are first asked for.
+class LazyRays {
+  public:
+    explicit LazyRays(const Scene& scene) : scene_(scene) {}
+    const RayScene& get() {
+        if (!rays_) rays_.emplace(scene_);
+        return *rays_;
+    }
+    std::shared_ptr<const RayScene::Bvh> bvh() const { return rays_ ? rays_->bvh() : nullptr; }
+
+  private:
+    const Scene& scene_;
+    std::optional<RayScene> rays_;
+};
+
+OwnLight ownLightOf(const Scene& scene, LazyRays& lazyRays) {
     const LightSampler lights(scene);
     if (luminance(lights.powerPunctual()) > 0 || scene.environment) return OwnLight::light;
     if (!lights.hasArea()) return OwnLight::none;
-    const RayScene rays(scene);
+    const RayScene& rays = lazyRays.get();
     const Camera camera = scene.cameras.empty() ? defaultView(rays, lights).camera : scene.cameras.front();
     return litFraction(rays, lights, camera) < kMinLit ? OwnLight::decoration : OwnLight::light;
 }
@@ -73,11 +89,8 @@ PunctualLight workLight(const RayScene& rays, const Camera& camera) {
     light.position = step(step(eye, forward, kTowardTarget), {0, 1, 0}, kTowardCeiling);
     constexpr int kDirections = 64;
     std::vector<float> distances;
-    for (int i = 0; i < kDirections; ++i) {
-        const float y = 1 - (2 * float(i) + 1) / kDirections, radius = std::sqrt(1 - y * y);
-        const float angle = 2.3999632f * float(i);
-        distances.push_back(reach(light.position, {radius * std::cos(angle), y, radius * std::sin(angle)}));
-    }
+    for (int i = 0; i < kDirections; ++i)
+        distances.push_back(reach(light.position, spherePoint(i, kDirections)));
     std::nth_element(distances.begin(), distances.begin() + kDirections / 2, distances.end());
     light.intensity = glm::vec3(square(distances[kDirections / 2]));
     return light;
@@ -88,7 +101,8 @@ struct Inside {
     bool dark = false;  // whether no daylight reaches what it sees
 };
 
-Inside insideOf(const Scene& scene, const RayScene& rays) {
+Inside insideOf(const RayScene& rays) {
+    const Scene& scene = rays.scene();
     Inside inside{scene.cameras.empty() ? defaultView(rays, LightSampler(scene)).camera
                                         : scene.cameras.front()};
     inside.dark = daylightFraction(rays, inside.camera) < kMinDaylight;
@@ -97,12 +111,12 @@ Inside insideOf(const Scene& scene, const RayScene& rays) {
 
 constexpr const char* kHelp = "add a light or an emissive material to the file";
 
-void lightUnlitScene(const SceneLighting& lighting, OwnLight own, Scene& scene, AddedLighting& added) {
+void lightUnlitScene(const SceneLighting& lighting, OwnLight own, const RayScene& rays, Scene& scene,
+                     AddedLighting& added) {
     const char* missing = own == OwnLight::none
                               ? "no light in the file"
                               : "what shines in the file lights next to nothing of what is seen";
-    const RayScene rays(scene);
-    const Inside inside = insideOf(scene, rays);
+    const Inside inside = insideOf(rays);
     if (!inside.dark) {
         const SunPosition& sun = lighting.daylight.sun;
         added.sky = addDaylight(lighting.daylight, scene);
@@ -139,6 +153,11 @@ std::array<float, 4> rotationToward(glm::vec3 direction) {
     return {float(q.x), float(q.y), float(q.z), float(q.w)};
 }
 
+bool isAdded(const json& node) {
+    const auto extras = node.find("extras");
+    return extras != node.end() && extras->is_object() && extras->contains(kMark);
+}
+
 json lightOf(const PunctualLight& light) {
     const char* type = light.type == PunctualLight::Type::directional ? "directional" : "point";
     const float intensity = maxComponent(light.intensity);
@@ -153,21 +172,25 @@ json lightOf(const PunctualLight& light) {
 
 AddedLighting addLighting(const SceneLighting& lighting, Scene& scene) {
     AddedLighting added;
+    LazyRays rays(scene);
+    const OwnLight own = scene.triangles.empty() ? OwnLight::light : ownLightOf(scene, rays);
     if (lighting.asked()) {
-        const bool ownLight = !scene.triangles.empty() && ownLightOf(scene) == OwnLight::light;
         if (!lighting.environment.empty()) addEnvironment(lighting, scene, added);
         if (lighting.sky == SkyChoice::given) added.sky = addDaylight(lighting.daylight, scene);
-        if (!scene.triangles.empty() && !ownLight && insideOf(scene, RayScene(scene)).dark)
+        if (own != OwnLight::light && insideOf(rays.get()).dark)
             added.lines.push_back(
                 fmt::format("nothing reaches the inside: {}, or leave --sky and --environment away", kHelp));
-        return added;
-    }
-    const OwnLight own = scene.triangles.empty() ? OwnLight::light : ownLightOf(scene);
-    if (own != OwnLight::light && lighting.sky == SkyChoice::automatic)
-        lightUnlitScene(lighting, own, scene, added);
-    else if (own == OwnLight::none)
+    } else if (own != OwnLight::light && lighting.sky == SkyChoice::automatic) {
+        lightUnlitScene(lighting, own, rays.get(), scene, added);
+    } else if (own == OwnLight::none) {
         added.lines.push_back("nothing emits light, so that all is black; without --sky none it is lit");
+    }
+    added.bvh = rays.bvh();
     return added;
+}
+
+RayScene raysOf(const Scene& scene, const AddedLighting& added) {
+    return added.bvh ? RayScene(scene, added.bvh) : RayScene(scene);
 }
 
 void writeAddedLights(const Scene& scene, json& gltf) {
@@ -195,11 +218,16 @@ void writeAddedLights(const Scene& scene, json& gltf) {
         used.push_back(kLightExtension);
 }
 
+void restoreAddedLights(const json& gltf, Scene& scene) {
+    for (PunctualLight& light : scene.lights)
+        if (light.type == PunctualLight::Type::directional && isAdded(gltf.at("nodes").at(light.node)))
+            light.angularRadius = kSunAngularRadius;
+}
+
 void removeAddedLights(json& gltf) {
     if (!gltf.contains("nodes")) return;
     for (json& node : gltf["nodes"]) {
-        const auto extras = node.find("extras");
-        if (extras == node.end() || !extras->is_object() || !extras->contains(kMark)) continue;
+        if (!isAdded(node)) continue;
         node.erase("extras");
         if (node.contains("extensions")) node["extensions"].erase(kLightExtension);
     }

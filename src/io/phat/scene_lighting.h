@@ -1,12 +1,13 @@
 #pragma once
 // What lights a scene besides its file: a sky, an environment, and a light where there is none at all.
 
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "core/scene/daylight.h"
-#include "core/scene/scene.h"
+#include "core/scene/rays.h"
 
 namespace phat {
 
@@ -28,7 +29,11 @@ struct SceneLighting {
 struct AddedLighting {
     std::vector<std::string> lines;  // for the user
     std::string sky;                 // for the bake's record: "sun=210,40,turbidity=3", "work light" or empty
+    std::shared_ptr<const RayScene::Bvh> bvh;  // of the scene, where the question what lights it needed one
 };
+
+/// The rays of a scene that `added` was added to. `scene` must outlive them.
+RayScene raysOf(const Scene& scene, const AddedLighting& added);
 
 /// Adds what was asked for. A scene in which nothing emits light, or
 /// nothing that would light what is seen, gets a clear sky with a sun; a room that no
@@ -38,6 +43,9 @@ AddedLighting addLighting(const SceneLighting& lighting, Scene& scene);
 
 /// Writes the lights whose nodes are past the file's into its JSON, as KHR_lights_punctual.
 void writeAddedLights(const Scene& scene, nlohmann::json& gltf);
+
+/// Gives the suns that an earlier bake added their size, which KHR_lights_punctual has no place for.
+void restoreAddedLights(const nlohmann::json& gltf, Scene& scene);
 
 /// Takes the lights out that an earlier bake added.
 void removeAddedLights(nlohmann::json& gltf);

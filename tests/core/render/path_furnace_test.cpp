@@ -62,7 +62,7 @@ double visibleAlbedo(const RayScene& rays, const Scene& scene, int x, int y, int
     for (int i = 0; i < kSide * kSide; ++i) {
         const glm::vec2 position = glm::vec2(x, y) + (glm::vec2(i % kSide, i / kSide) + 0.5f) / float(kSide);
         uint64_t count = 0;
-        const CameraRay ray = cameraRay(scene.cameras.at(0), width, height, position);
+        const Ray ray = cameraRay(scene.cameras.at(0), width, height, position);
         const Hit hit = visibleHit(rays, ray, count);
         if (!hit) continue;
         const SurfacePoint point = surfaceAt(scene, hit, ray.direction);

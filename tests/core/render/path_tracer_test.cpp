@@ -243,7 +243,7 @@ TEST(PathTracer, RaysBeginOnTheNearPlane) {
     for (const bool perspective : {true, false}) {
         camera.perspective = perspective;
         for (const glm::vec2 place : {glm::vec2(0, 0), glm::vec2(8, 4), glm::vec2(3, 7)}) {
-            const CameraRay ray = cameraRay(camera, 16, 8, place);
+            const Ray ray = cameraRay(camera, 16, 8, place);
             EXPECT_NEAR(ray.origin.z, 2.5f, 1e-5f);
             EXPECT_NEAR(glm::length(ray.direction), 1, 1e-6f);
         }

@@ -57,14 +57,14 @@ Scene room(const Material& floor, const Material& wall) {
     return scene;
 }
 
-CameraRay rayToward(glm::vec3 target) {
+Ray rayToward(glm::vec3 target) {
     const glm::vec3 eye(1.6f, 0.9f, 1.7f);
     return {eye, glm::normalize(target - eye)};
 }
 
 constexpr int kPoints = 8;  // a side, on the floor from .2 to 1.6 m
 
-CameraRay rayToFloor(int i) {
+Ray rayToFloor(int i) {
     return rayToward({0.2f + 0.2f * float(i % kPoints), 0, 0.2f + 0.2f * float(i / kPoints)});
 }
 
@@ -106,7 +106,7 @@ TEST(PhatGather, FurnaceIsExact) {
                 for (const Component component : {Component::glossyIndirect, Component::direct}) {
                     const Integrator gather = world.gather({radius, trace, component});
                     for (int i = 0; i < kPoints * kPoints; i += 5) {
-                        const CameraRay ray = rayToFloor(i);
+                        const Ray ray = rayToFloor(i);
                         const Hit hit = world.rays.closestHit(ray.origin, ray.direction);
                         const SurfacePoint point = surfaceAt(world.scene, hit, ray.direction);
                         PixelSample sample{Rng(1)};
@@ -154,7 +154,7 @@ TEST(PhatGather, PointLightIsExact) {
     scene.lights = {pointLight(glm::vec3(100), {0, 1, 0})};
     const World world(scene, 4'000);
     PixelSample sample{Rng(1)};
-    const CameraRay ray{{0.5f, 1, 0}, glm::normalize(glm::vec3(-0.5f, -1, 0))};
+    const Ray ray{{0.5f, 1, 0}, glm::normalize(glm::vec3(-0.5f, -1, 0))};
     EXPECT_NEAR(world.gather(Component::all)(ray, sample).x, 100 / kPi, 1e-3f);
     EXPECT_EQ(world.gather(Component::indirect)(ray, sample).x, 0);
 }

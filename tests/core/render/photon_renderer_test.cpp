@@ -26,7 +26,7 @@ struct World {
 
     PhotonScene photons() const { return {rays, lights, map, index}; }
 
-    Mean meanOf(const Integrator& integrator, const CameraRay& ray, int count) const {
+    Mean meanOf(const Integrator& integrator, const Ray& ray, int count) const {
         double sum = 0, squares = 0;
         for (int i = 0; i < count; ++i) {
             PixelSample sample{Rng(hashOf(7, uint64_t(i)))};
@@ -40,7 +40,7 @@ struct World {
 
     /// Light along the ray after at least one reflection before the visible surface.
     Integrator pathIndirect() const {
-        return [this](const CameraRay& ray, PixelSample& sample) {
+        return [this](const Ray& ray, PixelSample& sample) {
             const Hit hit = rays.closestHit(ray.origin, ray.direction);
             const SurfacePoint point = surfaceAt(scene, hit, ray.direction);
             const glm::vec3 all =
@@ -79,12 +79,12 @@ Scene room() {
     return scene;
 }
 
-CameraRay rayToward(glm::vec3 target) {
+Ray rayToward(glm::vec3 target) {
     const glm::vec3 eye(1.4f, 1.1f, 0.8f);
     return {eye, glm::normalize(target - eye)};
 }
 
-const CameraRay kAtWall = rayToward({1.2f, 0.9f, 2}), kAtMetal = rayToward({0, 0.8f, 1.1f});
+const Ray kAtWall = rayToward({1.2f, 0.9f, 2}), kAtMetal = rayToward({0, 0.8f, 1.1f});
 
 PhotonRendererSettings settingsFor(Component component, int gatherRays = 200) {
     PhotonRendererSettings settings;
@@ -98,7 +98,7 @@ PhotonRendererSettings settingsFor(Component component, int gatherRays = 200) {
 TEST(PhotonRenderer, GatheringConvergesToThePathTracer) {
     const World world(room(), 300'000);
     const Integrator gather = photonsGather(world.photons(), settingsFor(Component::indirect));
-    for (const CameraRay& ray : {kAtWall, kAtMetal}) {
+    for (const Ray& ray : {kAtWall, kAtMetal}) {
         const Mean expected = world.meanOf(world.pathIndirect(), ray, 40'000);
         const Mean mean = world.meanOf(gather, ray, 100);
         EXPECT_NEAR(mean.value, expected.value,
@@ -111,7 +111,7 @@ TEST(PhotonRenderer, GatheringConvergesToThePathTracer) {
 TEST(PhotonRenderer, GatherRaysFindDirectLightByThemselves) {
     const World world(room(), 1'000, 0);
     const Integrator gather = photonsGather(world.photons(), settingsFor(Component::indirect));
-    const Integrator twoBounces = [&](const CameraRay& ray, PixelSample& sample) {
+    const Integrator twoBounces = [&](const Ray& ray, PixelSample& sample) {
         const Hit hit = world.rays.closestHit(ray.origin, ray.direction);
         const SurfacePoint point = surfaceAt(world.scene, hit, ray.direction);
         return traceReflected({world.rays, world.lights}, {point, -ray.direction}, 2, sample.rng,
@@ -119,7 +119,7 @@ TEST(PhotonRenderer, GatherRaysFindDirectLightByThemselves) {
                traceReflected({world.rays, world.lights}, {point, -ray.direction}, 1, sample.rng,
                               sample.rays);
     };
-    for (const CameraRay& ray : {kAtWall, kAtMetal}) {
+    for (const Ray& ray : {kAtWall, kAtMetal}) {
         const Mean expected = world.meanOf(twoBounces, ray, 40'000);
         const Mean mean = world.meanOf(gather, ray, 200);
         EXPECT_NEAR(mean.value, expected.value, 4 * std::hypot(mean.standardError, expected.standardError));
@@ -134,7 +134,7 @@ TEST(PhotonRenderer, LocalDensityIsRightOnAverage) {
     double mean = 0, expected = 0;
     constexpr int kPoints = 64;
     for (int i = 0; i < kPoints; ++i) {
-        const CameraRay ray = rayToward({0.8f + 0.1f * float(i % 8), 0.6f + 0.1f * float(i / 8), 2});
+        const Ray ray = rayToward({0.8f + 0.1f * float(i % 8), 0.6f + 0.1f * float(i / 8), 2});
         mean += world.meanOf(local, ray, 1).value / kPoints;
         expected += world.meanOf(world.pathIndirect(), ray, 2'000).value / kPoints;
     }
@@ -149,11 +149,11 @@ TEST(PhotonRenderer, ComponentsAddUp) {
     coated.clearcoat = 0.7f;
     scene.materials[scene.surfaces[0].material] = coated;
     const World world(scene, 50'000);
-    const auto value = [&](Component component, const CameraRay& ray) {
+    const auto value = [&](Component component, const Ray& ray) {
         PixelSample sample{Rng(5)};
         return photonsDirect(world.photons(), settingsFor(component))(ray, sample).x;
     };
-    for (const CameraRay& ray : {kAtWall, kAtMetal}) {
+    for (const Ray& ray : {kAtWall, kAtMetal}) {
         const float indirect = value(Component::indirect, ray);
         EXPECT_NEAR(indirect, value(Component::glossyIndirect, ray) + value(Component::diffuseIndirect, ray),
                     1e-5f * indirect);
@@ -171,7 +171,7 @@ TEST(PhotonRenderer, FurnaceRoom) {
     Scene scene;
     addRoom(scene, wall, {1, 1.5f, 2});
     const World world(scene, 300'000);
-    const CameraRay ray{{0.4f, 0.8f, 1.1f}, glm::normalize(glm::vec3(0.3f, -1, 0.2f))};
+    const Ray ray{{0.4f, 0.8f, 1.1f}, glm::normalize(glm::vec3(0.3f, -1, 0.2f))};
     const Mean direct =
         world.meanOf(photonsGather(world.photons(), settingsFor(Component::direct)), ray, 2'000);
     EXPECT_NEAR(direct.value, 1.5, 4 * direct.standardError + 1e-6);
@@ -185,7 +185,7 @@ TEST(PhotonRenderer, RaysThatLeaveSeeTheSky) {
     addFloor(scene, lambert(0.5f), 1);
     scene.environment = Environment{Image(8, 4, glm::vec3(3))};
     const World world(scene, 1'000);
-    const CameraRay up{{0, 1, 0}, {0, 1, 0}};
+    const Ray up{{0, 1, 0}, {0, 1, 0}};
     PixelSample sample{Rng(1)};
     EXPECT_NEAR(photonsGather(world.photons(), settingsFor(Component::all))(up, sample).x, 3, 1e-5f);
     EXPECT_EQ(photonsGather(world.photons(), settingsFor(Component::indirect))(up, sample).x, 0);

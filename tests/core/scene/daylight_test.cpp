@@ -140,5 +140,56 @@ TEST(Daylight, SunLightsAFloorByItsHeight) {
                 1e-4f * irradiance);
 }
 
+// The disc's directions as tangents of their angles across and along, over that of its rim: uniform in a unit
+// disc, where the mean square distance from the middle is 1/2 and a quarter of the points is within 1/2.
+void expectDisc(const PunctualLight& sun, const std::vector<glm::vec3>& towardLight) {
+    const Frame frame = frameFromNormal(-sun.direction);
+    glm::dvec2 mean(0);
+    double square = 0, within = 0;
+    for (const glm::vec3& direction : towardLight) {
+        const glm::vec3 local = frame.toLocal(direction);
+        const glm::dvec2 at = glm::dvec2(local) / double(local.z) / std::tan(double(sun.angularRadius));
+        EXPECT_LT(glm::length(at), 1.001);
+        mean += at;
+        square += glm::dot(at, at);
+        within += glm::length(at) < 0.5;
+    }
+    const double count = double(towardLight.size());
+    // Five standard errors of independent directions; stratified ones are nearer.
+    EXPECT_LT(glm::length(mean) / count, 5 * std::sqrt(0.5 / count));
+    EXPECT_NEAR(square / count, 0.5, 5 * std::sqrt(1.0 / 12 / count));
+    EXPECT_NEAR(within / count, 0.25, 5 * std::sqrt(0.1875 / count));
+}
+
+TEST(Daylight, SunIsADiscOfHalfADegree) {
+    Scene scene;
+    addFloor(scene, lambert(0.5f), 4);
+    const PunctualLight sun = sunLight({{135, 25}, 3});
+    EXPECT_NEAR(2 * glm::degrees(sun.angularRadius), 0.533, 1e-3);
+    scene.lights.push_back(sun);
+    const LightSampler lights(scene);
+    ASSERT_TRUE(lights.hasDiscs());
+    constexpr int kCount = 20'000;
+    Rng rng(1);
+    std::vector<glm::vec3> sampled, emitted;
+    glm::dvec3 watts(0);
+    for (int i = 0; i < kCount; ++i) {
+        const LightSample sample = lights.samplePunctual(0, glm::vec3(0), rng.uniform2());
+        EXPECT_EQ(sample.radiance, sun.intensity);
+        sampled.push_back(sample.towardLight);
+        const EmittedPhoton photon = lights.emitPhoton(uint64_t(i), kCount, 1);
+        emitted.push_back(-photon.direction);
+        watts += glm::dvec3(photon.fluxWatts);
+    }
+    expectDisc(sun, sampled);
+    expectDisc(sun, emitted);
+    EXPECT_NEAR(luminance(glm::vec3(watts)), luminance(lights.powerPunctual()),
+                1e-4f * luminance(lights.powerPunctual()));
+
+    scene.lights[0].angularRadius = 0;
+    EXPECT_FALSE(LightSampler(scene).hasDiscs());
+    EXPECT_EQ(LightSampler(scene).samplePunctual(0, glm::vec3(0), {0.7f, 0.3f}).towardLight, -sun.direction);
+}
+
 }  // namespace
 }  // namespace phat

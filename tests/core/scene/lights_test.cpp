@@ -64,6 +64,21 @@ TEST(Punctual, SpotSolidAngleIsTheIntegralOfItsFalloff) {
     }
 }
 
+TEST(Punctual, NothingFallsOffWithinTheInnerCone) {
+    for (const float degrees : {0.3f, 1.0f, 2.5f, 10.0f, 89.0f}) {
+        Scene scene;
+        scene.lights = {spotLight(glm::vec3(8), {}, {0, -1, 0}, degrees, degrees)};
+        const LightSampler lights(scene);
+        const auto at = [&](float fraction) {
+            const float angle = fraction * glm::radians(degrees);
+            return lights.samplePunctual(0, {2 * std::sin(angle), -2 * std::cos(angle), 0}).radiance.x;
+        };
+        EXPECT_NEAR(at(0), 2, 1e-5f) << degrees;
+        EXPECT_NEAR(at(0.97f), 2, 1e-5f) << degrees;
+        EXPECT_EQ(at(1.03f), 0) << degrees;
+    }
+}
+
 TEST(Punctual, RangeEndsTheLight) {
     EXPECT_EQ(rangeAttenuation(1e6f, 0), 1.0f);
     EXPECT_FLOAT_EQ(rangeAttenuation(2, 4), 1.0f - 1.0f / 16);

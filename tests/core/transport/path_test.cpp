@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/penumbra.h"
 #include "support/scene_builder.h"
 
 namespace phat {
@@ -71,6 +72,38 @@ TEST(Path, PointLightOverAPlane) {
     addFloor(scene, lambert(0), 0.1f, 0.7f);  // in between
     const World shadowed(scene);
     EXPECT_EQ(shadowed.reflected(shadowed.seenFrom({0, 0.5f, 0}, kDown), kUp, 4, 10).value, 0);
+}
+
+TEST(Path, PenumbraOfADiscBehindAStraightEdge) {
+    constexpr float kRadius = 0.00465f;
+    const World world(floorBehindEdge(kRadius)), sharp(floorBehindEdge(0));
+    for (const float offset : {-1.2f, -0.9f, -0.5f, -0.2f, 0.0f, 0.3f, 0.6f, 0.9f, 1.2f}) {
+        const glm::vec3 above(offset * std::tan(kRadius) * kEdgeHeight, 0.5f, 0.1f);
+        const SurfacePoint point = world.seenFrom(above, kDown);
+        const double seen = discFraction(double(offset));
+        const Mean mean = world.reflected(point, kUp, 1, 40'000);
+        EXPECT_NEAR(mean.value * double(kPi), seen, 4 * double(kPi) * mean.standardError + 1e-4) << offset;
+        EXPECT_LT(mean.standardError, 0.002);
+        if (offset != 0) {
+            EXPECT_NEAR(sharp.reflected(point, kUp, 1, 1).value * double(kPi), offset > 0 ? 1 : 0, 1e-5);
+        }
+    }
+}
+
+// The numbers of one choice among many lights are also those of the point on the disc.
+TEST(Path, PenumbraAmongManyLights) {
+    constexpr float kRadius = 0.00465f;
+    Scene scene = floorBehindEdge(kRadius);
+    for (int i = 0; i < 5; ++i) scene.lights.push_back(pointLight(glm::vec3(0.1f), {0, 1, float(i)}));
+    const World world(scene);
+    scene.lights.erase(scene.lights.begin());
+    const World lamps(scene);
+    const glm::vec3 above(0.4f * std::tan(kRadius) * kEdgeHeight, 0.5f, 0.1f);
+    const SurfacePoint point = world.seenFrom(above, kDown);
+    const Mean all = world.reflected(point, kUp, 1, 40'000), others = lamps.reflected(point, kUp, 1, 40'000);
+    const double error = std::hypot(all.standardError, others.standardError);
+    EXPECT_NEAR((all.value - others.value) * double(kPi), discFraction(0.4), 4 * double(kPi) * error);
+    EXPECT_LT(error, 0.003);
 }
 
 // Share of the cosine-weighted hemisphere that a square of side `size`, centred `height` above, takes.

@@ -78,6 +78,85 @@ TEST(GltfPose, NormalsTurnWithTheirJoint) {
         EXPECT_NEAR(glm::distance(normal, glm::vec3(0, -1, 0)), 0, 1e-5f);
 }
 
+// How far the fronts of the triangles agree with their corners' normals: 1 or -1 where all are flat.
+std::vector<float> frontsAlongNormals(const Scene& scene) {
+    std::vector<float> cosines;
+    for (const glm::uvec3& t : scene.triangles) {
+        const glm::vec3 a = scene.positions[t.x];
+        const glm::vec3 front = glm::cross(scene.positions[t.y] - a, scene.positions[t.z] - a);
+        cosines.push_back(glm::dot(glm::normalize(front), scene.normals[t.x]));
+    }
+    return cosines;
+}
+
+// A quad of joint 0 and one of joint 1: as lists without and with indices, and as strips.
+GltfBuilder twoQuads(const Json& mode, bool indexed) {
+    GltfBuilder builder;
+    std::vector<float> positions, normals, weights;
+    std::vector<uint8_t> joints;
+    std::vector<uint16_t> indices;
+    const float corners[4][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+    for (uint8_t joint = 0; joint < 2; ++joint) {
+        std::vector<int> order =
+            indexed || mode == 5 ? std::vector<int>{0, 1, 2, 3} : std::vector<int>{0, 1, 2, 2, 1, 3};
+        for (const int i : indexed ? std::vector<int>{0, 1, 2, 2, 1, 3} : std::vector<int>())
+            indices.push_back(uint16_t(4 * joint + i));
+        for (const int i : order) {
+            positions.insert(positions.end(), {corners[i][0] + 3.0f * joint, corners[i][1], 0});
+            normals.insert(normals.end(), {0, 0, 1});
+            weights.insert(weights.end(), {1, 0, 0, 0});
+            joints.insert(joints.end(), {joint, 0, 0, 0});
+        }
+    }
+    const size_t count = positions.size() / 3;
+    Json primitive = {
+        {"attributes",
+         {{"POSITION", builder.floats("VEC3", positions)},
+          {"NORMAL", builder.floats("VEC3", normals)},
+          {"WEIGHTS_0", builder.floats("VEC4", weights)},
+          {"JOINTS_0", builder.accessor(builder.view(joints, 4), test::kUnsignedByte, "VEC4", count)}}}};
+    if (!mode.is_null()) primitive["mode"] = mode;
+    if (indexed)
+        primitive["indices"] =
+            builder.accessor(builder.view(indices), test::kUnsignedShort, "SCALAR", indices.size());
+    const int mesh = builder.mesh(primitive);
+    builder.root(Json::object());
+    builder.root(Json::object());
+    builder.push("skins", {{"joints", {0, 1}}});
+    builder.root({{"mesh", mesh}, {"skin", 0}});
+    return builder;
+}
+
+TEST(GltfPose, TrianglesOfAMirroringJointTurnWithTheirNormals) {
+    const std::pair<Json, bool> cases[] = {{Json(), false}, {Json(), true}, {5, false}};
+    for (const auto& [mode, indexed] : cases) {
+        for (const Json& scale : {Json{-1, 1, 1}, Json{1, 1, -1}, Json{-2, -1, -1}, Json{-1, -1, 1}}) {
+            GltfBuilder builder = twoQuads(mode, indexed);
+            builder.json["nodes"][1]["scale"] = scale;
+            const Scene scene = load(builder).scene;
+            const std::vector<float> cosines = frontsAlongNormals(scene);
+            int compared = 0;
+            for (size_t t = 0; t < scene.triangles.size(); ++t) {
+                const glm::uvec3 corners = scene.triangles[t];
+                const uint32_t most = std::max({corners.x, corners.y, corners.z}),
+                               least = std::min({corners.x, corners.y, corners.z});
+                if (mode == 5 && least < 4 && most >= 4) continue;  // the strip from quad to quad
+                EXPECT_NEAR(cosines[t], 1, 1e-5f) << scale.dump() << " triangle " << t;
+                ++compared;
+            }
+            EXPECT_EQ(compared, 4);
+        }
+    }
+}
+
+// The whole figure mirrored, by a node above its joints and its mesh, as exporters write it.
+TEST(GltfPose, AMirroredFigureHasItsFrontsOutside) {
+    GltfBuilder builder = skinned(false);
+    builder.json["nodes"][1]["scale"] = {-1, 1, 1};
+    const Scene scene = load(builder).scene;
+    for (const float cosine : frontsAlongNormals(scene)) EXPECT_GT(cosine, 0);
+}
+
 TEST(GltfPose, AMeshOfASkinnedAndAPlainNode) {
     GltfBuilder builder = skinned(false);
     builder.root({{"mesh", 0}, {"translation", {0, 0, 3}}});
