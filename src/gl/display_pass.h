@@ -4,14 +4,9 @@
 #include <vector>
 
 #include "gl/fullscreen.h"
-#include "gl/lookup_pass.h"
-#include "gl/pass_clock.h"
+#include "gl/glass_pass.h"
 #include "gl/picture_sum.h"
-#include "gl/reflection_pass.h"
-#include "gl/relight_pass.h"
-#include "gl/renderer.h"
-#include "gl/scene_upload.h"
-#include "gl/shadow_maps.h"
+#include "gl/surface_drawing.h"
 
 namespace phat {
 
@@ -22,12 +17,14 @@ struct FrameTargets {
     GlFramebuffer pictureTarget;
     LookupTargets lookup;           // empty when nothing is looked up
     ReflectionTargets reflections;  // empty when nothing is traced
+    GlassTargets glass;
 };
 /// `lookup` null: nothing is looked up, nor traced.
 FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool traced);
 
 struct DisplayPass {
-    ShaderProgram displayProgram, lookedUpProgram, glassProgram;
+    ShaderProgram displayProgram, lookedUpProgram;
+    GlassPass glass;
     ShadowPrograms shadows;
     FullscreenProgram background, accumulate;
 };
@@ -37,39 +34,19 @@ struct DisplayPass {
 DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool clearcoat,
                               bool glass, bool paper, bool countReads);
 
-struct DisplayInput {
-    const GpuScene& scene;
-    const GpuAtlas& atlas;
-    const ShadowMaps& shadows;
-    const GpuLookup& lookup;
-    const DrawnMaterials materials;
-    // Null where the picture does not need them.
-    const RelightPass* relit;
-    const LookupPass* lookupPass;
-    const ReflectionPass* reflectionPass;
-    const ShaderProgram* inspectProgram;  // inspect.frag, drawn instead of the light
-    PassClock& clock;
-    float environmentTurn = 0;  // see background.frag
-};
-
-/// Draws the inputs of the display pass, from the background to the lookup, and `sample.surfaces`. pre:
-/// the rest of `sample` is set.
+/// Draws the inputs of the display pass, from the background to the lookup, and the surfaces and
+/// panes of `sample`. pre: the rest of it is set.
 void prepareSample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
                    PendingSample& sample);
-/// The display pass. `incident`: traced radiance of `sample.surfaces`. Blended surfaces take their glossy
-/// light from the pyramid with either method, for a pixel of the lookup holds one surface.
+/// The display pass. Blended surfaces and glass take their glossy light from the pyramid with either method,
+/// for a pixel of the lookup holds one surface; the nearest glass takes it from rays where there are any.
 void displaySample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
-                   const PendingSample& sample, std::span<const SurfaceIncident> incident);
+                   const PendingSample& sample, const TracedIncident& incident);
 /// Adds the picture that was displayed; the first one clears `sum`.
 void addSample(const DisplayPass& pass, const FrameTargets& targets, PictureSum& sum);
 
 /// Where in the pixel sample `index` of `count` lies, from -.5 to .5. twin: jitterOf in
 /// web/src/sample_numbers.js.
 glm::vec2 jitterOf(int index, int count);
-/// Direct, glossy indirect and diffuse indirect light: 1 for those that are shown.
-glm::vec3 shownParts(Component component);
-
-/// The eye of a camera.
-Eye eyeOf(const Camera& camera);
 
 }  // namespace phat
