@@ -99,8 +99,11 @@ class Viewer {
         this.secondsPerPixel = 0; // 'fast'; 0: not known yet
         this.pending = null;
         this.navigation = new Navigation(this.camera, canvas, gltf.scene, () => this.viewChanged());
-        const materials = new Set();
+        const materials = new Set(),
+            cameras = [];
         gltf.scene.traverse((object) => {
+            // Those of the nodes: of a camera that several nodes have, gltf.cameras is none of theirs.
+            if (object.isPerspectiveCamera) cameras.push(object);
             if (object.isMesh) {
                 object.castShadow = object.receiveShadow = true;
                 if (object.material.isMeshStandardMaterial) materials.add(object.material);
@@ -114,7 +117,6 @@ class Viewer {
             keepToGltf(material);
         }
         this.drawShadows();
-        const cameras = gltf.cameras.filter((camera) => camera.isPerspectiveCamera);
         createPanel(
             this,
             [...materials],
