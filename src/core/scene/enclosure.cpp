@@ -116,6 +116,20 @@ glm::vec3 cornerOf(const Scene& scene, uint32_t triangle, int corner) {
     return scene.positions[scene.triangles[triangle][corner]];
 }
 
+// The nearest that is not skipped.
+template <class Skip>
+Hit firstHit(const RayScene& rays, glm::vec3 origin, glm::vec3 direction, const Skip& skip) {
+    float passed = 0;
+    for (int i = 0; i < kMaxLineHits; ++i) {
+        Hit hit = rays.closestHit(origin + passed * direction, direction);
+        if (!hit) return hit;
+        hit.distance += passed;
+        if (!skip(hit)) return hit;
+        passed = hit.distance * (1 + 1e-5f) + 1e-6f * hit.distance;
+    }
+    return {};
+}
+
 }  // namespace
 
 bool isCulled(const Scene& scene, const Hit& hit) {
@@ -123,15 +137,14 @@ bool isCulled(const Scene& scene, const Hit& hit) {
 }
 
 Hit seenFrom(const RayScene& rays, glm::vec3 origin, glm::vec3 direction) {
-    float passed = 0;
-    for (int i = 0; i < kMaxLineHits; ++i) {
-        Hit hit = rays.closestHit(origin + passed * direction, direction);
-        if (!hit) return hit;
-        hit.distance += passed;
-        if (!isCulled(rays.scene(), hit)) return hit;
-        passed = hit.distance * (1 + 1e-5f) + 1e-6f * hit.distance;
-    }
-    return {};
+    return firstHit(rays, origin, direction, [&](const Hit& hit) {
+        return isCulled(rays.scene(), hit) || rays.glassOf(hit.triangle) != Glass::none;
+    });
+}
+
+Hit hitBehindGlass(const RayScene& rays, glm::vec3 origin, glm::vec3 direction) {
+    return firstHit(rays, origin, direction,
+                    [&](const Hit& hit) { return rays.glassOf(hit.triangle) != Glass::none; });
 }
 
 std::vector<bool> trianglesWithoutGround(const Scene& scene) {

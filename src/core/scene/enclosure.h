@@ -11,8 +11,10 @@ namespace phat {
 bool isCulled(const Scene& scene, const Hit& hit);
 
 /// The nearest hit that an eye sees: backs of single-sided materials are skipped, as the rasteriser culls
-/// them. pre: |direction| = 1.
+/// them, and glass, through which it looks. pre: |direction| = 1.
 Hit seenFrom(const RayScene& rays, glm::vec3 origin, glm::vec3 direction);
+/// The nearest hit on anything but glass, straight on. pre: |direction| = 1.
+Hit hitBehindGlass(const RayScene& rays, glm::vec3 origin, glm::vec3 direction);
 
 /// Box around the triangles without a ground: flat triangles beneath all else that reach much farther than
 /// it. Of a scene that is nothing else, all.

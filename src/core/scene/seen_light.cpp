@@ -4,6 +4,7 @@
 
 #include "core/base/random.h"
 #include "core/scene/enclosure.h"
+#include "core/scene/glass.h"
 #include "core/scene/shading.h"
 
 namespace phat {
@@ -56,17 +57,25 @@ bool reachesSky(const RayScene& rays, glm::vec3 origin, glm::vec3 direction, Hit
         const glm::vec3 local(radius * std::cos(angle), radius * std::sin(angle), std::sqrt(1 - u.x));
         origin = offsetOrigin(origin + hit.distance * direction, normal);
         direction = glm::normalize(frameFromNormal(normal).toWorld(local));
-        hit = rays.closestHit(origin, direction);
+        hit = hitBehindGlass(rays, origin, direction);
         if (!hit) return true;
         if (isCulled(scene, hit)) return false;  // a black back
     }
     return false;
 }
 
+// Whether light comes along a ray, through glass too.
+bool isOpen(const RayScene& rays, const Ray& ray, float distance) {
+    if (!rays.hasGlass()) return !rays.anyHit(ray.origin, ray.direction, distance);
+    uint64_t count = 0;
+    const StraightView view = seeStraight(rays, ray, distance, count);
+    return !view.hit && maxComponent(view.transmittance) > 0;
+}
+
 bool isLit(const RayScene& rays, const LightSampler& lights, glm::vec3 point, glm::vec3 normal, Rng rng) {
     const auto reaches = [&](const LightSample& light) {
         return light.pdf > 0 && maxComponent(light.radiance) > 0 && glm::dot(light.towardLight, normal) > 0 &&
-               !rays.anyHit(point, light.towardLight, light.distance * (1 - 1e-4f));
+               isOpen(rays, {point, light.towardLight}, light.distance * (1 - 1e-4f));
     };
     for (size_t i = 0; i < rays.scene().lights.size(); ++i)
         if (reaches(lights.samplePunctual(i, point))) return true;
