@@ -121,8 +121,9 @@ class GlbBuilder {
     }
 }
 
-// `cameras`: whether they are 'perspective' or 'orthographic'.
-export function glassRoom(cameras = 'perspective') {
+// `cameras`: whether they are 'perspective' or 'orthographic'. `sun`: of so many lux, whose node is in the middle of
+// the room, which it does not reach.
+export function glassRoom({ cameras = 'perspective', sun = 0 } = {}) {
     const room = new GlbBuilder();
     const material = (baseColor, roughnessFactor, more = {}) =>
         room.push('materials', {
@@ -190,5 +191,20 @@ export function glassRoom(cameras = 'perspective') {
         room.json.scenes[0].nodes.push(
             room.push('nodes', { name, camera: 0, translation: [x, 1.4, 1.9] }),
         );
+    if (sun > 0) {
+        room.json.extensionsUsed.push('KHR_lights_punctual');
+        room.json.extensions = {
+            KHR_lights_punctual: { lights: [{ type: 'directional', intensity: sun }] },
+        };
+        // 45 degrees downward.
+        const half = Math.PI / 8;
+        room.json.scenes[0].nodes.push(
+            room.push('nodes', {
+                translation: [0, 1.5, 0],
+                rotation: [-Math.sin(half), 0, 0, Math.cos(half)],
+                extensions: { KHR_lights_punctual: { light: 0 } },
+            }),
+        );
+    }
     return room.glb();
 }

@@ -95,7 +95,7 @@ test('a room with parallel cameras alone is seen by a camera of the page', async
     const [scene, baked, site] = ['parallel.glb', 'parallel.phat.glb', 'parallel'].map((name) =>
         join(folder, name),
     );
-    await writeFile(scene, glassRoom('orthographic'));
+    await writeFile(scene, glassRoom({ cameras: 'orthographic' }));
     await phat('bake', scene, '-o', baked, '--resolution', '10k', '--photons', '10k', '--quiet');
     await phat('web', baked, '-o', site, '--quiet');
     const server = await serve(site);
@@ -106,4 +106,23 @@ test('a room with parallel cameras alone is seen by a camera of the page', async
     assert.ok(eye.every((x, i) => x > [-2, 0, -2][i] && x < [2, 3, 2][i]), eye.join());
     assert.ok(meanOf(await pixelsOf(other)) > 0);
     await other.close();
+});
+
+test('walls keep the sun out, wherever its node is', async (t) => {
+    const bakedPage = async (name, sun) => {
+        const [scene, baked, site] = [`${name}.glb`, `${name}.phat.glb`, name].map((file) => join(folder, file));
+        await writeFile(scene, glassRoom({ sun }));
+        await phat('bake', scene, '-o', baked, '--resolution', '10k', '--photons', '10k', '--quiet');
+        await phat('web', baked, '-o', site, '--quiet');
+        const server = await serve(site);
+        t.after(() => server.close());
+        const other = await loaded(await open(mesa.value, server.url));
+        await rest(other);
+        const seen = await pixelsOf(other);
+        await other.close();
+        return meanOf(seen);
+    };
+    const [dark, sunny] = [await bakedPage('night', 0), await bakedPage('day', 100)];
+    t.diagnostic(`without the sun ${dark}, with it ${sunny}`);
+    assert.ok(Math.abs(sunny / dark - 1) < 0.1, `${sunny} and ${dark}`);
 });
