@@ -7,9 +7,14 @@
 #include "lib/packed_sums.glsl"
 #include "lib/paper_cone.glsl"
 #include "lib/visible_surface.glsl"
+#ifndef WITHOUT_PUNCTUAL_LIGHTS
 #include "lib/lights.glsl"
+#endif
 #ifdef GLASS
 #include "lib/glass.glsl"
+#endif
+#ifdef GLASS_TEXTURES
+#include "lib/behind.glsl"
 #endif
 
 #ifdef LOOKUP
@@ -30,6 +35,14 @@ layout(location = 0, index = 0) out vec4 radiance;
 layout(location = 0, index = 1) out vec4 transmittance;  // of what is behind
 #else
 layout(location = 0) out vec4 radiance;  // premultiplied by opacity
+#endif
+
+#ifdef GLASS_TEXTURES
+uniform usampler2D panes;           // the nearest glass, see traced_surfaces.frag
+uniform usampler2DArray paneLight;  // what rays brought to it, as the bits of floats, two layers a lobe
+uniform bool tracesPanes;
+uniform bool scatters;  // whether there is a picture of what is behind rough glass
+flat in uint vTriangle;
 #endif
 
 #ifdef AREA
@@ -119,7 +132,16 @@ vec3 lobeRadiance(int firstLobe, int source, ShownTexel t, float albedo) {
     return sum.a > 0.0 ? sum.rgb / sum.a : t.irradiance[source] / kPi;
 }
 
+// Of glass traced radiance replaces the pyramid's, in the pixels where it is the nearest.
 vec3 tracedOver(vec3 light, int firstLobe, int source) {
+#ifdef GLASS_TEXTURES
+    uint side = 2u * vTriangle + (gl_FrontFacing ? 1u : 2u);
+    if (tracesPanes && texelFetch(panes, ivec2(gl_FragCoord.xy), 0).x == side) {
+        int layer = 2 * (firstLobe / kSources) + source;
+        vec4 traced = uintBitsToFloat(texelFetch(paneLight, ivec3(gl_FragCoord.xy, layer), 0));
+        return mix(light, traced.rgb, traced.a);
+    }
+#endif
     return light;
 }
 
@@ -189,6 +211,7 @@ void addBakedLight(VisibleSurface s, inout Components c) {
 #endif
 }
 
+#ifndef WITHOUT_PUNCTUAL_LIGHTS
 void addPunctualLights(VisibleSurface s, inout vec3 direct) {
     for (int light = 0; light < lightCount; ++light) {
         PunctualSample from = samplePunctual(light, vPosition);
@@ -198,6 +221,7 @@ void addPunctualLights(VisibleSurface s, inout vec3 direct) {
             direct += reflected * shadowVisibility(light, vPosition, s.normalGeometric);
     }
 }
+#endif
 
 void main() {
     float alpha = alphaMode == 0 ? 1.0 : opacity();
@@ -220,7 +244,9 @@ void main() {
     transmittance = vec4(1.0 - alpha + alpha * glassTransmittance(factors, s), 1.0);
 #endif
     Components c = Components(emission, vec3(0.0), vec3(0.0));
+#ifndef WITHOUT_PUNCTUAL_LIGHTS
     addPunctualLights(s, c.direct);
+#endif
     if (s.chart != kNoChart) addBakedLight(s, c);
     vec3 sum = c.direct * show.x + c.glossyIndirect * show.y + c.diffuseIndirect * show.z;
     // A broken vertex or texel must not spread over the picture.
@@ -228,6 +254,13 @@ void main() {
     radiance = vec4(sum * alpha, alpha);
 #ifdef GLASS
     radiance.a = 0.0;
+#endif
+#ifdef GLASS_TEXTURES
+    float scattering = glassScatteringAlpha(factors, s.brdf);
+    if (scatters && scattering > kMinAlpha) {
+        radiance.rgb += (transmittance.rgb - (1.0 - alpha)) * scatteredBehind(s, scattering);
+        transmittance = vec4(1.0 - alpha);
+    }
 #endif
 #if defined(COUNT_READS) && defined(LOOKUP)
     radiance = vec4(0.0, 0.0, 0.0, 1.0);

@@ -21,6 +21,14 @@ vec3 glassAttenuation(MaterialFactors m, float nDotV) {
     return pow(max(m.attenuationColor, vec3(1e-6)), vec3(meters * m.inverseAttenuationDistance));
 }
 
+// Of the lobe that scatters what it reflects as much as glass scatters what it lets through. Thin glass is that lobe,
+// mirrored. An interface that is tilted by a small angle turns a ray that passes parallel planes by (ior - 1) of it,
+// where a mirror turns it by twice the angle; a volume has two such interfaces, independent of each other.
+float glassScatteringAlpha(MaterialFactors m, Brdf brdf) {
+    if (glassInterfaces != kGlassVolume) return brdf.alpha;
+    return brdf.alpha <= kMinAlpha ? kMinAlpha : brdf.alpha * min((m.ior - 1.0) / sqrt(2.0), 1.0);
+}
+
 #ifndef SLOTS_ALONE
 // Transmittance. Of a volume, whose far side is not drawn: of both sides, with what goes back and forth between
 // them, which also makes its specular lobe brighter.

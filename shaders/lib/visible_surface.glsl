@@ -18,8 +18,11 @@ uniform sampler2D clearcoatRoughnessTexture;
 uniform sampler2D clearcoatNormalTexture;
 
 #ifdef GLASS_TEXTURES
-uniform sampler2D transmissionTexture;
+#define TRANSMISSION_TEXTURE
 uniform sampler2D thicknessTexture;
+#endif
+#ifdef TRANSMISSION_TEXTURE
+uniform sampler2D transmissionTexture;
 #endif
 
 uniform vec3 eyeWorld;
@@ -45,7 +48,7 @@ vec3 mappedNormal(sampler2D map, int slot, float scale, vec3 normal) {
 }
 
 float transmissionTexel() {
-#ifdef GLASS_TEXTURES
+#ifdef TRANSMISSION_TEXTURE
     return texture(transmissionTexture, slotUv(kSlotTransmission)).r;
 #else
     return 1.0;

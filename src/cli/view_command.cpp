@@ -6,6 +6,7 @@
 #include "cli/data_folders.h"
 #include "cli/lighting_options.h"
 #include "cli/size_option.h"
+#include "io/phat/baked_file.h"
 #include "viewer/viewer.h"
 
 namespace phat {
@@ -17,6 +18,12 @@ void addViewCommand(CLI::App& app) {
             ->type_name("FILE");
     const auto lighting = std::make_shared<SceneLighting>();
     declareLighting({*command}, *lighting);
+    const auto variant = std::make_shared<std::string>();
+    command
+        ->add_option("--variant", *variant,
+                     "Material variant of a scene that is not baked; phat info lists them")
+        ->type_name("NAME")
+        ->needs(input);
     CLI::Option* size = command->add_option("--size", "Of the window; default: 1280x720")->type_name("WxH");
     CLI::Option* scale = command->add_option("--ui-scale", "Size of the panels; default: the screen's")
                              ->type_name("FACTOR")
@@ -26,6 +33,9 @@ void addViewCommand(CLI::App& app) {
         ViewerOptions options;
         if (*input) options.path = input->as<std::string>();
         options.lighting = *lighting;
+        options.variant = *variant;
+        if (!variant->empty() && isBakedFile(options.path))
+            throw CLI::ValidationError("--variant", "the bake is of one variant; bake the scene again");
         if (*size) options.size = parseSize(size);
         if (*scale) options.uiScale = scale->as<float>();
         options.shaderFolder = shaderFolder();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -87,10 +88,12 @@ double writePoster(const WebOptions& options, const fs::path& site, Progress& pr
     return renderDrawn(poster, progress).front().at("exposure").at("stops").get<double>();
 }
 
-// Eye, target and field of view in degrees of a file without a camera; else nothing.
+// Eye, target and field of view in degrees of a file without a camera that pages show by; else nothing.
 std::string defaultCameraOf(const std::string& path) {
     const Scene scene = readBakedFile(path).loaded.scene;
-    if (!scene.cameras.empty()) return "";
+    const bool has = std::any_of(scene.cameras.begin(), scene.cameras.end(),
+                                 [](const Camera& camera) { return camera.perspective; });
+    if (has) return "";
     const DefaultView view = defaultView(RayScene(scene), LightSampler(scene));
     const glm::vec3 eye(view.camera.worldFromCamera[3]);
     return fmt::format("{} {} {} {} {} {} {}", eye.x, eye.y, eye.z, view.target.x, view.target.y,

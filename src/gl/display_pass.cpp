@@ -1,35 +1,17 @@
 #include "gl/display_pass.h"
 
-#include <algorithm>
-
 #include "gl/camera_matrices.h"
 #include "gl/draw_order.h"
 #include "gl/inspect_pass.h"
-#include "gl/material_table.h"
 #include "gl/textures.h"
 
 namespace phat {
 namespace {
 
-// Texture units 0-6 are common to all materials, 7-15 a material's nine slots: the 16 that every GPU has.
-constexpr int kFirstMaterialUnit = 7;
-// And more where there is glass: its own slots, and the shadows that it casts. Most GPUs have 32.
-constexpr int kTintUnit = kFirstMaterialUnit + kSlotCount, kGlassUnits = kTintUnit + 1;
-constexpr int kDepthUnit = kGlassUnits;  // and where a light is a disc
-
 // Measured: see notes/experiments.md, "Lookup".
 LookupSampling samplingOf(Quality quality) {
     constexpr LookupSampling kSampling[] = {{2, 2}, {8, 4}, {32, 4}};
     return kSampling[size_t(quality)];
-}
-
-void setCulling(const Material& material) {
-    if (material.doubleSided) {
-        glDisable(GL_CULL_FACE);
-    } else {
-        glEnable(GL_CULL_FACE);
-        glCullFace(GL_BACK);
-    }
 }
 
 void drawBackground(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& camera,
@@ -67,119 +49,40 @@ void drawDepth(const DisplayPass& pass, const DisplayInput& input, const CameraM
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
-void bindCamera(const ShaderProgram& program, const CameraMatrices& camera, const FrameSettings& settings) {
-    program.set("clipFromWorld", camera.clipFromWorld);
-    const Eye eye = eyeOf(settings.camera);
-    program.set("eyeWorld", eye.position);
-    program.set("eyeAtInfinity", eye.atInfinity ? 1.0f : 0.0f);
-}
-
-// A display program's tables, and where its glossy light is: pictures that were looked up, or the pyramid.
-void bindShared(const ShaderProgram& program, const DisplayInput& input, const CameraMatrices& camera,
-                const FrameSettings& settings, const LookupTargets* looked, bool traced = false) {
-    if (looked) {
-        program.set("tracedLayer", traced ? lookedUpLayers(*input.lookupPass) : 0);
-        program.bind("incident", 0, looked->incident.name());
-        program.bind("tileLight", 1, input.atlas.tileLight.name());
-    } else {
-        program.bind("relit", 0, input.relit->lobes.name());
-        program.bind("radii", 1, input.relit->radii.name());
-    }
-    program.bind("tileTable", 2, input.atlas.tileTable.name());
-    program.bind("irradiance", 3, input.atlas.irradiance.name());
-    program.bind("splitSumTable", 4, input.scene.splitSum.name());
-    program.bind("lightTable", 5, input.shadows.lightTable.name());
-    program.bind("shadowMaps", 6, input.shadows.depth.name());
-    if (input.shadows.tints) program.bind("shadowTints", kTintUnit, input.shadows.tints.name());
-    if (input.shadows.depthValues) program.bind("shadowDepths", kDepthUnit, input.shadows.depthValues.name());
-    program.set("lightCount", input.shadows.lightCount);
-    program.set("show", shownParts(settings.component));
-    bindCamera(program, camera, settings);
-    program.use();
-}
-
-void drawSurface(const ShaderProgram& program, const DisplayInput& input, const DrawRange& draw) {
-    const Material& material = input.materials.of(draw);
-    const bool glass = input.materials.glassOf(draw) != Glass::none;
-    program.set("alphaMode", int(material.alphaMode));
-    bindMaterial(input.scene, program, material, kFirstMaterialUnit,
-                 glass ? BoundSlots::glass : BoundSlots::opaque);
-    glDrawArrays(GL_TRIANGLES, draw.firstVertex, draw.vertexCount);
-}
-
-// Blended surfaces and glass over what was drawn already: back to front; a surface's own back before its
-// front. Glass multiplies what is behind it by its transmittance in colour. Of a volume only the front is
-// drawn, with the light of both of its sides.
-void drawBlended(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& matrices,
-                 const FrameSettings& settings) {
-    const std::vector<uint32_t> order = farToNear(input.scene.drawRanges, input.materials, settings.camera);
-    if (order.empty()) return;
-    if (!input.materials.glass.empty()) bindShared(pass.glassProgram, input, matrices, settings, nullptr);
-    bindShared(pass.displayProgram, input, matrices, settings, nullptr);
-    glEnable(GL_BLEND);
-    glDepthFunc(GL_GREATER);
-    glDepthMask(GL_FALSE);
-    glEnable(GL_CULL_FACE);
-    for (uint32_t i : order) {
-        const DrawRange& draw = input.scene.drawRanges[i];
-        const Glass glass = input.materials.glassOf(draw);
-        const ShaderProgram& program = glass == Glass::none ? pass.displayProgram : pass.glassProgram;
-        if (glass != Glass::none) program.set("glassInterfaces", int(glass));
-        program.use();
-        glBlendFunc(GL_ONE, glass == Glass::none ? GL_ONE_MINUS_SRC_ALPHA : GL_SRC1_COLOR);
-        if (input.materials.of(draw).doubleSided && glass != Glass::volume) {
-            glCullFace(GL_FRONT);
-            drawSurface(program, input, draw);
-        }
-        glCullFace(GL_BACK);
-        drawSurface(program, input, draw);
-    }
-    glDisable(GL_BLEND);
-}
-
-void drawOpaque(const ShaderProgram& program, const DisplayInput& input) {
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_EQUAL);
-    glDepthMask(GL_FALSE);
-    glBindVertexArray(input.scene.vertexArray.name());
-    program.use();
-    for (size_t i = 0; i < input.scene.drawRanges.size(); ++i) {
-        const DrawRange& draw = input.scene.drawRanges[i];
-        if (isSeenThrough(input.materials, draw)) continue;
-        setCulling(input.materials.of(draw));
-        program.set("surfaceIndex", int(i));
-        drawSurface(program, input, draw);
-    }
-}
-
 void lookUp(const DisplayInput& input, const CameraMatrices& camera, const FrameSettings& settings,
             const LookupTargets& targets, uint32_t seed) {
     const ShaderProgram& program = input.lookupPass->lookupProgram;
     beginLookup(*input.lookupPass, input.atlas, input.lookup, targets, samplingOf(settings.quality), seed);
-    bindCamera(program, camera, settings);
+    bindCamera(program, camera, settings.camera);
     drawOpaque(program, input);
     input.clock.ended(Pass::lookup);
     poolSums(*input.lookupPass, targets);
     input.clock.ended(Pass::pool);
 }
 
+OpaquePicture opaquePictureOf(const FrameTargets& targets) {
+    return {targets.size, targets.picture, targets.depth, targets.pictureTarget};
+}
+
 // Draws and reads the surfaces whose lobes are traced.
-void findTracedSurfaces(const DisplayInput& input, const CameraMatrices& camera, const FrameTargets& targets,
-                        PendingSample& sample) {
+void findTracedSurfaces(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& camera,
+                        const FrameTargets& targets, PendingSample& sample) {
     if (sample.reflections == Reflections::lookup || !(sample.view.area || sample.view.indirect)) return;
     const ShaderProgram& program = input.reflectionPass->program;
     beginReflections(*input.reflectionPass, input.atlas, input.lookup, targets.reflections,
                      sample.reflections, sample.view.frame);
-    bindCamera(program, camera, sample.settings);
+    bindCamera(program, camera, sample.settings.camera);
     drawOpaque(program, input);
-    input.clock.ended(Pass::display);
     sample.surfaces = readTracedSurfaces(targets.reflections, sample.jitter);
+    if (!input.materials.glass.empty() && pass.glass.textures)
+        findPanes(input, camera, opaquePictureOf(targets), targets.glass, sample);
+    input.clock.ended(Pass::display);
 }
 
 void drawInspection(const DisplayInput& input, const CameraMatrices& camera, const FrameSettings& settings) {
     const ShaderProgram& program = *input.inspectProgram;
     bindInspection(program, input.atlas, *input.relit, settings.inspection);
-    bindCamera(program, camera, settings);
+    bindCamera(program, camera, settings.camera);
     drawOpaque(program, input);
 }
 
@@ -202,8 +105,8 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas,
     std::vector<std::string> defines;
     if (atlas.sources.size() > 1) defines.push_back("AREA");
     if (features.clearcoat) defines.push_back("CLEARCOAT");
-    // Where the units do not suffice, glass is without its own textures and casts no shadows, and a sun's
-    // shadows are hard.
+    // Where the units do not suffice, glass is without its own textures, casts no shadows, is sharp, and its
+    // reflections are not traced, and a sun's shadows are hard.
     GLint units = 0;
     glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
     const bool shadowTints = features.glass && units >= kGlassUnits;
@@ -217,10 +120,9 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas,
     pass.displayProgram = features.paper ? display({"PAPER"}) : display({});
     pass.lookedUpProgram = features.countReads ? display({"LOOKUP", "COUNT_READS"}) : display({"LOOKUP"});
     if (features.glass) {
-        std::vector<std::string> ofGlass{"GLASS"};
+        std::vector<std::string> ofGlass = defines;
         if (features.paper) ofGlass.push_back("PAPER");
-        if (shadowTints) ofGlass.push_back("GLASS_TEXTURES");
-        pass.glassProgram = display(std::move(ofGlass));
+        pass.glass = createGlassPass(folder, std::move(ofGlass), shadowTints);
         pass.shadows.tints = ShaderProgram(folder, "surface.vert", "shadow_tint.frag");
     }
     pass.shadows.depth = ShaderProgram(folder, "surface.vert", "depth.frag");
@@ -247,21 +149,21 @@ void prepareSample(const DisplayPass& pass, const DisplayInput& input, const Fra
     if (input.inspectProgram || settings.method != Method::phat) return;
     glDepthMask(GL_FALSE);  // clearing the targets must leave the depth
     lookUp(input, camera, settings, targets.lookup, sample.view.frame);
-    findTracedSurfaces(input, camera, targets, sample);
+    findTracedSurfaces(pass, input, camera, targets, sample);
 }
 
 void displaySample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
-                   const PendingSample& sample, std::span<const SurfaceIncident> incident) {
+                   const PendingSample& sample, const TracedIncident& incident) {
     const ReversedDepth reversed;
     const FrameSettings& settings = sample.settings;
     const CameraMatrices camera =
         matricesOf(settings.camera, targets.size, input.scene.bounds, sample.jitter);
     const bool traced = !sample.surfaces.empty();
-    if (traced) {
-        uploadReflections(*input.reflectionPass, targets.reflections, sample.surfaces, incident,
+    if (traced)
+        uploadReflections(*input.reflectionPass, targets.reflections, sample.surfaces, incident.surfaces,
                           targets.lookup.incident.name(), lookedUpLayers(*input.lookupPass));
-        input.clock.ended(Pass::none);  // with the rays
-    }
+    if (!sample.panes.empty()) uploadPanes(input, targets.glass, sample, incident);
+    if (traced || !sample.panes.empty()) input.clock.ended(Pass::none);  // with the rays
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
     glViewport(0, 0, GLsizei(targets.size.x), GLsizei(targets.size.y));
     if (input.inspectProgram) {
@@ -271,7 +173,8 @@ void displaySample(const DisplayPass& pass, const DisplayInput& input, const Fra
         const ShaderProgram& program = looked ? pass.lookedUpProgram : pass.displayProgram;
         bindShared(program, input, camera, settings, looked, traced);
         drawOpaque(program, input);
-        drawBlended(pass, input, camera, settings);
+        drawBlended({pass.displayProgram, pass.glass, targets.glass}, input, camera, opaquePictureOf(targets),
+                    sample);
     }
     glDepthMask(GL_TRUE);
     input.clock.ended(Pass::display);
@@ -289,22 +192,6 @@ void addSample(const DisplayPass& pass, const FrameTargets& targets, PictureSum&
     pass.accumulate.draw(sum.target, sum.size);
     glDisable(GL_BLEND);
     ++sum.samples;
-}
-
-glm::vec3 shownParts(Component component) {
-    switch (component) {
-        case Component::all:
-            return {1, 1, 1};
-        case Component::direct:
-            return {1, 0, 0};
-        case Component::indirect:
-            return {0, 1, 1};
-        case Component::glossyIndirect:
-            return {0, 1, 0};
-        case Component::diffuseIndirect:
-            return {0, 0, 1};
-    }
-    return glm::vec3(1);
 }
 
 }  // namespace phat

@@ -6,14 +6,15 @@
 
 namespace phat {
 
-std::array<glm::vec4, kMaterialRows> packMaterial(const Material& m) {
+std::array<glm::vec4, kMaterialRows> packMaterial(const Material& m, float metersPerUnit) {
     std::array<glm::vec4, kMaterialRows> rows{};
     rows[0] = m.baseColor;
     rows[1] = {m.emission, m.normalScale};
     rows[2] = {m.metallic, m.roughness, m.specular, m.ior};
     rows[3] = {m.specularColor, m.alphaCutoff};
     rows[4] = {m.clearcoat, m.clearcoatRoughness, m.clearcoatNormalScale, m.unlit ? 1.0f : 0.0f};
-    rows[5] = {isGlass(m) ? m.transmission : 0.0f, m.thickness, 1.0f / m.attenuationDistance, 0.0f};
+    rows[5] = {isGlass(m) ? m.transmission : 0.0f, m.thickness * metersPerUnit, 1.0f / m.attenuationDistance,
+               0.0f};
     rows[6] = {m.attenuationColor, 0.0f};
     for (int i = 0; i < kSlotCount; ++i) {
         const TextureSlot& slot = m.*kSlots[i].slot;

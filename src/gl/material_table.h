@@ -34,7 +34,8 @@ inline constexpr std::array<NamedSlot, kSlotCount> kSlots = {{
     {"thicknessTexture", &Material::thicknessTexture, false},
 }};
 
-std::array<glm::vec4, kMaterialRows> packMaterial(const Material& material);
+/// `metersPerUnit`: of its thickness.
+std::array<glm::vec4, kMaterialRows> packMaterial(const Material& material, float metersPerUnit = 1);
 
 /// The factor rows of all materials, one after the other.
 std::vector<glm::vec4> packFactors(const std::vector<Material>& materials);

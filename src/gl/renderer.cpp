@@ -66,7 +66,7 @@ void Renderer::draw(const FrameSettings& settings, PictureSum& sum) {
 
 PendingSample Renderer::beginSample(const FrameSettings& settings, Reflections reflections, PictureSum& sum) {
     State& s = *state_;
-    PendingSample sample{s.possible(settings), reflections, {}, {}, {}};
+    PendingSample sample{s.possible(settings), reflections, {}, {}, {}, {}};
     if (sample.settings.method != Method::phat) sample.reflections = Reflections::lookup;
     const int count = std::max(1, settings.samplesPerPixel);
     if (sum.size != sizeOf(settings)) sum = createPictureSum(sizeOf(settings));
@@ -81,9 +81,9 @@ PendingSample Renderer::beginSample(const FrameSettings& settings, Reflections r
     return sample;
 }
 
-void Renderer::finishSample(const PendingSample& sample, std::span<const SurfaceIncident> incident,
-                            PictureSum& sum) {
-    assert(incident.size() == sample.surfaces.size());
+void Renderer::finishSample(const PendingSample& sample, const TracedIncident& incident, PictureSum& sum) {
+    assert(incident.surfaces.size() == sample.surfaces.size());
+    assert(incident.panes.size() == sample.panes.size());
     assert(sum.samples == int(sample.view.frame));
     State& s = *state_;
     const State::Prepared prepared = s.prepare(sample.settings, sample.reflections != Reflections::lookup);

@@ -87,6 +87,12 @@ struct PendingSample {
     glm::vec2 jitter{0};                  // of the image plane, pixels
     ReflectionView view;                  // the frame as the rays' estimator needs it
     std::vector<TracedSurface> surfaces;  // whose lobes are traced; none where all is looked up
+    std::vector<TracedSurface> panes;     // the same of the nearest glass in front of them
+};
+
+/// What rays brought to the surfaces of a PendingSample, and to its panes.
+struct TracedIncident {
+    std::vector<SurfaceIncident> surfaces, panes;
 };
 
 /// Whether a view is of radiance, for a tone map; else of display-linear colours, or Inspected::reads.
@@ -171,10 +177,9 @@ class Renderer {
     /// gl/traced_frame.h). First all that the display pass reads, and the surfaces to be traced, for
     /// which it waits for the GPU unless `reflections` is lookup. A sample may be left unfinished.
     PendingSample beginSample(const FrameSettings& settings, Reflections reflections, PictureSum& sum);
-    /// Then the display pass, which adds the sample to `sum`. `incident`: of each of the sample's surfaces.
-    /// pre: nothing has been drawn or changed since beginSample.
-    void finishSample(const PendingSample& sample, std::span<const SurfaceIncident> incident,
-                      PictureSum& sum);
+    /// Then the display pass, which adds the sample to `sum`. pre: nothing has been drawn or changed since
+    /// beginSample.
+    void finishSample(const PendingSample& sample, const TracedIncident& incident, PictureSum& sum);
 
     /// lastFrameTimes() counts from the next sample on. draw() and render() call it.
     void restartTimes();

@@ -28,6 +28,8 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
     const glm::uvec2 size = sizeOf(settings);
     if (targets.size != size || (traced && !targets.reflections.target))
         targets = createFrameTargets(size, lookups, traced);
+    completeGlassTargets(targets.glass, size, glassNeeds({materials, glass}, traced),
+                         anyClearcoat(materials));
 
     // A query needs a complete framebuffer; a context without a window has none of its own.
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
@@ -98,7 +100,7 @@ const LookupPass& Renderer::State::lookupFor(bool counting) {
 
 const DisplayPass& Renderer::State::displayFor(bool paper, bool counting) {
     std::optional<DisplayPass>& made = paper ? displayPaper : counting ? countingDisplay : display;
-    const bool glassAppears = made && !glass.empty() && made->glassProgram.name() == 0;
+    const bool glassAppears = made && !glass.empty() && made->glass.display.name() == 0;
     if (!made || glassAppears)
         made = createDisplayPass(shaderFolder, atlas,
                                  {.clearcoat = anyClearcoat(materials),

@@ -37,6 +37,9 @@ ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, cons
     const ReflectionTargets& traced = targets.reflections;
     bytes.frame = bytesOf(targets.picture, targets.depth, targets.lookup.incident, targets.lookup.pooled,
                           traced.base, traced.coat, traced.surface);
+    const GlassTargets& glass = targets.glass;
+    bytes.frame += bytesOf(glass.depth, glass.panes.base, glass.panes.coat, glass.panes.surface,
+                           glass.paneLight, glass.behind);
     return bytes;
 }
 

@@ -148,7 +148,8 @@ std::vector<DrawRange> drawRanges(const Scene& scene) {
             for (int corner = 0; corner < 3; ++corner)
                 bounds.add(scene.positions[scene.triangles[surface.firstTriangle + t][corner]]);
         ranges.push_back({GLint(surface.firstTriangle * 3), GLsizei(surface.triangleCount * 3),
-                          surface.material, uint32_t(&surface - scene.surfaces.data()), bounds.center()});
+                          surface.material, uint32_t(&surface - scene.surfaces.data()), bounds.center(),
+                          surface.metersPerUnit});
     }
     return ranges;
 }
@@ -212,8 +213,8 @@ void moveScene(GpuScene& gpu, const Scene& scene, const Atlas& atlas) {
 }
 
 void bindMaterial(const GpuScene& gpu, const ShaderProgram& program, const Material& material, int firstUnit,
-                  BoundSlots slots) {
-    program.set("material", packMaterial(material));
+                  BoundSlots slots, float metersPerUnit) {
+    program.set("material", packMaterial(material, metersPerUnit));
     const int count = slots == BoundSlots::baseColor ? 1
                       : slots == BoundSlots::opaque  ? kOpaqueSlots
                                                      : kSlotCount;

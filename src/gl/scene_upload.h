@@ -19,7 +19,8 @@ struct DrawRange {
     GLsizei vertexCount = 0;
     uint32_t material = 0;
     uint32_t surface = 0;
-    glm::vec3 center{0};  // by which blended surfaces are sorted
+    glm::vec3 center{0};      // by which blended surfaces are sorted
+    float metersPerUnit = 1;  // of Material::thickness
 };
 
 /// Materials of the drawn surfaces.
@@ -58,8 +59,9 @@ void filterTextures(GpuScene& gpu, PixelFilter filter);
 
 /// Which of a material's texture slots a program reads.
 enum class BoundSlots : uint8_t { baseColor, opaque, glass };
-/// Binds a material's uniforms, and the textures of its slots from unit `firstUnit` on.
+/// Binds a material's uniforms, and the textures of its slots from unit `firstUnit` on. `metersPerUnit`: of
+/// the thickness of glass.
 void bindMaterial(const GpuScene& gpu, const ShaderProgram& program, const Material& material, int firstUnit,
-                  BoundSlots slots);
+                  BoundSlots slots, float metersPerUnit = 1);
 
 }  // namespace phat

@@ -127,7 +127,7 @@ void drawTints(const glm::mat4& clipFromWorld, const GpuScene& gpu, const DrawnM
     for (const DrawRange& draw : gpu.drawRanges) {
         const Glass glass = materials.glassOf(draw);
         if (glass == Glass::none) continue;
-        bindMaterial(gpu, program, materials.of(draw), 0, BoundSlots::baseColor);
+        bindMaterial(gpu, program, materials.of(draw), 0, BoundSlots::baseColor, draw.metersPerUnit);
         program.set("alphaMode", int(materials.of(draw).alphaMode));
         program.set("glassInterfaces", int(glass));
         glDrawArrays(GL_TRIANGLES, draw.firstVertex, draw.vertexCount);

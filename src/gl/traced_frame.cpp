@@ -11,13 +11,15 @@ ReflectionCost drawFrame(Renderer& renderer, const FrameSettings& settings, cons
     for (int left = samplesToDraw(settings, sum); left > 0; --left) {
         const PendingSample sample =
             renderer.beginSample(settings, traced ? traced->reflections : Reflections::lookup, sum);
-        std::vector<SurfaceIncident> incident;
-        if (!sample.surfaces.empty()) {
+        const auto trace = [&](const std::vector<TracedSurface>& surfaces) {
+            std::vector<SurfaceIncident> incident;
+            if (surfaces.empty()) return incident;
             const Stopwatch start;
-            incident =
-                traceReflections(traced->scene, sample.view, sample.surfaces, traced->progress, cost.rays);
+            incident = traceReflections(traced->scene, sample.view, surfaces, traced->progress, cost.rays);
             cost.seconds += start.seconds();
-        }
+            return incident;
+        };
+        const TracedIncident incident{trace(sample.surfaces), trace(sample.panes)};
         renderer.finishSample(sample, incident, sum);
     }
     return cost;

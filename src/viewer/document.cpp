@@ -17,7 +17,7 @@ std::filesystem::file_time_type lastWrite(const std::string& path) {
     return std::filesystem::last_write_time(path, gone);
 }
 
-void writeBake(const std::string& out, const std::string& source, const Scene& scene, BakedScene& baked) {
+void writeBake(const std::string& out, const Document& document, BakedScene& baked) {
     Bake whole{std::move(baked.atlas), std::move(baked.points), std::move(baked.phatexture), {}};
     const auto giveBack = [&] {
         baked.atlas = std::move(whole.atlas);
@@ -25,7 +25,7 @@ void writeBake(const std::string& out, const std::string& source, const Scene& s
         baked.phatexture = std::move(whole.phatexture);
     };
     try {
-        writeBakedFile(out, source, scene, whole, baked.record);
+        writeBakedFile(out, document.path, document.scene(), whole, baked.record, {document.variant});
     } catch (...) {
         giveBack();
         throw;
@@ -35,13 +35,14 @@ void writeBake(const std::string& out, const std::string& source, const Scene& s
 
 }  // namespace
 
-Document::Document(const std::string& file, const SceneLighting& asked)
-    : Document(file, asked, readSceneFile(file, asked), lastWrite(file)) {}
+Document::Document(const std::string& file, const SceneLighting& asked, const std::string& look)
+    : Document(file, asked, look, readSceneFile(file, asked, {look}), lastWrite(file)) {}
 
-Document::Document(const std::string& file, const SceneLighting& asked, SceneFile read,
-                   std::filesystem::file_time_type time)
+Document::Document(const std::string& file, const SceneLighting& asked, const std::string& look,
+                   SceneFile read, std::filesystem::file_time_type time)
     : path(file),
       lighting(asked),
+      variant(look),
       added(std::move(read.added)),
       writeTime(time),
       baked(std::move(read.baked)),
@@ -79,7 +80,7 @@ void Document::takeBake(Bake bake, const BakeSettings& settings) {
     baked.atlas = std::move(bake.atlas);
     baked.points = std::move(bake.points);
     baked.phatexture = std::move(bake.phatexture);
-    baked.record = recordOf(settings, path, lighting.environment);
+    baked.record = recordOf(settings, path, lighting.environment, PhatexelStorage::packed, variant);
     baked.record.settings = settingsWithLighting(baked.record.settings, lighting, added.sky);
     hasBake = true;
 }
@@ -106,7 +107,7 @@ std::string Document::save() {
     };
     swapLight();
     try {
-        writeBake(out, path, scene(), baked);
+        writeBake(out, *this, baked);
     } catch (...) {
         swapLight();
         throw;

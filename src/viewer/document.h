@@ -22,8 +22,9 @@ struct Playback {
 };
 
 struct Document {
-    /// A baked file, or a scene without its bake, which is lit. Throws FileError.
-    Document(const std::string& path, const SceneLighting& lighting);
+    /// A baked file, or a scene without its bake, which is lit and has the materials of `variant`, if one is
+    /// named. Throws FileError.
+    Document(const std::string& path, const SceneLighting& lighting, const std::string& variant = {});
     Document(const Document&) = delete;
     Document& operator=(const Document&) = delete;
 
@@ -57,6 +58,7 @@ struct Document {
 
     std::string path;
     SceneLighting lighting;
+    std::string variant;  // of the materials; empty: none was asked for
     AddedLighting added;
     std::filesystem::file_time_type writeTime;  // of the file before it was read, so that no change is missed
     BakedScene baked;  // without its scene, which is in `posed`; PHATexels and covered texels as renewed
@@ -66,8 +68,8 @@ struct Document {
     Playback playback;
 
   private:
-    Document(const std::string& path, const SceneLighting& lighting, SceneFile file,
-             std::filesystem::file_time_type writeTime);
+    Document(const std::string& path, const SceneLighting& lighting, const std::string& variant,
+             SceneFile file, std::filesystem::file_time_type writeTime);
     struct BakedLight {
         Phatexture phatexture;
         std::vector<TexelState> states;

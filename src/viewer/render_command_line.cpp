@@ -46,6 +46,7 @@ std::string renderCommandLine(const ViewerState& state, glm::ivec2 size) {
     const ViewSettings& view = state.view;
     std::string line = fmt::format("phat render {} -o picture.png --method {} --size {}x{}",
                                    quoted(document.path), methodOf(view.left), size.x, size.y);
+    if (!document.variant.empty()) line += " --variant " + quoted(document.variant);
     if (view.left != Source::pathTracer) line += fmt::format(" --spp {}", kKeptSamples);
     if (state.camera > 0) {
         line += fmt::format(" --camera {}", state.camera);

@@ -112,7 +112,8 @@ class Viewer {
 };
 
 void Viewer::open(const std::string& path) {
-    auto document = std::make_unique<Document>(path, options_.lighting);
+    const std::string variant = path == options_.path ? options_.variant : "";
+    auto document = std::make_unique<Document>(path, options_.lighting, variant);
     const bool again = state_.document && state_.document->path == path;
     bake_.reset();
     light_.reset();

@@ -11,6 +11,7 @@ namespace phat {
 struct ViewerOptions {
     std::string path;        // empty: asks for a file
     SceneLighting lighting;  // of a scene that is not baked
+    std::string variant;     // of the materials of `path`, a scene that is not baked; empty: none
     std::string shaderFolder;
     glm::ivec2 size{1280, 720};
     float uiScale = 0;  // 0: the screen's

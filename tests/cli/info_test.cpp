@@ -8,6 +8,7 @@
 #include "io/phat/baked_file.h"
 #include "support/run_program.h"
 #include "support/temporary_folder.h"
+#include "support/variant_scene.h"
 
 namespace phat {
 namespace {
@@ -48,19 +49,6 @@ TEST(InfoCommand, DescribesAPlainScene) {
     EXPECT_NEAR(report["scene"]["bounds"]["high"][1], 2.775, 1e-3);
     EXPECT_FALSE(report.contains("bake"));
     EXPECT_NE(runPhat({"info", kScene}).out.find("46 in "), std::string::npos);
-}
-
-// A triangle, oak or, in the variant "dark", walnut, that emits light of its own.
-std::string sceneWithVariants() {
-    return R"({"asset":{"version":"2.0"},"extensionsUsed":["KHR_materials_variants"],
-        "extensions":{"KHR_materials_variants":{"variants":[{"name":"dark"},{"name":"as it is"}]}},
-        "scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
-        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0,"extensions":{"KHR_materials_variants":
-            {"mappings":[{"material":1,"variants":[0]}]}}}]}],
-        "materials":[{"name":"oak","emissiveFactor":[1,1,1]},{"name":"walnut","emissiveFactor":[0.1,0.1,0.1]}],
-        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
-        "bufferViews":[{"buffer":0,"byteLength":36}],
-        "buffers":[{"byteLength":36,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
 }
 
 TEST(InfoCommand, ListsVariantsOfWhichOneIsBaked) {

@@ -49,18 +49,6 @@ Camera frontCamera(float degrees = 0) {
     return camera;
 }
 
-// Six quads that look outward: their surfaces close a volume.
-void addOutwardBox(Scene& scene, const Material& material, glm::vec3 low, glm::vec3 size) {
-    for (int axis = 0; axis < 3; ++axis) {
-        glm::vec3 along(0), across(0), far(0);
-        along[(axis + 1) % 3] = size[(axis + 1) % 3];
-        across[(axis + 2) % 3] = size[(axis + 2) % 3];
-        far[axis] = size[axis];
-        addQuad(scene, material, low, across, along);
-        addQuad(scene, material, low + far, along, across);
-    }
-}
-
 // Half of each pane's material is diffuse, half transmits; without an interface nothing else is reflected.
 TEST_F(RendererGlass, PanesCoverEachOtherFarToNear) {
     Material red = glass(1), blue = glass(1);
@@ -108,7 +96,12 @@ TEST_F(RendererGlass, TintsByItsColourAndByBeersLaw) {
     Scene pane, slab;
     addScreen(pane, material, 0);
     addOutwardBox(slab, material, {-1, -1, -0.1f}, {2, 2, 0.1f});
-    for (Scene* scene : {&pane, &slab}) addScreen(*scene, emitter({1, 1, 1}), -1);
+    // Half as thick in the units of meshes that their nodes make twice as large.
+    for (Scene* scene : {&pane, &slab}) {
+        scene->materials.back().thickness = 0.05f;
+        for (Surface& surface : scene->surfaces) surface.metersPerUnit = 2;
+        addScreen(*scene, emitter({1, 1, 1}), -1);
+    }
     // Without light of their own they reflect nothing.
     expectColor(draw(worldOfQuads(pane, 2), frontCamera()).at(30, 30), (1 - r) * tint * left, 2e-3f);
     expectColor(draw(worldOfQuads(slab, 2), frontCamera()).at(30, 30),

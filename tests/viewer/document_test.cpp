@@ -6,7 +6,9 @@
 
 #include "core/bake/bake.h"
 #include "io/phat/bake_record.h"
+#include "support/run_program.h"
 #include "support/temporary_folder.h"
+#include "support/variant_scene.h"
 
 namespace phat {
 namespace {
@@ -32,6 +34,25 @@ TEST(Document, SavesTheSettingsThatItsBakeWasMadeWith) {
     EXPECT_EQ(saved.source, "room.glb");
     EXPECT_EQ(saved.seed, 5u);
     EXPECT_EQ(saved.generator, expected.generator);
+}
+
+TEST(Document, ShowsAndSavesTheVariantThatItIsOpenedBy) {
+    const TemporaryFolder folder;
+    const std::string text = sceneWithVariants(), path = folder.file("room.gltf");
+    writeBytes(path, {text.begin(), text.end()});
+    const auto shownEmission = [](const Scene& scene) { return scene.materialOf(0).emission.x; };
+    EXPECT_EQ(shownEmission(Document(path, SceneLighting()).shown()), 1);
+    EXPECT_THROW(Document(path, SceneLighting(), "red"), FileError);
+    Document document(path, SceneLighting(), "dark");
+    EXPECT_EQ(shownEmission(document.shown()), 0.1f);
+    BakeSettings settings;
+    settings.atlas.texelBudget = 2000;
+    settings.photons.count = 1000;
+    SilentProgress progress;
+    document.takeBake(bake(document.scene(), settings, progress), settings);
+    const BakedScene saved = readBakedFile(document.save());
+    EXPECT_EQ(shownEmission(saved.loaded.scene), 0.1f);
+    EXPECT_NE(saved.record.settings.find(R"("variant":"dark")"), std::string::npos) << saved.record.settings;
 }
 
 }  // namespace

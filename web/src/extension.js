@@ -136,6 +136,7 @@ export class BakedLight {
             const { light, depth } = this.pictures[isBlended(material) ? 'blended' : 'opaque'];
             uniforms.phatLight.value = light;
             uniforms.phatDepth.value = depth;
+            uniforms.phatBehindDepth.value = this.pictures.opaque.depth;
         }
     }
 

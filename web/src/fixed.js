@@ -27,15 +27,6 @@ export function whiteTexture(gl) {
     return createTexture2D(gl, gl.RGBA8, 1, 1, new Uint8Array([255, 255, 255, 255]));
 }
 
-// display.frag's shadow maps are three.js's business; a sampler must be complete all the same.
-export function noShadows(gl) {
-    const texture = gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D_ARRAY, texture);
-    gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.DEPTH_COMPONENT16, 1, 1, 1);
-    gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl.TEXTURE_COMPARE_MODE, gl.COMPARE_REF_TO_TEXTURE);
-    return texture;
-}
-
 // 64x64 numbers that a CPU would need half a second for.
 export function drawSplitSum(gl) {
     const texture = createTexture2D(gl, gl.RGBA32F, kSplitSumSize, kSplitSumSize),

@@ -1,4 +1,6 @@
-// Makes three.js's materials add the light of the passes at the fragment's position.
+// Makes three.js's materials add the light of the passes at the fragment's position, and rough glass blur what is
+// behind it as far as it is away.
+import { ShaderChunk } from 'three';
 
 // The passes draw each pixel once; at edges, where multisampling shades two surfaces, the neighbour that is
 // nearest in depth is the fragment's own surface.
@@ -33,10 +35,53 @@ clearcoatSpecularIndirect = vec3(0.0);
 #endif
 `;
 
-// `corner`: of the pictures in what is drawn to, a uniform. Returns the uniforms phatLight and phatDepth, and
+// three.js blurs by roughness alone, as if all were equally far behind the glass. The angles are those of
+// shaders/lib/behind.glsl, of which one filtered sample is the half that is nearest to the lobe's middle: within twice
+// alpha. The cubic filter of a level has a standard deviation of .645 texels, and half of a Gaussian is within 1.177 of its
+// own, so a level's texels have 1 / (.645 * 1.177) of the radius.
+const scatter = `
+uniform highp sampler2D phatBehindDepth;
+// Metres along the view.
+float phatMetersAt(vec2 uv) {
+    float z = 2.0 * texture2D(phatBehindDepth, uv).r - 1.0;
+    if (isOrthographic) return (projectionMatrix[3][2] - z) / projectionMatrix[2][2];
+    return projectionMatrix[3][2] / (z + projectionMatrix[2][2]);
+}
+// Of the lobe's half on the screen, in parts of its height.
+float phatRadius(vec2 uv, float alpha, float metersToGlass) {
+    float meters = phatMetersAt(uv), behind = max(meters - metersToGlass, 0.0);
+    return alpha * projectionMatrix[1][1] * (isOrthographic ? behind : behind / meters);
+}
+vec4 getTransmissionSample(const in vec2 fragCoord, const in float roughness, const in float ior) {
+    // Two interfaces turn light by ior - 1 of what tilts them, a mirror by twice as much.
+    float alpha = roughness * roughness * (thickness > 0.0 ? min((ior - 1.0) / sqrt(2.0), 1.0) : 1.0);
+    float metersToGlass = -(viewMatrix * vec4(vWorldPosition, 1.0)).z;
+    float straight = phatRadius(fragCoord, alpha, metersToGlass), radius = straight;
+    vec2 aspect = vec2(transmissionSamplerSize.y / transmissionSamplerSize.x, 1.0);
+    for (int i = 0; i < 8; ++i) {
+        float angle = 0.7853982 * float(i);
+        radius += phatRadius(fragCoord + straight * aspect * vec2(cos(angle), sin(angle)), alpha, metersToGlass);
+    }
+    float texels = 1.317 * radius / 9.0 * transmissionSamplerSize.y;
+    return textureBicubic(transmissionSamplerMap, fragCoord.xy, log2(max(texels, 1.0)));
+}
+`;
+function scattering() {
+    return ShaderChunk.transmission_pars_fragment.replace(
+        /vec4 getTransmissionSample\([^)]*\) \{[^}]*\}/,
+        scatter,
+    );
+}
+
+// `corner`: of the pictures in what is drawn to, a uniform. Returns the uniforms of the pictures' textures, and
 // a function that undoes it.
 export function injectLight(material, corner) {
-    const uniforms = { phatLight: { value: null }, phatDepth: { value: null }, phatCorner: corner };
+    const uniforms = {
+        phatLight: { value: null },
+        phatDepth: { value: null },
+        phatBehindDepth: { value: null },
+        phatCorner: corner,
+    };
     const { onBeforeCompile, customProgramCacheKey } = material;
     material.onBeforeCompile = function (shader, renderer) {
         onBeforeCompile.call(this, shader, renderer);
@@ -45,6 +90,7 @@ export function injectLight(material, corner) {
             declarations +
             shader.fragmentShader
                 .replace('#include <aomap_fragment>', replaceIndirect)
+                .replace('#include <transmission_pars_fragment>', scattering)
                 .replace(
                     '#include <opaque_fragment>',
                     'outgoingLight += phatLightHere();\n#include <opaque_fragment>',

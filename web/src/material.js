@@ -16,7 +16,10 @@ export const kSlots = [
     ['clearcoatTexture', (m) => m.clearcoatMap],
     ['clearcoatRoughnessTexture', (m) => m.clearcoatRoughnessMap],
     ['clearcoatNormalTexture', (m) => m.clearcoatNormalMap],
+    ['transmissionTexture', (m) => m.transmissionMap],
 ];
+// The first slots, which all programs that shade a surface read; the display pass reads the others, too.
+export const kOpaqueSlots = 9;
 
 export function hasClearcoat(material) {
     return material.clearcoat > 0;

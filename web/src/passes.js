@@ -4,13 +4,14 @@
 // twin: src/gl/lookup_pass.cpp, src/gl/display_pass.cpp.
 import { ShaderProgram, createTextureArray } from './gl.js';
 import { sampleNumberTables } from './sample_numbers.js';
-import { drawSplitSum, noShadows, resetState, whiteTexture } from './fixed.js';
+import { drawSplitSum, resetState, whiteTexture } from './fixed.js';
 import {
     alphaMode,
     hasClearcoat,
     isBlended,
     kMaterialRows,
     kOpaque,
+    kOpaqueSlots,
     kSlots,
     packMaterial,
 } from './material.js';
@@ -19,7 +20,9 @@ import { createTargets, disposeTargets } from './targets.js';
 import { requireRevision, uploadTexture, webglTexture } from './three_internals.js';
 import { uploadAtlas, uploadProbes, uploadScrambles, uploadInverseCdfs } from './tables.js';
 
-const kFirstMaterialUnit = 7;
+// Of the 16 units that every device has the display pass needs none for punctual lights, which are three.js's own.
+const kFirstMaterialUnit = 7,
+    kTransmissionUnit = 5;
 const kFloatOne = 0x3f800000; // bits
 // Views whose pictures are kept: a page's own and a second one, as long as both are drawn.
 const kKeptSizes = 2,
@@ -44,7 +47,6 @@ export class Passes {
         this.vertices = createVertices(gl, bake.surfaces);
         this.noVertices = gl.createVertexArray();
         this.white = whiteTexture(gl);
-        this.shadows = noShadows(gl);
         this.atlas = uploadAtlas(gl, bake.atlas);
         this.targets = [];
         this.frameCount = 0;
@@ -99,6 +101,8 @@ export class Passes {
         this.displayProgram = new ShaderProgram(gl, 'surface.vert', 'display.frag', [
             ...this.defines,
             'LOOKUP',
+            'WITHOUT_PUNCTUAL_LIGHTS',
+            'TRANSMISSION_TEXTURE',
         ]);
         this.poolProgram = new ShaderProgram(gl, 'fullscreen.vert', 'pool.frag', this.defines);
     }
@@ -132,15 +136,17 @@ export class Passes {
         return this.bake.surfaces.drawRanges.some(({ mesh }) => isBlended(mesh.material));
     }
 
-    bindMaterial(program, material, allSlots) {
+    // `slotCount`: how many of the slots the program reads.
+    bindMaterial(program, material, slotCount) {
         const { gl, renderer } = this;
         packMaterial(material, this.rows);
         // Blending itself is three.js's.
         program.set('alphaMode', isBlended(material) ? kOpaque : alphaMode(material));
-        kSlots.slice(0, allSlots ? kSlots.length : 1).forEach(([sampler, textureOf], i) => {
+        kSlots.slice(0, slotCount).forEach(([sampler, textureOf], i) => {
             const texture = textureOf(material);
             const uploaded = texture && webglTexture(renderer, texture);
-            program.bind(sampler, kFirstMaterialUnit + i, gl.TEXTURE_2D, uploaded ?? this.white);
+            const unit = i < kOpaqueSlots ? kFirstMaterialUnit + i : kTransmissionUnit;
+            program.bind(sampler, unit, gl.TEXTURE_2D, uploaded ?? this.white);
         });
         program.set('material', this.rows);
     }
@@ -154,7 +160,7 @@ export class Passes {
         }
     }
 
-    drawSurfaces(program, view, allSlots) {
+    drawSurfaces(program, view, slotCount) {
         const { gl } = this;
         program.set('clipFromWorld', view.clipFromWorld);
         program.offer('eyeWorld', view.eye);
@@ -164,7 +170,7 @@ export class Passes {
             if (mesh.material.side === 2) gl.disable(gl.CULL_FACE);
             else gl.enable(gl.CULL_FACE);
             program.offer('surfaceIndex', i);
-            this.bindMaterial(program, mesh.material, allSlots);
+            this.bindMaterial(program, mesh.material, slotCount);
             gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
         });
     }
@@ -179,7 +185,7 @@ export class Passes {
         gl.depthFunc(gl.LESS);
         gl.colorMask(false, false, false, false);
         this.depthProgram.use();
-        this.drawSurfaces(this.depthProgram, view, false);
+        this.drawSurfaces(this.depthProgram, view, 1);
         gl.colorMask(true, true, true, true);
         gl.depthFunc(gl.EQUAL);
         gl.depthMask(false);
@@ -212,7 +218,7 @@ export class Passes {
         program.set('ranks', ranks);
         program.set('sampleCount', sampleCount);
         program.set('lightBits', lightBits);
-        this.drawSurfaces(program, view, true);
+        this.drawSurfaces(program, view, kOpaqueSlots);
         this.poolSums(shared, target);
     }
 
@@ -243,12 +249,9 @@ export class Passes {
         program.bind('tileTable', 2, gl.TEXTURE_2D, atlas.tileTable);
         program.bind('irradiance', 3, gl.TEXTURE_2D_ARRAY, atlas.irradiance);
         program.bind('splitSumTable', 4, gl.TEXTURE_2D, this.splitSum);
-        program.bind('lightTable', 5, gl.TEXTURE_2D, this.white);
-        program.bind('shadowMaps', 6, gl.TEXTURE_2D_ARRAY, this.shadows);
-        program.set('lightCount', 0); // three.js's own
         program.set('tracedLayer', 0);
         program.set('show', show);
-        this.drawSurfaces(program, view, true);
+        this.drawSurfaces(program, view, kSlots.length);
     }
 
     // `view`: { width, height, clipFromWorld, eye, eyeAtInfinity, isVisible(mesh) }; the rest: see
@@ -307,7 +310,7 @@ export class Passes {
         this.freeTargets();
         this.disposePrograms();
         this.freeLookup();
-        for (const texture of [...Object.values(this.atlas), this.white, this.shadows, this.splitSum])
+        for (const texture of [...Object.values(this.atlas), this.white, this.splitSum])
             gl.deleteTexture(texture);
         this.vertices.buffers.forEach((buffer) => gl.deleteBuffer(buffer));
         gl.deleteVertexArray(this.vertices.vertexArray);

@@ -3,4 +3,5 @@ import './compositions.test.js';
 import './package.test.js';
 import './pictures.test.js';
 import './plugin.test.js';
+import './rooms.test.js';
 import './site.test.js';

@@ -6,10 +6,12 @@ import {
     Scene,
     ShaderChunk,
     Vector2,
+    Vector3,
     WebGLRenderer,
 } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { PhatexturesExtension, isSupported, jitterOf } from '../src/index.js';
+import { isGlass } from '../src/material.js';
 import { Navigation, defaultCamera, sphereOf } from './navigation.js';
 import { createPanel } from './panel.js';
 import { Picture } from './picture.js';
@@ -49,7 +51,27 @@ function createRenderer() {
     return renderer;
 }
 
-function prepareShadow(light) {
+// A parallel light's shadow is of the whole scene, wherever the light's node is.
+function fitShadow(light, sphere) {
+    const { camera } = light.shadow;
+    camera.position.setFromMatrixPosition(light.matrixWorld);
+    camera.lookAt(new Vector3().setFromMatrixPosition(light.target.matrixWorld));
+    camera.updateMatrixWorld();
+    const { x, y, z } = sphere.center.clone().applyMatrix4(camera.matrixWorldInverse),
+        { radius } = sphere;
+    Object.assign(camera, {
+        left: x - radius,
+        right: x + radius,
+        bottom: y - radius,
+        top: y + radius,
+        near: -z - radius,
+        far: -z + radius,
+    });
+    camera.updateProjectionMatrix();
+}
+
+function prepareShadow(light, sphere) {
+    if (light.isDirectionalLight) fitShadow(light, sphere);
     light.castShadow = true;
     light.shadow.mapSize.setScalar(kShadowTexels);
     light.shadow.normalBias = kShadowOffset;
@@ -91,6 +113,7 @@ class Viewer {
         });
         this.scene = new Scene();
         this.scene.add(gltf.scene);
+        gltf.scene.updateMatrixWorld(true);
         const sphere = sphereOf(gltf.scene);
         this.camera = new PerspectiveCamera(40, 1, Math.min(1e-3 * sphere.radius, 0.01), 50 * sphere.radius);
         this.picture = new Picture(renderer);
@@ -99,13 +122,18 @@ class Viewer {
         this.secondsPerPixel = 0; // 'fast'; 0: not known yet
         this.pending = null;
         this.navigation = new Navigation(this.camera, canvas, gltf.scene, () => this.viewChanged());
-        const materials = new Set();
+        const materials = new Set(),
+            cameras = [];
         gltf.scene.traverse((object) => {
+            // Those of the nodes: of a camera that several nodes have, gltf.cameras is none of theirs.
+            if (object.isPerspectiveCamera) cameras.push(object);
             if (object.isMesh) {
-                object.castShadow = object.receiveShadow = true;
+                // three.js knows no light through glass: better all of it than none.
+                object.castShadow = !isGlass(object.material);
+                object.receiveShadow = true;
                 if (object.material.isMeshStandardMaterial) materials.add(object.material);
             }
-            if (object.shadow) prepareShadow(object);
+            if (object.shadow) prepareShadow(object, sphere);
         });
         const anisotropy = Math.min(8, renderer.capabilities.getMaxAnisotropy()); // twin: mostAnisotropy
         for (const material of materials) {
@@ -114,7 +142,6 @@ class Viewer {
             keepToGltf(material);
         }
         this.drawShadows();
-        const cameras = gltf.cameras.filter((camera) => camera.isPerspectiveCamera);
         createPanel(
             this,
             [...materials],

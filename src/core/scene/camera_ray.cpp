@@ -5,6 +5,31 @@ namespace {
 
 constexpr float kMinNearMeters = 1e-5f;  // the rasteriser's too
 
+// The first hit along a ray that is not skipped; its distance is from the ray's origin.
+template <class Skip>
+Hit firstHit(const RayScene& rays, const Ray& ray, uint64_t& rayCount, const Skip& skip) {
+    const Scene& scene = rays.scene();
+    glm::vec3 origin = ray.origin;
+    for (;;) {
+        ++rayCount;
+        Hit hit = rays.closestHit(origin, ray.direction);
+        if (!hit) return hit;
+        const glm::vec3 position = origin + hit.distance * ray.direction;
+        if (!skip(hit)) {
+            hit.distance = glm::distance(ray.origin, position);
+            return hit;
+        }
+        const glm::uvec3 corner = scene.triangles[hit.triangle];
+        const glm::vec3 a = scene.positions[corner.x];
+        const glm::vec3 across = glm::cross(scene.positions[corner.y] - a, scene.positions[corner.z] - a);
+        const glm::vec3 front = glm::normalize(across);
+        const glm::vec3 beyond = offsetOrigin(position, hit.backFace ? front : -front);
+        // Where floats are too coarse to get past it, the ray ends rather than stays.
+        if (!(glm::dot(beyond - origin, ray.direction) > 0)) return {};
+        origin = beyond;
+    }
+}
+
 }  // namespace
 
 Ray cameraRay(const Camera& camera, int width, int height, glm::vec2 position) {
@@ -27,25 +52,20 @@ bool isCulled(const Scene& scene, const Hit& hit) {
 }
 
 Hit visibleHit(const RayScene& rays, const Ray& ray, uint64_t& rayCount) {
-    const Scene& scene = rays.scene();
-    glm::vec3 origin = ray.origin;
-    for (;;) {
-        ++rayCount;
-        Hit hit = rays.closestHit(origin, ray.direction);
-        if (!hit) return hit;
-        const glm::vec3 position = origin + hit.distance * ray.direction;
-        if (!isCulled(scene, hit)) {
-            hit.distance = glm::distance(ray.origin, position);
-            return hit;
-        }
-        const glm::uvec3 corner = scene.triangles[hit.triangle];
-        const glm::vec3 a = scene.positions[corner.x];
-        const glm::vec3 front = glm::cross(scene.positions[corner.y] - a, scene.positions[corner.z] - a);
-        const glm::vec3 beyond = offsetOrigin(position, glm::normalize(front));
-        // Where floats are too coarse to get past it, the ray ends rather than stays.
-        if (!(glm::dot(beyond - origin, ray.direction) > 0)) return {};
-        origin = beyond;
-    }
+    return firstHit(rays, ray, rayCount, [&](const Hit& hit) { return isCulled(rays.scene(), hit); });
+}
+
+Hit visibleBehindGlass(const RayScene& rays, const Ray& ray) {
+    uint64_t uncounted = 0;
+    return firstHit(rays, ray, uncounted, [&](const Hit& hit) {
+        return isCulled(rays.scene(), hit) || rays.glassOf(hit.triangle) != Glass::none;
+    });
+}
+
+Hit hitBehindGlass(const RayScene& rays, const Ray& ray) {
+    uint64_t uncounted = 0;
+    return firstHit(rays, ray, uncounted,
+                    [&](const Hit& hit) { return rays.glassOf(hit.triangle) != Glass::none; });
 }
 
 }  // namespace phat

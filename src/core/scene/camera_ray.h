@@ -20,4 +20,9 @@ inline Hit visibleHit(const RayScene& rays, const Ray& ray) {
     return visibleHit(rays, ray, uncounted);
 }
 
+/// The same behind all glass, straight on.
+Hit visibleBehindGlass(const RayScene& rays, const Ray& ray);
+/// The nearest hit on anything but glass, straight on.
+Hit hitBehindGlass(const RayScene& rays, const Ray& ray);
+
 }  // namespace phat

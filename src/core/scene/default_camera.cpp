@@ -53,7 +53,8 @@ float depthScore(const RayScene& rays, const RoomView& view) {
     float depth = 0, near = 0;
     for (int y = 0; y < kRaysDown; ++y) {
         for (int x = 0; x < kRaysAcross; ++x) {
-            const Hit hit = visibleHit(rays, {view.from.eye, rayThrough(headingOf(view.heading), x, y)});
+            const Hit hit =
+                visibleBehindGlass(rays, {view.from.eye, rayThrough(headingOf(view.heading), x, y)});
             if (!hit) continue;  // a window shows none of the room
             depth += std::log1p(hit.distance / view.from.roomHeight);
             near += hit.distance < kNear * view.from.roomHeight;
@@ -87,7 +88,7 @@ DefaultView insideView(const RayScene& rays, const LightSampler& lights,
 
     const StandPoint& from = views.front().from;
     const glm::vec3 forward = headingOf(views.front().heading);
-    const Hit hit = visibleHit(rays, {from.eye, forward});
+    const Hit hit = visibleBehindGlass(rays, {from.eye, forward});
     DefaultView view;
     view.inside = true;
     view.target = from.eye + (hit ? hit.distance : from.roomHeight) * forward;

@@ -64,7 +64,8 @@ bool lookAround(const RayScene& rays, StandPoint& point) {
         if (!first) continue;
         ++met;
         fronts += !first.backFace;
-        const Hit hit = isCulled(rays.scene(), first) ? visibleHit(rays, {point.eye, direction}) : first;
+        const Hit hit =
+            isCulled(rays.scene(), first) ? visibleBehindGlass(rays, {point.eye, direction}) : first;
         if (!hit) continue;
         ++seen;
         point.nearest = std::min(point.nearest, hit.distance);

@@ -65,7 +65,7 @@ struct Material {
     TextureSlot clearcoatNormalTexture;
     float transmission = 0;
     TextureSlot transmissionTexture;  // R
-    float thickness = 0;              // metres; 0: infinitely thin, else the surface bounds a volume
+    float thickness = 0;              // units of the mesh; 0: infinitely thin, else it bounds a volume
     TextureSlot thicknessTexture;     // G
     glm::vec3 attenuationColor{1};    // what is left of white light after attenuationDistance
     float attenuationDistance = std::numeric_limits<float>::infinity();  // metres
@@ -88,6 +88,7 @@ struct Surface {
     uint32_t triangleCount = 0;
     uint32_t firstVertex = 0;
     uint32_t vertexCount = 0;
+    float metersPerUnit = 1;  // of Material::thickness: the node's scale along the surface's normals
 };
 
 struct PunctualLight {

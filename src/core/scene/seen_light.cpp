@@ -4,6 +4,7 @@
 
 #include "core/base/random.h"
 #include "core/scene/camera_ray.h"
+#include "core/scene/glass.h"
 #include "core/scene/shading.h"
 
 namespace phat {
@@ -21,7 +22,7 @@ glm::ivec2 overPicture(const RayScene& rays, const Camera& camera, const Count& 
     tbb::parallel_for(size_t(0), counts.size(), [&](size_t i) {
         const glm::vec2 pixel(i % size_t(width), i / size_t(width));
         const Ray ray = cameraRay(camera, width, kHeight, pixel + 0.5f);
-        if (const Hit hit = visibleHit(rays, ray)) counts[i] = count(i, ray, hit);
+        if (const Hit hit = visibleBehindGlass(rays, ray)) counts[i] = count(i, ray, hit);
     });
     glm::ivec2 sum(0);
     for (const glm::ivec2& pixel : counts) sum += pixel;
@@ -36,17 +37,25 @@ bool reachesSky(const RayScene& rays, glm::vec3 origin, glm::vec3 direction, Hit
         const glm::vec3 normal = surfaceAt(scene, hit, direction).normalGeometric;
         origin = offsetOrigin(origin + hit.distance * direction, normal);
         direction = glm::normalize(frameFromNormal(normal).toWorld(squareToCosineHemisphere(rng.uniform2())));
-        hit = rays.closestHit(origin, direction);
+        hit = hitBehindGlass(rays, {origin, direction});
         if (!hit) return true;
         if (isCulled(scene, hit)) return false;  // a black back
     }
     return false;
 }
 
+// Whether light comes along a ray, through glass too.
+bool isOpen(const RayScene& rays, const Ray& ray, float distance) {
+    if (!rays.hasGlass()) return !rays.anyHit(ray.origin, ray.direction, distance);
+    uint64_t count = 0;
+    const StraightView view = seeStraight(rays, ray, distance, count);
+    return !view.hit && maxComponent(view.transmittance) > 0;
+}
+
 bool isLit(const RayScene& rays, const LightSampler& lights, glm::vec3 point, glm::vec3 normal, Rng rng) {
     const auto reaches = [&](const LightSample& light) {
         return light.pdf > 0 && maxComponent(light.radiance) > 0 && glm::dot(light.towardLight, normal) > 0 &&
-               !rays.anyHit(point, light.towardLight, light.distance * (1 - 1e-4f));
+               isOpen(rays, {point, light.towardLight}, light.distance * (1 - 1e-4f));
     };
     for (size_t i = 0; i < rays.scene().lights.size(); ++i)
         if (reaches(lights.samplePunctual(i, point))) return true;

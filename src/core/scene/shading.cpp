@@ -220,9 +220,10 @@ SurfacePoint glassAt(const Scene& scene, const Hit& hit, glm::vec3 direction) {
 
 float thicknessAt(const Scene& scene, const Hit& hit) {
     const Material& m = scene.materialOf(hit.triangle);
-    if (m.thicknessTexture.image < 0) return m.thickness;
+    const float meters = m.thickness * scene.surfaces[scene.triangleSurface[hit.triangle]].metersPerUnit;
+    if (m.thicknessTexture.image < 0) return meters;
     const Interpolated at = interpolateAt(scene, hit.triangle, hit.barycentric);
-    return m.thickness * lookUp(scene, m.thicknessTexture, at, false).g;
+    return meters * lookUp(scene, m.thicknessTexture, at, false).g;
 }
 
 SurfacePoint surfaceAt(const Scene& scene, uint32_t triangle, glm::vec2 barycentric, bool back) {

@@ -31,7 +31,7 @@ SurfacePoint surfaceAt(const Scene& scene, uint32_t triangle, glm::vec2 barycent
 /// The surface at a hit of a transmissive material, whose back lets through what its front does, single-sided
 /// or not.
 SurfacePoint glassAt(const Scene& scene, const Hit& hit, glm::vec3 direction);
-/// Material::thickness with its texture, metres.
+/// Metres: Material::thickness with its texture, scaled by the node.
 float thicknessAt(const Scene& scene, const Hit& hit);
 
 /// World, also outside the triangle.

@@ -45,6 +45,21 @@ glm::vec3 directionOf(glm::dvec3 v) {
     return glm::vec3(glm::normalize(v / largest));
 }
 
+// By how much the node moves planes of the surface apart that have its normals: |linear^T n| for a normal n
+// of the placed surface. The mean over its area. 1 for a surface without area.
+float scaleAlongNormals(const MeshPart& part, const Placement& placement) {
+    const glm::dmat3 transposed = glm::transpose(placement.linear);
+    double area = 0, scaled = 0;
+    for (const glm::uvec3& t : part.triangles) {
+        const glm::dvec3 p = part.positions[t[0]];
+        const glm::dvec3 normal =
+            glm::cross(glm::dvec3(part.positions[t[1]]) - p, glm::dvec3(part.positions[t[2]]) - p);
+        area += glm::length(normal);
+        scaled += glm::length(transposed * normal);
+    }
+    return area > 0 && std::isfinite(scaled) ? float(scaled / area) : 1.0f;
+}
+
 // The part in world space; triangles with a corner that is nowhere are gone.
 MeshPart placed(const MeshPart& local, const Placement& placement, Notes& notes) {
     MeshPart part = local;
@@ -222,6 +237,7 @@ void flattenMeshes(const Document& document, const std::vector<WorldNode>& nodes
                 surface.mesh = uint32_t(meshIndex);
                 surface.primitive = uint32_t(p);
                 surface.material = material;
+                surface.metersPerUnit = scaleAlongNormals(part, placement);
                 surface.name = surfaceName(model.nodes[surface.node], mesh, surface.node);
                 appendPart(scene, part, std::move(surface));
             }

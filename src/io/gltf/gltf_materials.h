@@ -20,7 +20,8 @@ void forEachSlot(Material& material, Use use) {
     for (TextureSlot* slot : {&material.baseColorTexture, &material.metallicRoughnessTexture,
                               &material.normalTexture, &material.emissionTexture, &material.specularTexture,
                               &material.specularColorTexture, &material.clearcoatTexture,
-                              &material.clearcoatRoughnessTexture, &material.clearcoatNormalTexture}) {
+                              &material.clearcoatRoughnessTexture, &material.clearcoatNormalTexture,
+                              &material.transmissionTexture, &material.thicknessTexture}) {
         use(*slot);
     }
 }

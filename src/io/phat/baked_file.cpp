@@ -214,9 +214,10 @@ std::vector<std::string> writeBakedFile(const std::string& outPath, const GltfSo
 }
 
 std::vector<std::string> writeBakedFile(const std::string& outPath, const std::string& sourcePath,
-                                        const Scene& scene, const Bake& bake, const BakeRecord& record) {
+                                        const Scene& scene, const Bake& bake, const BakeRecord& record,
+                                        const GltfLoadOptions& loaded) {
     GltfSource source = openGltf(sourcePath);
-    loadGltf(source);
+    loadGltf(source, loaded);
     return writeBakedFile(outPath, source, scene, bake, record);
 }
 

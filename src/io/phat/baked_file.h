@@ -60,9 +60,10 @@ struct BakedFileOptions {
 std::vector<std::string> writeBakedFile(const std::string& outPath, const GltfSource& source,
                                         const Scene& scene, const Bake& bake, const BakeRecord& record,
                                         const BakedFileOptions& options = {});
-/// The same of a file that is not open.
+/// The same of a file that is not open; `loaded`: as `scene` was loaded.
 std::vector<std::string> writeBakedFile(const std::string& outPath, const std::string& sourcePath,
-                                        const Scene& scene, const Bake& bake, const BakeRecord& record);
+                                        const Scene& scene, const Bake& bake, const BakeRecord& record,
+                                        const GltfLoadOptions& loaded = {});
 
 /// About how many texels a baked file of `bytes` has room for; `sceneBytes`: what the scene itself takes.
 uint64_t texelsThatFit(uint64_t bytes, uint64_t sceneBytes, int layers, bool areaLights,

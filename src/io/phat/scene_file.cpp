@@ -6,9 +6,10 @@
 
 namespace phat {
 
-SceneFile readSceneFile(const std::string& path, const SceneLighting& lighting) {
+SceneFile readSceneFile(const std::string& path, const SceneLighting& lighting,
+                        const GltfLoadOptions& options) {
     GltfSource source = openGltf(path);
-    return readSceneFile(source, lighting);
+    return readSceneFile(source, lighting, BakedLighting::refuse, options);
 }
 
 SceneFile readSceneFile(GltfSource& source, const SceneLighting& lighting, BakedLighting whenBaked,

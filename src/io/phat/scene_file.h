@@ -17,10 +17,10 @@ struct SceneFile {
 enum class BakedLighting : uint8_t { refuse, replace };
 
 /// Reads a file and lights it. The added lines are among the scene's notes, too. Throws FileError, also for a
-/// baked file that is refused other lighting than its own.
-SceneFile readSceneFile(const std::string& path, const SceneLighting& lighting);
-/// The same of a file that is open; reads its buffers. `options`: of a scene without a bake. pre: they are
-/// not read yet.
+/// baked file that is refused other lighting than its own. `options`: of a scene without a bake.
+SceneFile readSceneFile(const std::string& path, const SceneLighting& lighting,
+                        const GltfLoadOptions& options = {});
+/// The same of a file that is open; reads its buffers. pre: they are not read yet.
 SceneFile readSceneFile(GltfSource& source, const SceneLighting& lighting,
                         BakedLighting whenBaked = BakedLighting::refuse, const GltfLoadOptions& options = {});
 

@@ -4,6 +4,7 @@
 
 #include "core/scene/enclosure.h"
 #include "core/scene/seen_light.h"
+#include "support/glass_scenes.h"
 #include "support/scene_builder.h"
 
 namespace phat {
@@ -218,6 +219,42 @@ TEST(SeenLight, ALampLightsARoomAndALabelDoesNot) {
     addQuad(label, emitter(glm::vec3(5)), {-0.2f, -0.2f, 1.001f}, {0.4f, 0, 0}, {0, 0.4f, 0});
     const DefaultView view = viewOf(label);
     EXPECT_LT(litFraction(RayScene(label), LightSampler(label), view.camera), 0.05f);
+}
+
+// What is behind glass is seen, lit through it, and daylight comes in by it.
+TEST(DefaultCamera, LooksThroughGlass) {
+    const auto hall = [](const Material& pane) {
+        Scene scene;
+        addRoom(scene, lambert(0.7f), {4, 3, 12});
+        addQuad(scene, pane, {0, 0, 6}, {4, 0, 0}, {0, 3, 0});
+        return scene;
+    };
+    Material wall = lambert(0.7f);
+    wall.doubleSided = true;
+    const auto depthOf = [](const DefaultView& view) { return glm::distance(view.target, eyeOf(view)); };
+    EXPECT_LT(depthOf(viewOf(hall(wall))), 6.5f);
+    EXPECT_GT(depthOf(viewOf(hall(glass()))), 6.5f);
+
+    Camera camera;
+    camera.worldFromCamera[3] = glm::vec4(2, 1.5f, 1, 1);
+    camera.worldFromCamera[0].x = camera.worldFromCamera[2].z = -1;  // toward +z, where the pane is
+    const auto litOf = [&](const Material& pane) {
+        Scene scene = hall(pane);
+        scene.lights.push_back(pointLight(glm::vec3(10), {2, 2.5f, 11}));
+        return litFraction(RayScene(scene), LightSampler(scene), camera);
+    };
+    EXPECT_LT(litOf(wall), 0.01f);
+    EXPECT_GT(litOf(glass()), 0.9f);
+
+    // The wall at the end is one pane.
+    const auto daylightOf = [&](const Material& pane) {
+        Scene scene;
+        addRoom(scene, lambert(0.7f), {4, 3, 12});
+        scene.materials[scene.surfaces[5].material] = pane;
+        return daylightFraction(RayScene(scene), camera);
+    };
+    EXPECT_EQ(daylightOf(wall), 0);
+    EXPECT_GT(daylightOf(glass()), 0.1f);
 }
 
 }  // namespace

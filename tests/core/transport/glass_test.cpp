@@ -190,6 +190,11 @@ TEST(Glass, AbsorbsByBeersLaw) {
     const glm::vec3 paneWant = (1 - r) * left;
     const StraightView through = seeStraight(RayScene(pane), ray, 1e30f, count);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(through.transmittance[c], paneWant[c], 1e-4f);
+    // The node scales what the material says.
+    pane.materials.back().thickness = kThick / 4;
+    pane.surfaces.back().metersPerUnit = 4;
+    const StraightView scaled = seeStraight(RayScene(pane), ray, 1e30f, count);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(scaled.transmittance[c], paneWant[c], 1e-4f);
 }
 
 double meanRadiance(const Scene& scene, glm::vec3 eye, float yfovDegrees, int samples) {

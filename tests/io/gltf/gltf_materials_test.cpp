@@ -116,6 +116,27 @@ TEST(GltfMaterials, TransmissionAndVolume) {
     EXPECT_EQ(wrong.attenuationColor, glm::vec3(1, 0, 1));
 }
 
+// Thickness is measured in the mesh, along its normals (KHR_materials_volume).
+TEST(GltfMaterials, NodesScaleThickness) {
+    const auto metersPerUnit = [](const Json& node) {
+        GltfBuilder builder;
+        // In the plane z = 0.
+        const int mesh = builder.mesh(
+            {{"attributes", {{"POSITION", builder.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0})}}}});
+        Json placed = node;
+        placed["mesh"] = mesh;
+        builder.root(placed);
+        return load(builder).scene.surfaces.at(0).metersPerUnit;
+    };
+    EXPECT_EQ(metersPerUnit(Json::object()), 1);
+    EXPECT_FLOAT_EQ(metersPerUnit({{"scale", {3, 3, 3}}}), 3);
+    EXPECT_FLOAT_EQ(metersPerUnit({{"scale", {3, 5, 0.25}}}), 0.25f);
+    EXPECT_FLOAT_EQ(metersPerUnit({{"scale", {-2, -2, -2}}, {"rotation", {0.6, 0, 0, 0.8}}}), 2);
+    EXPECT_EQ(metersPerUnit({{"scale", {1, 1, 0}}}), 0);
+    // Sheared: x += z. Planes of the same z stay as far apart as they were.
+    EXPECT_FLOAT_EQ(metersPerUnit({{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1}}}), 1);
+}
+
 TEST(GltfMaterials, TransmissionAndThicknessHaveTextures) {
     Textured textured;
     textured.builder.push(
@@ -124,7 +145,9 @@ TEST(GltfMaterials, TransmissionAndThicknessHaveTextures) {
           {{"KHR_materials_transmission",
             {{"transmissionFactor", 1}, {"transmissionTexture", {{"index", 0}}}}},
            {"KHR_materials_volume", {{"thicknessFactor", 1}, {"thicknessTexture", {{"index", 0}}}}}}}});
-    const Material material = load(textured.builder).scene.materials[0];
+    const Scene scene = load(textured.builder).scene;
+    ASSERT_EQ(scene.images.size(), 1u);  // one that only glass reads
+    const Material& material = scene.materials[0];
     EXPECT_EQ(material.transmissionTexture.image, 0);
     EXPECT_EQ(material.thicknessTexture.image, 0);
 }

@@ -52,7 +52,7 @@ inline int countUnsound(const Scene& scene) {
              {&material.baseColorTexture, &material.metallicRoughnessTexture, &material.normalTexture,
               &material.emissionTexture, &material.specularTexture, &material.specularColorTexture,
               &material.clearcoatTexture, &material.clearcoatRoughnessTexture,
-              &material.clearcoatNormalTexture}) {
+              &material.clearcoatNormalTexture, &material.transmissionTexture, &material.thicknessTexture}) {
             expect(slot->image >= -1 && slot->image < int32_t(scene.images.size()));
             expect(slot->uvSet == 0 || slot->uvSet == 1);
         }

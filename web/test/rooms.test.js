@@ -1,0 +1,128 @@
+// Glass in the page of `phat web`, beside the pictures of `phat render`.
+import assert from 'node:assert/strict';
+import { mkdtemp, rm, writeFile } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { borrowBrowser, serve } from './browser.js';
+import { glassRoom } from './built_room.js';
+import { maeOverMean, meanOf, phat, readExr } from './room.js';
+import { loaded, open, pixelsOf, rest, viewport } from './site.js';
+
+const { width, height } = viewport;
+let folder, served, mesa, page, pixels, expected;
+
+before(async () => {
+    folder = await mkdtemp(join(tmpdir(), 'phat-glass-'));
+    const [scene, baked, site, reference] = ['room.glb', 'room.phat.glb', 'site', 'room.exr'].map((name) =>
+        join(folder, name),
+    );
+    await writeFile(scene, glassRoom());
+    await phat('bake', scene, '-o', baked, '--resolution', '60k', '--photons', '50k', '--quiet');
+    await phat('web', baked, '-o', site, '--quiet');
+    const options = ['--spp', '16', '--reflections', 'lookup', '--quiet', '--size', `${width}x${height}`];
+    await phat('render', baked, '-o', reference, ...options);
+    expected = (await readExr(reference)).pixels;
+    mesa = await borrowBrowser('gl-egl');
+    served = await serve(site);
+    page = await loaded(await open(mesa.value, served.url));
+    await rest(page);
+    pixels = await pixelsOf(page, 16, 'default');
+});
+after(async () => {
+    await page?.close();
+    await mesa?.dispose();
+    served?.close();
+    if (folder) await rm(folder, { recursive: true });
+});
+
+// RGBA of the pixels where x and y, metres in the plane of the panes, are inside a rectangle.
+function part(all, [left, bottom, right, top]) {
+    const pixelsPerMeter = height / (2 * Math.tan(0.5) * 1.9);
+    return all.filter((_, i) => {
+        const x = (Math.floor(i / 4) % width) + 0.5 - width / 2,
+            y = Math.floor(i / 4 / width) + 0.5 - height / 2;
+        const at = [x / pixelsPerMeter, y / pixelsPerMeter + 1.4];
+        return at[0] > left && at[0] < right && at[1] > bottom && at[1] < top;
+    });
+}
+
+test('a transmission texture says where glass is opaque', (t) => {
+    for (const [name, area] of [
+        ['clear', [-1.25, 0.65, -0.75, 2.1]],
+        ['opaque', [-0.65, 0.65, -0.15, 2.1]],
+    ]) {
+        const error = maeOverMean(part(pixels, area), part(expected, area));
+        t.diagnostic(`${name}: MAE/mean ${error.toFixed(4)}`);
+        // Glossy light on glass is the lookup's in the page, and the pyramid's in phat render: of 4 % of it.
+        assert.ok(error < 0.03, `${name}: ${error}`);
+    }
+});
+
+test('rough glass blurs what is behind it by its distance', (t) => {
+    // Of blue strips before a white wall: a standard deviation over the mean.
+    const contrast = (all, area) => {
+        const reds = part(all, area).filter((_, i) => i % 4 === 0),
+            mean = reds.reduce((a, b) => a + b) / reds.length;
+        return Math.sqrt(reds.reduce((sum, x) => sum + (x - mean) ** 2, 0) / reds.length) / mean;
+    };
+    const contrasts = (area) => [pixels, expected].map((all) => contrast(all, area));
+    const near = contrasts([0.3, 0.7, 1.2, 1.2]),
+        far = contrasts([0.3, 1.55, 0.8, 1.75]);
+    t.diagnostic(`contrasts, and of phat render: near ${near.join(' ')}, far ${far.join(' ')}`);
+    // phat render takes 16 samples of the lobe where the page takes one that is filtered.
+    assert.ok(Math.abs(near[0] / near[1] - 1) < 0.15, `near ${near}`);
+    assert.ok(far[0] < 0.06 && far[1] < 0.06, `far ${far}`);
+});
+
+test('two nodes with one camera are two views', async () => {
+    const views = await page.evaluate(() =>
+        [...document.getElementById('camera').options].map(({ value, text }) => {
+            const select = document.getElementById('camera');
+            select.value = value;
+            select.dispatchEvent(new Event('change'));
+            return [text, viewer.camera.position.toArray().map((x) => Math.round(1e4 * x) / 1e4)];
+        }),
+    );
+    assert.deepEqual(views, [
+        ['middle', [0, 1.4, 1.9]],
+        ['aside', [1, 1.4, 1.9]],
+    ]);
+});
+
+// Pages show in perspective alone.
+test('a room with parallel cameras alone is seen by a camera of the page', async (t) => {
+    const [scene, baked, site] = ['parallel.glb', 'parallel.phat.glb', 'parallel'].map((name) =>
+        join(folder, name),
+    );
+    await writeFile(scene, glassRoom({ cameras: 'orthographic' }));
+    await phat('bake', scene, '-o', baked, '--resolution', '10k', '--photons', '10k', '--quiet');
+    await phat('web', baked, '-o', site, '--quiet');
+    const server = await serve(site);
+    t.after(() => server.close());
+    const other = await loaded(await open(mesa.value, server.url));
+    await rest(other);
+    const eye = await other.evaluate(() => viewer.camera.position.toArray());
+    assert.ok(eye.every((x, i) => x > [-2, 0, -2][i] && x < [2, 3, 2][i]), eye.join());
+    assert.ok(meanOf(await pixelsOf(other)) > 0);
+    await other.close();
+});
+
+test('walls keep the sun out, wherever its node is', async (t) => {
+    const bakedPage = async (name, sun) => {
+        const [scene, baked, site] = [`${name}.glb`, `${name}.phat.glb`, name].map((file) => join(folder, file));
+        await writeFile(scene, glassRoom({ sun }));
+        await phat('bake', scene, '-o', baked, '--resolution', '10k', '--photons', '10k', '--quiet');
+        await phat('web', baked, '-o', site, '--quiet');
+        const server = await serve(site);
+        t.after(() => server.close());
+        const other = await loaded(await open(mesa.value, server.url));
+        await rest(other);
+        const seen = await pixelsOf(other);
+        await other.close();
+        return meanOf(seen);
+    };
+    const [dark, sunny] = [await bakedPage('night', 0), await bakedPage('day', 100)];
+    t.diagnostic(`without the sun ${dark}, with it ${sunny}`);
+    assert.ok(Math.abs(sunny / dark - 1) < 0.1, `${sunny} and ${dark}`);
+});
