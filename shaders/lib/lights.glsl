@@ -9,7 +9,7 @@ const int kLightSpot = 1;
 const int kLightDirectional = 2;
 
 // A light's rows: (position, type), (intensity, range), (direction, cosInner), (cosOuter, first shadow layer,
-// layer count). After all lights, the columns of each shadow layer's clipFromWorld.
+// layer count, least squared distance). After all lights, the columns of each shadow layer's clipFromWorld.
 uniform sampler2D lightTable;
 uniform sampler2DArrayShadow shadowMaps;
 uniform int lightCount;
@@ -35,7 +35,7 @@ PunctualSample samplePunctual(int light, vec3 point) {
     if (type == kLightDirectional) return PunctualSample(-lightRow(light, 2).xyz, intensityRange.rgb, 1e30);
 
     vec3 offset = positionType.xyz - point;
-    float d2 = max(dot(offset, offset), 1e-12);
+    float d2 = max(dot(offset, offset), lightRow(light, 3).w);
     float d = sqrt(d2);
     vec3 towardLight = offset / d;
     float attenuation = 1.0 / d2;

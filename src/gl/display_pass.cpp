@@ -28,7 +28,9 @@ CameraMatrices matricesOf(const Camera& camera, glm::uvec2 size, const Bounds& b
     const float aspect = float(size.x) / float(size.y);
     const glm::vec3 eye(camera.worldFromCamera[3]);
     const float reach = glm::distance(eye, bounds.center()) + 0.5f * bounds.diagonal();
-    const float nearMeters = std::max(camera.znear, 1e-5f);
+    // Depth loses what the near plane gains: a camera without one has it at a thousandth of the reach.
+    const float least = camera.perspective && !(camera.znear > 0) ? 1e-3f : 1e-6f;
+    const float nearMeters = std::max(camera.znear, least * reach);
     const float farMeters = std::max(2 * nearMeters, 1.01f * reach);
     glm::mat4 clipFromCamera = camera.perspective
                                    ? glm::perspective(camera.yfovRadians, aspect, nearMeters, farMeters)

@@ -25,7 +25,7 @@ bool sideLit(const Atlas& atlas, uint32_t triangle, bool backFace) {
 // `texelSizeMeters` here and below: of the texel's chart.
 bool surroundedByDark(const TexelPoints& points, const Atlas& atlas, float texelSizeMeters,
                       const RayScene& rays, size_t i) {
-    const CoverPoint point{offsetOrigin(points.position[i], points.normal[i]),
+    const CoverPoint point{rays.offsetOrigin(points.position[i], points.normal[i]),
                            frameFromNormalAndTangent(points.normal[i], points.tangent[i]), texelSizeMeters,
                            hashOf(i)};
     return isCovered(point, rays,

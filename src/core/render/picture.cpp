@@ -23,8 +23,6 @@ struct PixelSums {
 
 constexpr size_t kRangePixels = 64;
 
-constexpr float kMinNearMeters = 1e-5f;  // the rasteriser's too
-
 // Under a time limit, progress is in milliseconds, not samples.
 class ClockProgress : public Progress {
   public:
@@ -87,7 +85,7 @@ CameraRay cameraRay(const Camera& camera, int width, int height, glm::vec2 posit
     const glm::vec2 ndc(2 * position.x / float(width) - 1, 1 - 2 * position.y / float(height));
     const glm::mat3 rotation(camera.worldFromCamera);
     const glm::vec3 eye(camera.worldFromCamera[3]);
-    const float nearMeters = std::max(camera.znear, kMinNearMeters);
+    const float nearMeters = std::max(camera.znear, 0.0f);
     if (camera.perspective) {
         const float half = std::tan(0.5f * camera.yfovRadians);
         const glm::vec3 toPlane = rotation * glm::vec3(ndc.x * half * aspect, ndc.y * half, -1);
@@ -112,7 +110,7 @@ Hit visibleHit(const RayScene& rays, const CameraRay& ray, uint64_t& rayCount) {
         const glm::uvec3 corner = scene.triangles[hit.triangle];
         const glm::vec3 a = scene.positions[corner.x];
         const glm::vec3 front = glm::cross(scene.positions[corner.y] - a, scene.positions[corner.z] - a);
-        const glm::vec3 beyond = offsetOrigin(position, glm::normalize(front));
+        const glm::vec3 beyond = rays.offsetOrigin(position, glm::normalize(front));
         // Where floats are too coarse to get past it, the ray ends rather than stays.
         if (!(glm::dot(beyond - origin, ray.direction) > 0)) return {};
         origin = beyond;

@@ -54,7 +54,7 @@ bool reachesSky(const RayScene& rays, glm::vec3 origin, glm::vec3 direction, Hit
         const glm::vec2 u = rng.uniform2();
         const float radius = std::sqrt(u.x), angle = 2 * kPi * u.y;
         const glm::vec3 local(radius * std::cos(angle), radius * std::sin(angle), std::sqrt(1 - u.x));
-        origin = offsetOrigin(origin + hit.distance * direction, normal);
+        origin = rays.offsetOrigin(origin + hit.distance * direction, normal);
         direction = glm::normalize(frameFromNormal(normal).toWorld(local));
         hit = rays.closestHit(origin, direction);
         if (!hit) return true;
@@ -96,8 +96,8 @@ float litFraction(const RayScene& rays, const LightSampler& lights, const Camera
         const SurfacePoint surface = surfaceAt(rays.scene(), hit, ray.direction);
         if (maxComponent(surface.emission) > 0) return glm::ivec2(0);
         const glm::vec3 normal = surface.normalGeometric;
-        return glm::ivec2(
-            1, int(isLit(rays, lights, offsetOrigin(surface.position, normal), normal, Rng(hashOf(pixel)))));
+        return glm::ivec2(1, int(isLit(rays, lights, rays.offsetOrigin(surface.position, normal), normal,
+                                       Rng(hashOf(pixel)))));
     });
     return sum.x > 0 ? float(sum.y) / float(sum.x) : 1.0f;
 }
