@@ -45,7 +45,7 @@ std::vector<Ray> recordRays(const GatherSetup& setup, uint64_t count) {
         const glm::uvec2 xy(texel % setup.atlas.sizeTexels.x, texel / setup.atlas.sizeTexels.x);
         const Frame& frame = setup.frames[setup.atlas.blockAt(xy)];
         Rng rng(texel);
-        Ray ray{offsetOrigin(setup.points.position[texel], setup.points.normal[texel]),
+        Ray ray{setup.rays.offsetOrigin(setup.points.position[texel], setup.points.normal[texel]),
                 glm::normalize(frame.toWorld(setup.chosen.directionBlock[texel]))};
         const Ray primary = ray;
         for (const size_t end = count * (k + 1) / texels.size(); recorded.size() < end;) {
@@ -56,7 +56,7 @@ std::vector<Ray> recordRays(const GatherSetup& setup, uint64_t count) {
                 continue;
             }
             const SurfacePoint point = surfaceAt(setup.scene, hit, ray.direction);
-            ray.origin = offsetOrigin(point.position, point.normalGeometric);
+            ray.origin = setup.rays.offsetOrigin(point.position, point.normalGeometric);
             ray.direction =
                 frameFromNormal(point.normalGeometric).toWorld(squareToCosineHemisphere(rng.uniform2()));
         }

@@ -48,7 +48,8 @@ vec3 phatexelColor(ivec2 texel) {
     Phatexel phatexel = unpackPhatexel(texelFetch(phatexels, ivec3(texel, layer), 0).xy);
     if (!phatexel.valid) return inspected == kValidity ? kInvalid : kNothing;
     if (inspected == kRadiance) return phatexel.radiance;
-    if (inspected == kDistance) return heat(log2(phatexel.distance / 0.01) / log2(1e4));  // 1 cm to 100 m
+    if (inspected == kDistance)  // from .01 to 100 units of length
+        return heat(log2(phatexel.distance / (0.01 * unitMeters)) / log2(1e4));
     if (inspected == kValidity) return vec3(0.05, 0.4, 0.1);
     ivec2 tile = texel >> 3;
     TilePatch tilePatch = tilePatchAt(tilePatches, tile, texelSizeOfTile(tile));

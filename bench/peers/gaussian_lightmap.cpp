@@ -112,7 +112,7 @@ glm::vec3 exactReading(const GaussianBasis& basis, const Amplitudes& amplitudes,
 Amplitudes bakeTexel(const RayScene& rays, const LightSampler& lights, const GaussianBasis& basis,
                      const TexelPoints& points, size_t texel, const GaussianSettings& settings) {
     const Frame frame = frameFromNormalAndTangent(points.normal[texel], points.tangent[texel]);
-    const glm::vec3 origin = offsetOrigin(points.position[texel], points.normal[texel]);
+    const glm::vec3 origin = rays.offsetOrigin(points.position[texel], points.normal[texel]);
     Rng rng(hashOf(settings.seed, kPurpose, texel));
     const glm::vec2 shift = rng.uniform2();
     Amplitudes moments{};

@@ -9,7 +9,9 @@ const int kLightSpot = 1;
 const int kLightDirectional = 2;
 
 // A light's rows: (position, type), (intensity, range), (direction, cosInner), (cosOuter, first shadow layer,
-// layer count, disc: radius in texels of the shadow of a disc's light at the map's whole depth; 0: no disc). After all lights, the columns of each shadow layer's clipFromWorld.
+// layer count, w). w of a directional light: radius in texels of the shadow of a disc's light at the map's whole depth,
+// 0 where it is no disc; of others: the least squared distance. After all lights, the columns of each shadow layer's
+// clipFromWorld.
 uniform sampler2D lightTable;
 uniform sampler2DArrayShadow shadowMaps;
 uniform int lightCount;
@@ -41,7 +43,7 @@ PunctualSample samplePunctual(int light, vec3 point) {
     if (type == kLightDirectional) return PunctualSample(-lightRow(light, 2).xyz, intensityRange.rgb, 1e30);
 
     vec3 offset = positionType.xyz - point;
-    float d2 = max(dot(offset, offset), 1e-12);
+    float d2 = max(dot(offset, offset), lightRow(light, 3).w);
     float d = sqrt(d2);
     vec3 towardLight = offset / d;
     float attenuation = 1.0 / d2;
@@ -215,7 +217,8 @@ vec3 shadowVisibility(int light, vec3 point, vec3 normalGeometric) {
         else if (a.y >= a.z) layer += d.y > 0.0 ? 2 : 3;
         else layer += d.z > 0.0 ? 4 : 5;
     }
-    vec3 visibility = vec3(shadowLayerVisibility(layer, lightCount * kLightRows, point, normalGeometric, row.w));
+    float disc = int(lightRow(light, 0).w) == kLightDirectional ? row.w : 0.0;
+    vec3 visibility = vec3(shadowLayerVisibility(layer, lightCount * kLightRows, point, normalGeometric, disc));
 #ifdef SHADOW_TINTS
     if (visibility.x > 0.0) visibility *= shadowTint(layer, lightCount * kLightRows, point);
 #endif

@@ -38,7 +38,8 @@ const float kFarther = 5.0;           // a sample so many times farther than exp
 const float kMaxTurn = 0.5;
 // Radians: beyond, the sample is of another surface, however large cells are.
 const float kMaxMiss = 0.4;
-const float kSlackMeters = 0.05;
+const float kMinDistance = 1e-6;      // units of length, against division by zero
+const float kSlack = 0.05;            // units of length that it may be farther than that
 // Samples that the neighbourhood must hold under a lobe. With fewer a sharp lobe shows single samples. With more,
 // lobes at contacts, where the neighbourhood is small, become so rough that they reflect bright surfaces far away; the
 // last try, by direction alone, has a larger group there (docs/lookup.md).
@@ -108,7 +109,7 @@ LookupSample sampleFrom(LookupTile tile, Phatexel phatexel, vec4 cell, int bits)
     float density = cellDensity(cell);
     float spread2 = angle * angle * clamp(1.0 / (2.0 * kPi * density), 0.05, 9.0);
     return LookupSample(phatexel.valid, phatexel.radiance, tile.tilePatch.worldFromBlock * phatexel.directionBlock,
-                        min(phatexel.distance, kHorizonMeters), spread2, max(density, kMinDensity));
+                        min(phatexel.distance, kHorizon * unitMeters), spread2, max(density, kMinDensity));
 }
 
 // Moves the sample of `texel`'s PHATexel to the receiver. `cursor`: at a texel of the same group of 2^bits a side.
@@ -121,9 +122,9 @@ void reconnect(inout LookupSample found, LookupQuery query, LookupCursor cursor,
     }
     vec3 hit = positionOnPatch(tile.tilePatch, vec2(texel) + 0.5 - tile.middle) + found.direction * found.distance;
     vec3 origin = query.receiver.position;
-    float distance = max(length(hit - origin), 1e-6);
+    float distance = max(length(hit - origin), kMinDistance * unitMeters);
     found.direction = (hit - origin) / distance;
-    float farther = distance / max(found.distance, 1e-6);
+    float farther = distance / max(found.distance, kMinDistance * unitMeters);
     found.density *= farther * farther;
     found.distance = distance;
 }
@@ -162,7 +163,7 @@ LookupSample sampleAtCursor(LookupQuery query, LookupCursor cursor, LookupAim ai
         float turn2 = 2.0 * (1.0 - dot(found.direction, asStored));
         found.valid = miss2 <= min(4.0 * found.spread2, kMaxMiss * kMaxMiss) && turn2 <= kMaxTurn * kMaxTurn;
     }
-    found.valid = found.valid && found.distance <= kFarther * aim.distance + kSlackMeters;
+    found.valid = found.valid && found.distance <= kFarther * aim.distance + kSlack * unitMeters;
     return found;
 }
 

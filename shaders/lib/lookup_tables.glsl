@@ -24,9 +24,9 @@ uniform usampler2D scrambles;       // [block row][layer][block], where there is
 const int kProbeSize = 16;
 // Tables of 16x16 a guide stand so many side by side.
 const int kTablesWide = 512;
-// Beyond, parallax between eye and block is neglected.
-const float kHorizonMeters = 1e4;
-const float kNearMeters = 0.01;
+// In units of length. Beyond the horizon, parallax between eye and block is neglected.
+const float kHorizon = 1e4;
+const float kNear = 0.01;
 
 struct ChartExtent {
     ivec2 origin;  // texels
@@ -103,7 +103,8 @@ float distanceAlong(inout DepthProbe probe, vec3 direction, vec2 aside) {
         probe.group = group;
     }
     uint level = (probe.levels[cell.y & 3] >> uint(4 * (cell.x & 7))) & 15u;
-    return clamp(levelDistance(probe.range, level) + dot(probe.offset, direction), kNearMeters, kHorizonMeters);
+    return clamp(levelDistance(probe.range, level) + dot(probe.offset, direction), kNear * unitMeters,
+                 kHorizon * unitMeters);
 }
 
 vec4 inverseCdfCellAt(int layer, int block, ivec2 cell) {

@@ -6,6 +6,8 @@ const int kGuideSize = 16;
 const float kFarDistance = 1e30;
 const int kOctahedralMax = 4095;
 
+uniform float unitMeters;  // Atlas::unitMeters: lengths in this and other files are multiples of it
+
 struct Phatexel {
     vec3 radiance;        // W/(m2 sr), arriving
     vec3 directionBlock;  // unit, in the block's frame
@@ -35,7 +37,7 @@ vec3 unpackOctahedral24(uint bits) {
 float unpackDistance(uint code) {
     if (code == 255u) return kFarDistance;
     const float kCodesPerOctave = 253.0 / 19.931569;
-    return 1e-3 * exp2(float(int(code) - 1) / kCodesPerOctave);
+    return 1e-3 * unitMeters * exp2(float(int(code) - 1) / kCodesPerOctave);
 }
 
 // The pdf is not in the bytes and stays 0 here.

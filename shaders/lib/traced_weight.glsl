@@ -20,7 +20,7 @@ vec2 tracedWeight(vec3 normal, float alpha, vec3 position, vec3 towardEye, vec2 
     vec3 mirror = reflect(-towardEye, normal);
     // At grazing angles a lobe is narrower in one direction: its solid angle is proportional to the cosine.
     float width = alpha * sqrt(max(dot(normal, towardEye), 0.01));
-    float nearest = kHorizonMeters, weight = 0.0;
+    float nearest = kHorizon * unitMeters, weight = 0.0;
     for (int i = 0; i < 9; ++i) {
         float d = distanceAlong(probe, mirror, vec2(i % 3 - 1, i / 3 - 1));
         int bits = groupBits(chart.texelMeters, d);

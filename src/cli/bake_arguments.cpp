@@ -37,7 +37,7 @@ double physicalMemoryBytes() {
 void declareAtlas(const DeclareOption& declare, AtlasSettings& atlas) {
     CLI::Option* texelSize =
         declare.value("--texel-size", "METERS", atlas.texelSizeMeters, "Side of a PHATexel on the surface")
-            ->check(CLI::Range(1e-5, 1e3));
+            ->check(CLI::PositiveNumber);
     declare.text("--resolution", "N", "About so many texels in the whole atlas")
         ->default_str("1048576")
         ->excludes(texelSize);

@@ -16,6 +16,7 @@
 #include "cli/interrupt.h"
 #include "cli/lighting_options.h"
 #include "cli/progress_bar.h"
+#include "cli/size_note.h"
 #include "core/scene/lights.h"
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
@@ -103,6 +104,7 @@ void bakeOnce(const BakeOptions& options, const GltfSource& source, const LitInp
         ProgressBar progress(progressStyle(options.quiet), bakeStages(options.settings));
         const Bake result = bake(rays, options.settings, progress, &journal);
         std::vector<std::string> notes = loaded.notes;
+        if (const std::optional<std::string> note = sizeNote(loaded.scene)) notes.push_back(*note);
         for (std::string& note : writeBakedFile(options.output, source, loaded.scene, result, record,
                                                 {&progress, options.maxBytes.value_or(~uint64_t(0))}))
             notes.push_back(std::move(note));

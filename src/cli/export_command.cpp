@@ -45,7 +45,7 @@ struct Exporter {
         Image radiance(int(size.x), int(size.y)), direction = radiance;
         std::vector<float> distance(layer.texels.size()), validity(layer.texels.size());
         for (size_t i = 0; i < layer.texels.size(); ++i) {
-            const Phatexel phatexel = unpackPhatexel(layer.texels[i]);
+            const Phatexel phatexel = unpackPhatexel(layer.texels[i], baked.atlas.unitMeters);
             if (!phatexel.valid) continue;
             const glm::uvec2 texel(i % size.x, i / size.x);
             radiance.pixels[i] = phatexel.radiance;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/size_note.h"
 #include "core/atlas/texel_size.h"
 #include "core/scene/default_camera.h"
 #include "core/scene/scene.h"
@@ -75,6 +76,7 @@ Json describeScene(const LoadedScene& loaded, const Scene& lit) {
         report["environment"] = {scene.environment->radiance.width, scene.environment->radiance.height};
     if (const Bounds bounds = boundsOf(scene); !bounds.empty())
         report["bounds"] = {{"low", vectorJson(bounds.low)}, {"high", vectorJson(bounds.high)}};
+    if (const std::optional<std::string> note = sizeNote(scene)) report["notes"].push_back(*note);
     report["defaultCamera"] = nullptr;
     if (scene.cameras.empty() && !scene.triangles.empty()) report["defaultCamera"] = describeDefaultView(lit);
     return report;
@@ -84,7 +86,7 @@ Json describeLayers(const std::vector<PhatexelLayer>& layers) {
     uint64_t all = 0, valid = 0, bytes = 0;
     for (const PhatexelLayer& layer : layers) {
         all += layer.texels.size();
-        for (const PackedPhatexel& texel : layer.texels) valid += unpackPhatexel(texel).valid;
+        for (const PackedPhatexel& texel : layer.texels) valid += texel.directionDistance != 0;
         bytes += layer.texels.size() * sizeof(PackedPhatexel) + layer.pdf.size() * sizeof(float);
     }
     return {{"layers", layers.size()},
@@ -113,6 +115,7 @@ Json describeBake(const BakedScene& baked) {
               {"texelSizeMeters", atlas.texelSizeMeters},
               {"medianTexelSizeMeters", medianTexelSizeMeters(atlas)},
               {"finestTexelSizeMeters", atlas.finestTexelSizeMeters()},
+              {"unitMeters", atlas.unitMeters},
               {"charts", atlas.charts.size()},
               {"blocks", atlas.blockCount},
               {"coverage", double(withSurface) / double(std::max<size_t>(1, atlas.texelCount()))}}},
@@ -175,7 +178,7 @@ void printScene(const Json& scene) {
     if (const Json& view = scene["defaultCamera"]; !view.is_null()) {
         const auto eye = view["eye"].get<std::array<float, 3>>(),
                    target = view["target"].get<std::array<float, 3>>();
-        printLine("default view", fmt::format("{}, from ({:.3f} {:.3f} {:.3f}) to ({:.3f} {:.3f} {:.3f})",
+        printLine("default view", fmt::format("{}, from ({:.4g} {:.4g} {:.4g}) to ({:.4g} {:.4g} {:.4g})",
                                               view["where"].get<std::string>(), eye[0], eye[1], eye[2],
                                               target[0], target[1], target[2]));
     }
@@ -184,7 +187,7 @@ void printScene(const Json& scene) {
     if (const Json& bounds = scene["bounds"]; !bounds.is_null()) {
         const auto low = bounds["low"].get<std::array<float, 3>>(),
                    high = bounds["high"].get<std::array<float, 3>>();
-        printLine("bounds", fmt::format("({:.3f} {:.3f} {:.3f}) to ({:.3f} {:.3f} {:.3f}) m", low[0], low[1],
+        printLine("bounds", fmt::format("({:.4g} {:.4g} {:.4g}) to ({:.4g} {:.4g} {:.4g}) m", low[0], low[1],
                                         low[2], high[0], high[1], high[2]));
     }
     for (const auto& note : scene["notes"]) printLine("note", note.get<std::string>());

@@ -113,7 +113,7 @@ void declareMethods(const DeclareOption& declare, RenderOptions& options) {
         .value(
             "--radius", "METERS", options.gather.radiusMeters,
             "phat-gather: the paper's filter of this radius; default: by the distance of what is reflected")
-        ->check(CLI::Range(1e-4, 1e3));
+        ->check(CLI::PositiveNumber);
     declare.flag("--trace-visibility", options.gather.traceVisibility,
                  "phat-gather: test visibility by rays, not by neighbouring PHATexels");
     declare.choice(

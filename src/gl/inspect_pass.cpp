@@ -19,6 +19,7 @@ void bindInspection(const ShaderProgram& program, const GpuAtlas& atlas, const R
     program.set("lobeIndex", source);
     program.set("level", std::clamp(inspection.level, 0, kTopLevel));
     program.set("coarsestTexelMeters", atlas.coarsestTexelMeters);
+    program.set("unitMeters", atlas.unitMeters);
 }
 
 }  // namespace phat

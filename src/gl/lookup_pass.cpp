@@ -195,6 +195,7 @@ void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup&
     program.bind("probes", 3, lookup.probes.name());
     program.bind("charts", 4, atlas.charts.name());
     if (lookup.scrambles) program.bind("scrambles", 5, lookup.scrambles.name());
+    program.set("unitMeters", atlas.unitMeters);
     program.set("guideCount", lookup.guideCount);
     program.set("layerCount", lookup.layerCount);
     program.set("areaGuideCount", lookup.areaGuideCount);

@@ -148,6 +148,7 @@ GpuAtlas uploadAtlas(const Scene& scene, const Atlas& atlas, const Phatexture& p
     GpuAtlas gpu;
     gpu.sizeTexels = atlas.sizeTexels;
     gpu.coarsestTexelMeters = atlas.texelSizeMeters;
+    gpu.unitMeters = atlas.unitMeters;
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     gpu.tileTable = uploadTileTable(atlas);
     gpu.tileLight = uploadTileLight(scene, atlas, phatexture);

@@ -21,6 +21,7 @@ struct GpuPhatexels {
 struct GpuAtlas {
     glm::uvec2 sizeTexels{0};
     float coarsestTexelMeters = 0;
+    float unitMeters = 1;   // Atlas::unitMeters, for the programs that read distances
     GlTexture tileTable;    // RGBA32UI: chart, block, the chart's texel size in metres (a float's bits)
     GlTexture tilePatches;  // RGBA32UI [tileY][2 tileX], see packTile
     GlTexture charts;       // RGBA32UI table: origin and size in tiles (y << 16 | x), first block, texel size

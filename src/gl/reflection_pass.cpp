@@ -51,6 +51,7 @@ void beginReflections(const ReflectionPass& pass, const GpuAtlas& atlas, const G
     pass.program.bind("tilePatches", 0, atlas.tilePatches.name());
     pass.program.bind("charts", 1, atlas.charts.name());
     pass.program.bind("probes", 2, lookup.probes.name());
+    pass.program.set("unitMeters", atlas.unitMeters);
     pass.program.set("frame", int(frame));
     pass.program.set("tracesAll", int(reflections == Reflections::rays));
 }

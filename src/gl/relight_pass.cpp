@@ -106,6 +106,7 @@ void relight(const RelightPass& pass, const GpuAtlas& atlas, const GpuTexelSurfa
         program.bind("splitSumTable", 8, splitSum);
         program.bind("tileLight", 9, atlas.tileLight.name());
         if (source.texelPdf) program.bind("texelPdf", 7, source.texelPdf.name());
+        program.set("unitMeters", atlas.unitMeters);
         program.set("eyeWorld", eye.position);
         program.set("eyeAtInfinity", eye.atInfinity ? 1.0f : 0.0f);
         program.set("firstLayer", source.firstLayer);

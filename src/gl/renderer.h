@@ -39,7 +39,7 @@ enum class Inspected : uint8_t {
     nothing,    // the light
     radiance,   // of the PHATexels: light, as figure 4 of the paper shows it
     direction,  // of the PHATexels, world: x, y, z as red, green, blue, each from -1 to 1
-    distance,   // of the PHATexels: black 1 cm, red 22 cm, yellow 4.6 m, white 100 m
+    distance,   // of the PHATexels, units of length: black .01, red .22, yellow 4.6, white 100
     validity,   // green: holds a value; red: none
     charts,     // a colour each, with their tiles
     density,    // a checker of texels; blue as coarse as anywhere, red an eighth

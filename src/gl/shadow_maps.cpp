@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "core/scene/light_punctual.h"
 #include "gl/textures.h"
 
 namespace phat {
@@ -32,7 +33,7 @@ glm::mat4 perspectiveView(glm::vec3 eye, glm::vec3 direction, float tangent, int
 constexpr float kParallelNear = 0.9f, kParallelFar = 3.1f;
 
 glm::mat4 parallelView(glm::vec3 direction, const Bounds& bounds, int size) {
-    const float radius = std::max(0.5f * bounds.diagonal(), 1e-3f);
+    const float radius = bounds.diagonal() > 0 ? 0.5f * bounds.diagonal() : 1.0f;
     const float half = radius * float(size) / (float(size) - 2 * kBorderTexels);
     const glm::vec3 up = std::abs(direction.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
     const glm::mat4 view = glm::lookAt(bounds.center() - 2 * radius * direction, bounds.center(), up);
@@ -57,8 +58,8 @@ void addViews(const PunctualLight& light, const Bounds& bounds, int size, std::v
         views.push_back(parallelView(light.direction, bounds, size));
         return;
     }
-    const float farMeters =
-        std::max(glm::distance(light.position, bounds.center()) + 0.5f * bounds.diagonal(), 1e-3f);
+    const float reach = glm::distance(light.position, bounds.center()) + 0.5f * bounds.diagonal();
+    const float farMeters = reach > 0 ? reach : 1.0f;
     // Geometry nearer than this to a light casts no shadow; float depth keeps the precision beyond.
     const float nearMeters = farMeters * 2e-4f;
     if (layersOf(light) == 1) {
@@ -158,14 +159,17 @@ GlTexture drawAllTints(const std::vector<PunctualLight>& lights, const std::vect
 }
 
 GlTexture createLightTable(const std::vector<PunctualLight>& lights, const std::vector<glm::mat4>& views,
-                           int size) {
+                           int size, const Bounds& bounds) {
+    const float leastSquared = square(kMinLightDistance * 0.5f * bounds.diagonal());
     std::vector<glm::vec4> rows;
     int layer = 0;
     for (const PunctualLight& light : lights) {
         rows.emplace_back(light.position, float(light.type));
         rows.emplace_back(light.intensity, light.rangeMeters);
         rows.emplace_back(light.direction, light.cosInnerCone);
-        rows.emplace_back(light.cosOuterCone, float(layer), float(layersOf(light)), discTexels(light, size));
+        const bool parallel = light.type == PunctualLight::Type::directional;
+        rows.emplace_back(light.cosOuterCone, float(layer), float(layersOf(light)),
+                          parallel ? discTexels(light, size) : leastSquared);
         layer += layersOf(light);
     }
     for (const glm::mat4& clipFromWorld : views)
@@ -192,7 +196,7 @@ ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, const GpuS
     maps.lightCount = int(lights.size());
     maps.depth = createDepthArray(size, std::max(1, int(views.size())));
     if (hasDisc(lights)) maps.depthValues = viewWithoutComparison(maps.depth, std::max(1, int(views.size())));
-    maps.lightTable = createLightTable(lights, views, size);
+    maps.lightTable = createLightTable(lights, views, size, gpu.bounds);
 
     // Both sides cast shadows, as they stop rays.
     glDisable(GL_CULL_FACE);

@@ -16,7 +16,8 @@ void drawNodeMotion(ViewerState& state, Edit& edit) {
     // Without effect it is no edit until a field is changed.
     NodeMotion& motion = motionFor(edit.next.motions, state.document->scene(), surface.node);
     panelText(surface.name);
-    edit.note(widgets::dragVector("Translation, m", &motion.meters.x, 0.005f, "%.3f"));
+    edit.note(widgets::dragVector("Translation, m", &motion.meters.x,
+                                  0.005f * state.document->rays().unitMeters(), "%.4g"));
     edit.note(widgets::dragVector("Rotation, degrees", &motion.degrees.x, 0.5f, "%.1f"));
     if (widgets::button("Reset transform")) {
         motion.meters = motion.degrees = glm::vec3(0);

@@ -12,7 +12,7 @@ namespace {
 const float kHighestSine = std::sin(glm::radians(89.0f));
 // A step of the wheel goes a tenth of the way.
 constexpr float kZoomPerStep = 0.9f;
-constexpr float kNearestFocusMeters = 1e-3f;
+constexpr float kNearestFocus = 1e-3f;  // units of length
 
 glm::vec3 axis(const Navigation& n, int column) {
     return glm::vec3(n.camera.worldFromCamera[column]);
@@ -48,8 +48,8 @@ float metersPerPixel(const Navigation& n, float height) {
 
 }  // namespace
 
-Navigation navigationOf(const Camera& camera, float focusMeters) {
-    return {camera, std::max(focusMeters, kNearestFocusMeters)};
+Navigation navigationOf(const Camera& camera, float focusMeters, float unitMeters) {
+    return {camera, std::max(focusMeters, kNearestFocus * unitMeters), unitMeters};
 }
 
 glm::vec3 eyeOf(const Navigation& n) {
@@ -78,11 +78,11 @@ void pan(Navigation& n, glm::vec2 pixels, float height) {
 void zoom(Navigation& n, float steps) {
     const float factor = std::pow(kZoomPerStep, steps);
     if (!n.camera.perspective) {
-        n.camera.ymag = std::max(n.camera.ymag * factor, kNearestFocusMeters);
+        n.camera.ymag = std::max(n.camera.ymag * factor, kNearestFocus * n.unitMeters);
         return;
     }
     const glm::vec3 focus = focusOf(n);
-    n.focusMeters = std::max(n.focusMeters * factor, kNearestFocusMeters);
+    n.focusMeters = std::max(n.focusMeters * factor, kNearestFocus * n.unitMeters);
     place(n, focus + n.focusMeters * axis(n, 2));
 }
 
@@ -92,7 +92,7 @@ void fly(Navigation& n, glm::vec3 meters) {
 
 void frameBounds(Navigation& n, const Bounds& bounds, float aspect) {
     if (bounds.empty()) return;
-    const float radius = std::max(0.5f * bounds.diagonal(), kNearestFocusMeters);
+    const float radius = std::max(0.5f * bounds.diagonal(), kNearestFocus * n.unitMeters);
     if (n.camera.perspective) {
         const float half = 0.5f * n.camera.yfovRadians;
         const float narrower = std::min(half, std::atan(std::tan(half) * std::max(aspect, 1e-3f)));

@@ -9,10 +9,11 @@ namespace phat {
 struct Navigation {
     Camera camera;
     float focusMeters = 1;  // from the eye to the centre of orbiting, along the view
+    float unitMeters = 1;   // lengthUnit() of the scene
 };
 
 /// A camera of the file, or one of the viewer's: orbits what lies `focusMeters` ahead.
-Navigation navigationOf(const Camera& camera, float focusMeters);
+Navigation navigationOf(const Camera& camera, float focusMeters, float unitMeters);
 
 glm::vec3 eyeOf(const Navigation& navigation);
 glm::vec3 focusOf(const Navigation& navigation);

@@ -15,13 +15,22 @@ constexpr std::array<const char*, 9> kInspectedNames = {"radiance", "directions"
 constexpr std::array<const char*, 9> kLegends = {
     "The radiance that each PHATexel stores.",
     "Where it comes from: x, y, z as red, green, blue.",
-    "How far that is: black 1 cm, red 22 cm, yellow 4.6 m, white 100 m and more.",
+    "How far that is, in metres: black {:.3g}, red {:.3g}, yellow {:.3g}, white {:.3g} and more.",
     "Green: holds a value. Red: occluded or inside objects.",
     "Each chart has a colour, and a checker of its tiles of 8x8 texels.",
     "A checker of texels. Blue: as coarse as anywhere. Red: an eighth of that.",
     "The PHATexels times the BRDF, summed up level by level, as the eye sees them.",
     "Effective number in the pyramid's cone: black 1, red 6, yellow 40, white 256.",
     "Texels read for the glossy light of a pixel: black none, red 85, yellow 170, white 256."};
+
+// What the colours of a view of stored data mean. `unitMeters`: Atlas::unitMeters, by which distances are
+// shown.
+std::string legendOf(Inspected what, float unitMeters) {
+    const char* legend = kLegends[size_t(what) - 1];
+    if (what != Inspected::distance) return legend;
+    return fmt::format(fmt::runtime(legend), 0.01f * unitMeters, 0.22f * unitMeters, 4.6f * unitMeters,
+                       100 * unitMeters);
+}
 
 void drawCameras(ViewerState& state) {
     const auto& cameras = state.document->scene().cameras;
@@ -140,8 +149,9 @@ void drawPhatexelPanel(ViewerState& state, const Pictures& pictures) {
     if (inspection.what == Inspected::pyramid)
         changed |= widgets::sliderInt("Level", &inspection.level, 0, 3, ImGuiSliderFlags_AlwaysClamp);
     const bool lookedUp = state.renderer && state.renderer->bytesPerPhatexel() > 0;
-    wrappedText(inspection.what == Inspected::reads && !lookedUp ? "These PHATexels cannot be looked up."
-                                                                 : kLegends[size_t(index)]);
+    wrappedText(inspection.what == Inspected::reads && !lookedUp
+                    ? "These PHATexels cannot be looked up."
+                    : legendOf(inspection.what, state.document->baked.atlas.unitMeters));
     if (const auto reads = pictures.reads(); reads && inspection.what == Inspected::reads) drawReads(*reads);
     if (view.left == Source::phatexels) {
         if (widgets::button("Show rendered image")) {

@@ -11,8 +11,10 @@ void showCamera(ViewerState& state, int index) {
     const Camera camera = scene.cameras.empty() ? defaultCamera(scene) : scene.cameras[size_t(index)];
     // What is in the middle of the view is orbited.
     uint64_t rays = 0;
-    const Hit hit = visibleHit(state.document->rays(), cameraRay(camera, 2, 2, {1, 1}), rays);
-    state.navigation = navigationOf(camera, hit ? hit.distance : 0.5f * boundsOf(scene).diagonal());
+    const RayScene& seen = state.document->rays();
+    const Hit hit = visibleHit(seen, cameraRay(camera, 2, 2, {1, 1}), rays);
+    state.navigation =
+        navigationOf(camera, hit ? hit.distance : 0.5f * boundsOf(scene).diagonal(), seen.unitMeters());
     state.camera = index;
     state.touch();
 }

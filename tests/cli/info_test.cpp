@@ -120,7 +120,7 @@ TEST_F(BakedFileCommands, InfoCountsWhatWasBaked) {
     EXPECT_EQ(bake["indirect"]["bytes"], 2 * texels * 8);
     size_t valid = 0;
     for (const PhatexelLayer& layer : baked.phatexture.indirect)
-        for (const PackedPhatexel& texel : layer.texels) valid += unpackPhatexel(texel).valid;
+        for (const PackedPhatexel& texel : layer.texels) valid += unpackPhatexel(texel, 1).valid;
     EXPECT_EQ(bake["indirect"]["valid"], valid);
     EXPECT_EQ(bake["record"]["seed"], 7);
     EXPECT_EQ(bake["record"]["source"], "cornell-glossy.glb");
@@ -141,7 +141,8 @@ TEST_F(BakedFileCommands, ExportWritesThePhatexels) {
         ASSERT_EQ(radiance.height, int(baked.atlas.sizeTexels.y));
         size_t valid = 0;
         for (size_t i = 0; i < radiance.pixels.size(); ++i) {
-            const Phatexel expected = unpackPhatexel(baked.phatexture.indirect[size_t(layer)].texels[i]);
+            const Phatexel expected =
+                unpackPhatexel(baked.phatexture.indirect[size_t(layer)].texels[i], baked.atlas.unitMeters);
             ASSERT_EQ(validity.pixels[i].x, expected.valid ? 1.0f : 0.0f);
             if (!expected.valid) {
                 ASSERT_EQ(direction.pixels[i], glm::vec3(0));

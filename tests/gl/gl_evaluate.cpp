@@ -37,6 +37,7 @@ std::vector<glm::vec4> evaluateGlsl(const std::string& include, const std::strin
     glUniform1i(glGetUniformLocation(program.name(), "inputs"), 0);
     glUniform1i(glGetUniformLocation(program.name(), "splitSumTable"), 1);
     glUniform1i(glGetUniformLocation(program.name(), "guidePdf"), 2);
+    glUniform1f(glGetUniformLocation(program.name(), "unitMeters"), kEvaluatedUnitMeters);
 
     GLuint name = 0;
     glCreateVertexArrays(1, &name);

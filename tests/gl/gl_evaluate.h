@@ -12,6 +12,9 @@ namespace phat::test {
 
 inline const std::string kShaderFolder = PHAT_SOURCE_DIR "/shaders";
 
+/// Atlas::unitMeters of what is evaluated.
+inline constexpr float kEvaluatedUnitMeters = 0.7f;
+
 /// Evaluates `body` for each row. It sees `vec4 a, b, c, d` (a row's inputs), and writes `vec4 result`;
 /// `include` is the library file under test. `splitSum` binds core's table to splitSumTable.
 std::vector<glm::vec4> evaluateGlsl(const std::string& include, const std::string& body,

@@ -92,7 +92,7 @@ class Inspect : public ::testing::Test {
                 phatexel.radiance = glm::vec3(1);
                 phatexel.distance = 1;
                 phatexel.valid = true;
-                layer.texels[size_t(y) * atlas.sizeTexels.x + x] = packPhatexel(phatexel);
+                layer.texels[size_t(y) * atlas.sizeTexels.x + x] = packPhatexel(phatexel, 1);
             }
         SilentProgress silent;
         prepareLookup(world_.phatexture, atlas, world_.points, blockFrames(atlas, world_.points), rays_,
@@ -101,7 +101,7 @@ class Inspect : public ::testing::Test {
 
     Phatexel stored(glm::uvec2 texel) const {
         return unpackPhatexel(
-            world_.phatexture.indirect[0].texels[texel.y * world_.atlas.sizeTexels.x + texel.x]);
+            world_.phatexture.indirect[0].texels[texel.y * world_.atlas.sizeTexels.x + texel.x], 1);
     }
 
     static constexpr int kWidth = 160, kHeight = 120;

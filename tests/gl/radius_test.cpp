@@ -60,7 +60,7 @@ TEST(RadiusOfTheCone, IsBoundedInEachChartsOwnTexels) {
     for (const float radius : wanted) ASSERT_NEAR(radius, wanted[0], 1e-3f * wanted[0]);
 
     // Between the wanted radius and half of it, where the bound gives way (kMinSamples in radius.frag).
-    const float distance = unpackDistance(packDistance(4 * 0.8f * wanted[0] * size));
+    const float distance = unpackDistance(packDistance(4 * 0.8f * wanted[0] * size, 1), 1);
     const RendererWorld near = twoFloors(distance);
     const std::vector<float> radii = radiiOf(near);
     for (size_t tile = 0; tile < radii.size(); ++tile) {

@@ -42,7 +42,8 @@ glm::vec3 directLight(const RayScene& rays, const LightSampler& lights, glm::vec
         const LightSample light = lights.samplePunctual(i, at.position);
         const glm::vec3 value =
             evaluateBrdf(at.brdf, at.shading.toLocal(-direction), at.shading.toLocal(light.towardLight));
-        if (rays.anyHit(offsetOrigin(at.position, at.normalGeometric), light.towardLight, light.distance))
+        if (rays.anyHit(rays.offsetOrigin(at.position, at.normalGeometric), light.towardLight,
+                        light.distance))
             lit = false;
         else
             sum += value * light.radiance;

@@ -104,7 +104,7 @@ void fillPhatexels(RendererWorld& world, uint32_t surface, const LightAt& light,
                 light(world.points.position[texel], frames[block].toWorld(phatexel.directionBlock));
             phatexel.distance = distance;
             phatexel.valid = true;
-            world.phatexture.indirect[0].texels[texel] = packPhatexel(phatexel);
+            world.phatexture.indirect[0].texels[texel] = packPhatexel(phatexel, 1);
         }
     }
 }

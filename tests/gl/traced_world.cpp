@@ -23,7 +23,7 @@ PhatexelLayer layerOf(const RendererWorld& world, float radiance) {
             phatexel.radiance = glm::vec3(radiance);
             phatexel.distance = 2;
             phatexel.valid = true;
-            layer.texels[size_t(y) * world.atlas.sizeTexels.x + x] = packPhatexel(phatexel);
+            layer.texels[size_t(y) * world.atlas.sizeTexels.x + x] = packPhatexel(phatexel, 1);
         }
     }
     return layer;

@@ -79,7 +79,7 @@ TEST_P(Twins, PhatexelUnpacking) {
         phatexel.radiance = scale * glm::vec3(random.uniform2(), random.uniform());
         phatexel.directionBlock = squareToHemisphere(random.uniform2()) * glm::vec3(1, 1, i % 2 ? 1 : -1);
         phatexel.distance = i % 5 == 0 ? kFarDistance : 1e-3f * std::exp2(20 * random.uniform());
-        packed[i] = packPhatexel(phatexel);
+        packed[i] = packPhatexel(phatexel, kEvaluatedUnitMeters);
         // 16 bits a float: bit patterns would not survive as NaNs.
         rows[i][0] = {float(packed[i].radiance & 0xffffu), float(packed[i].radiance >> 16),
                       float(packed[i].directionDistance & 0xffffu), float(packed[i].directionDistance >> 16)};
@@ -91,7 +91,7 @@ TEST_P(Twins, PhatexelUnpacking) {
     const auto direction =
         run("lib/phatexel.glsl", unpack + "result = vec4(p.directionBlock, p.distance);", rows);
     for (int i = 0; i < kRows; ++i) {
-        const Phatexel want = unpackPhatexel(packed[i]);
+        const Phatexel want = unpackPhatexel(packed[i], kEvaluatedUnitMeters);
         ASSERT_EQ(radiance[i].w > 0.5f, want.valid);
         if (!want.valid) continue;
         expectNear(glm::vec3(radiance[i]), want.radiance, 1e-6f, 0, i);

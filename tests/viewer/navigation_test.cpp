@@ -12,7 +12,7 @@ namespace {
 Navigation looking(glm::vec3 eye, glm::vec3 target) {
     Camera camera;
     camera.worldFromCamera = glm::inverse(glm::lookAt(eye, target, {0, 1, 0}));
-    return navigationOf(camera, glm::distance(eye, target));
+    return navigationOf(camera, glm::distance(eye, target), 1);
 }
 
 void expectNear(glm::vec3 a, glm::vec3 b, float tolerance = 1e-4f) {
@@ -81,6 +81,18 @@ TEST(Navigation, ZoomComesNearerAndNeverArrives) {
     expectNear(eyeOf(n), {0, 1, 5});
     zoom(n, 1000);
     EXPECT_GT(eyeOf(n).z, 0);
+}
+
+// In a scene of millimetres the wheel must come as near as in one of metres.
+TEST(Navigation, ZoomComesAsNearInEveryUnit) {
+    for (const float unit : {1.0f, 1000.0f, 0.001f}) {
+        Camera camera;
+        camera.worldFromCamera =
+            glm::inverse(glm::lookAt(unit * glm::vec3(0, 0, 5), glm::vec3(0), {0, 1, 0}));
+        Navigation n = navigationOf(camera, 5 * unit, unit);
+        zoom(n, 1000);
+        EXPECT_NEAR(n.focusMeters / unit, 1e-3f, 1e-6f) << unit;
+    }
 }
 
 TEST(Navigation, FramesWhatItIsGiven) {

@@ -33,7 +33,7 @@ function addLamp(mesh) {
     const { emissive, emissiveIntensity } = mesh.material;
     const lamp = new RectAreaLight(emissive, emissiveIntensity, size.x, size.z);
     lamp.position.copy(middle);
-    lamp.position.y = box.min.y - 1e-3;
+    lamp.position.y = box.min.y - 1e-3 * size.x; // before the surface
     lamp.lookAt(lamp.position.clone().add(new Vector3(0, -1, 0)));
     scene.add(lamp);
 }

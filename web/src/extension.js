@@ -54,6 +54,7 @@ export class BakedLight {
         this.progress = 0;
         this.onProgress = null;
         this.bake = bake;
+        this.unitMeters = bake.atlas.unitMeters;
         this.renderings = new Map(); // by their renderers
         const pictures = () => ({ light: new ExternalTexture(), depth: new ExternalTexture() });
         this.pictures = { opaque: pictures(), blended: pictures() };

@@ -53,7 +53,9 @@ function chartsFrom(words) {
 export async function readAtlas(parser, description, triangleCount) {
     if (description.version !== kVersion)
         fail(`it has format version ${description.version}; this program reads version ${kVersion}`);
-    const { atlas, tiles, indirect, area } = description;
+    const { atlas, tiles, indirect, area } = description,
+        unitMeters = description.lengthUnit ?? 1; // older files have distances in metres
+    if (!(unitMeters > 0 && unitMeters < Infinity)) fail('the unit of length is not positive');
     const [width, height] = atlas.size;
     const tileCount = (width / 8) * (height / 8),
         texels = width * height;
@@ -76,6 +78,7 @@ export async function readAtlas(parser, description, triangleCount) {
         area.irradiance ? payload(area.irradiance, Uint32Array, texels, "the area lights' irradiance") : null,
     ]);
     return {
+        unitMeters,
         width,
         height,
         tileChart,

@@ -30,6 +30,8 @@ export class BakedLight {
     seed: number;
     /** Left of this fraction of the picture all light is drawn, to the right only direct light. 1: all. */
     wipe: number;
+    /** A length of about a metre in a room, in the file's metres: files in millimetres have one of about 1000. */
+    readonly unitMeters: number;
     /** The object that the light belongs to. */
     readonly root: Object3D;
     /** Frees what is on the GPU and returns the materials to what they were. */

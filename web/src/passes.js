@@ -209,6 +209,7 @@ export class Passes {
         program.bind('charts', 4, gl.TEXTURE_2D, atlas.charts);
         if (this.scrambles) program.bind('scrambles', 5, gl.TEXTURE_2D, this.scrambles);
         program.bind('splitSumTable', 6, gl.TEXTURE_2D, this.splitSum);
+        program.set('unitMeters', this.bake.atlas.unitMeters);
         program.set('guideCount', lookup.guideCount);
         program.set('layerCount', lookup.layerCount);
         program.set('areaGuideCount', lookup.areaGuideCount);

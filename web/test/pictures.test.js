@@ -69,6 +69,14 @@ test('draws what phat render draws: gallery by both', async (t) => {
     await comparePictures(t, gallery, 'swiftshader', size);
 });
 
+// three.js's own light and its shadows have lengths, too.
+for (const factor of [1000, 0.001])
+    test(`draws what phat render draws: gallery ${factor} times as large`, async (t) => {
+        const { value: gallery, dispose } = await borrowRoom(`gallery x ${factor}`);
+        t.after(dispose);
+        await comparePictures(t, gallery, 'gl-egl', { width: 320, height: 180 });
+    });
+
 test('is tone mapped as the poster is, at the exposure of its slider', async () => {
     const page = await loaded(await open(browser, server.url));
     await rest(page);

@@ -1,6 +1,6 @@
 // Baked rooms and their pages, made by the program.
 import { execFile } from 'node:child_process';
-import { mkdtemp, readFile, rm } from 'node:fs/promises';
+import { mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { promisify } from 'node:util';
@@ -15,15 +15,47 @@ export async function phat(...args) {
     return (await promisify(execFile)(program, args)).stdout;
 }
 
+// A scene with every length times `factor`. A lamp at a point needs the square of it, to be as bright from so much
+// farther away.
+async function scaledGlb(path, factor) {
+    const bytes = await readFile(path),
+        end = 20 + bytes.readUInt32LE(12),
+        gltf = JSON.parse(bytes.subarray(20, end).toString());
+    const scene = gltf.scenes[gltf.scene ?? 0];
+    gltf.nodes.push({ scale: [factor, factor, factor], children: scene.nodes });
+    scene.nodes = [gltf.nodes.length - 1];
+    for (const light of gltf.extensions?.KHR_lights_punctual?.lights ?? []) {
+        if (light.type !== 'directional') light.intensity = (light.intensity ?? 1) * factor ** 2;
+        if (light.range) light.range *= factor;
+    }
+    for (const { perspective } of gltf.cameras) {
+        perspective.znear *= factor;
+        if (perspective.zfar) perspective.zfar *= factor;
+    }
+    const text = JSON.stringify(gltf),
+        json = Buffer.from(text.padEnd(text.length + (-Buffer.byteLength(text) & 3))),
+        head = Buffer.from(bytes.subarray(0, 20));
+    head.writeUInt32LE(bytes.length + json.length - (end - 20), 8);
+    head.writeUInt32LE(json.length, 12);
+    return Buffer.concat([head, json, bytes.subarray(end)]);
+}
+
 // tabletop: area lights, a textured metal and diffuse things; gallery has a point light, too. Small, because
-// SwiftShader draws it.
-async function makeRoom(scene) {
+// SwiftShader draws it. 'gallery x 1000' is a thousand times as large.
+async function makeRoom(name) {
+    const [scene, factor] = name.split(' x ');
     const folder = await mkdtemp(join(tmpdir(), 'phat-web-'));
+    let source = join(scenes, `${scene}.glb`);
+    if (factor) {
+        const scaled = await scaledGlb(source, Number(factor));
+        source = join(folder, `${scene}.glb`);
+        await writeFile(source, scaled);
+    }
     const file = join(folder, `${scene}.phat.glb`),
         site = join(folder, 'site');
     await phat(
         'bake',
-        join(scenes, `${scene}.glb`),
+        source,
         '-o',
         file,
         '--resolution',

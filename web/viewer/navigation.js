@@ -7,7 +7,7 @@ const kRadiiPerSecond = 0.4; // of the scene's sphere
 
 export function sphereOf(root) {
     const sphere = new Box3().setFromObject(root).getBoundingSphere(new Sphere());
-    sphere.radius = Math.max(sphere.radius, 1e-3);
+    sphere.radius ||= 1; // of a point
     return sphere;
 }
 
@@ -26,7 +26,8 @@ export class Navigation {
     // `changed` is called when the view is another one.
     constructor(camera, canvas, root, changed) {
         Object.assign(this, { camera, root, changed });
-        this.metersPerSecond = kRadiiPerSecond * sphereOf(root).radius;
+        this.radius = sphereOf(root).radius;
+        this.metersPerSecond = kRadiiPerSecond * this.radius;
         this.controls = new OrbitControls(camera, canvas);
         this.controls.addEventListener('change', changed);
         this.pressed = new Set();
@@ -55,7 +56,7 @@ export class Navigation {
         const ray = new Raycaster();
         ray.setFromCamera(new Vector2(), camera);
         const [hit] = ray.intersectObject(this.root, true);
-        controls.target.copy(camera.position).addScaledVector(ray.ray.direction, hit?.distance ?? 2);
+        controls.target.copy(camera.position).addScaledVector(ray.ray.direction, hit?.distance ?? this.radius);
         controls.update();
         this.changed();
     }

@@ -6,7 +6,6 @@ import {
     Scene,
     ShaderChunk,
     Vector2,
-    Vector3,
     WebGLRenderer,
 } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
@@ -15,6 +14,7 @@ import { isGlass } from '../src/material.js';
 import { Navigation, defaultCamera, sphereOf } from './navigation.js';
 import { createPanel } from './panel.js';
 import { Picture } from './picture.js';
+import { prepareShadow } from './shadows.js';
 
 // Pictures that a view at rest is averaged from.
 const kSamples = 32;
@@ -23,9 +23,7 @@ const kSamples = 32;
 const kMovingSeconds = 0.04,
     kRestSeconds = 0.6;
 const kRelativeCost = { fast: 1, default: 3, high: 8 };
-// Fine enough that a shadow's border is as sharp as in `phat render`, where maps are of 2048.
-const kShadowTexels = 1024,
-    kShadowOffset = 0.01; // metres
+const kNear = 0.01; // units of length
 const kMinScale = 0.25,
     kScaleSteps = 8;
 
@@ -51,39 +49,14 @@ function createRenderer() {
     return renderer;
 }
 
-// A parallel light's shadow is of the whole scene, wherever the light's node is.
-function fitShadow(light, sphere) {
-    const { camera } = light.shadow;
-    camera.position.setFromMatrixPosition(light.matrixWorld);
-    camera.lookAt(new Vector3().setFromMatrixPosition(light.target.matrixWorld));
-    camera.updateMatrixWorld();
-    const { x, y, z } = sphere.center.clone().applyMatrix4(camera.matrixWorldInverse),
-        { radius } = sphere;
-    Object.assign(camera, {
-        left: x - radius,
-        right: x + radius,
-        bottom: y - radius,
-        top: y + radius,
-        near: -z - radius,
-        far: -z + radius,
-    });
-    camera.updateProjectionMatrix();
-}
-
-function prepareShadow(light, sphere) {
-    if (light.isDirectionalLight) fitShadow(light, sphere);
-    light.castShadow = true;
-    light.shadow.mapSize.setScalar(kShadowTexels);
-    light.shadow.normalBias = kShadowOffset;
-}
-
-// Two things that three.js does to a punctual light's highlight, and glTF's appendix B and hence the bake do not: it is
+// Three things that three.js does to punctual light, and glTF's appendix B and hence the bake do not: a highlight is
 // blunted where normals turn within a pixel (here many pictures are averaged), and brightened on rough metals
-// for light that would be reflected twice.
+// for light that would be reflected twice; and a light nearer than 10 cm counts as that far.
 function keepToGltf(material) {
     const { onBeforeCompile, customProgramCacheKey } = material;
     const chunks = {
         lights_physical_fragment: [/.* \+= geometryRoughness;/g, ''],
+        lights_pars_begin: ['pow( lightDistance, decayExponent ), 0.01', 'pow( lightDistance, decayExponent ), 1e-30'],
         lights_fragment_begin: [/(multiScatteringCompensation =).*;/g, '$1 vec3(1.0);'],
     };
     material.onBeforeCompile = function (shader, renderer) {
@@ -114,8 +87,14 @@ class Viewer {
         this.scene = new Scene();
         this.scene.add(gltf.scene);
         gltf.scene.updateMatrixWorld(true);
-        const sphere = sphereOf(gltf.scene);
-        this.camera = new PerspectiveCamera(40, 1, Math.min(1e-3 * sphere.radius, 0.01), 50 * sphere.radius);
+        const sphere = sphereOf(gltf.scene),
+            { unitMeters } = this.light;
+        this.camera = new PerspectiveCamera(
+            40,
+            1,
+            Math.min(1e-3 * sphere.radius, kNear * unitMeters),
+            50 * sphere.radius,
+        );
         this.picture = new Picture(renderer);
         this.lastMove = -1e9;
         this.scale = 0.5; // of the sides; until the device is known
@@ -133,7 +112,7 @@ class Viewer {
                 object.receiveShadow = true;
                 if (object.material.isMeshStandardMaterial) materials.add(object.material);
             }
-            if (object.shadow) prepareShadow(object, sphere);
+            if (object.shadow) prepareShadow(object, sphere, unitMeters);
         });
         const anisotropy = Math.min(8, renderer.capabilities.getMaxAnisotropy()); // twin: mostAnisotropy
         for (const material of materials) {

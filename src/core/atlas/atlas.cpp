@@ -14,6 +14,7 @@
 #include "core/atlas/join_coplanar.h"
 #include "core/atlas/mesh_topology.h"
 #include "core/atlas/unwrap.h"
+#include "core/scene/length_unit.h"
 
 namespace phat {
 namespace {
@@ -304,6 +305,7 @@ Atlas buildAtlasOf(const AtlasOrder& order, Progress& progress, AtlasStats* stat
         packing.sizeTiles = glm::uvec2(1);
     }
     Atlas atlas = placeCharts(scene, pieces.flats, plans, packing);
+    atlas.unitMeters = lengthUnit(scene);
     progress.end();
     if (stats) *stats = statsOf(atlas, pieces.flats, topology);
     return atlas;

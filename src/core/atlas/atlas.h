@@ -41,6 +41,7 @@ struct Chart {
 struct Atlas {
     glm::uvec2 sizeTexels{0};   // multiples of kTileSize
     float texelSizeMeters = 0;  // of the coarsest charts; those of glossy surfaces have finer ones
+    float unitMeters = 1;       // lengthUnit() of the scene: stored distances are multiples of it
     std::vector<Chart> charts;
     std::vector<uint32_t> triangleChart;                   // per triangle; kNoChart: degenerate
     std::vector<std::array<glm::vec2, 3>> triangleTexels;  // per triangle corner, in texels of that chart

@@ -43,7 +43,7 @@ std::vector<uint8_t> hiddenPieces(const RayScene& rays, const SidedPieces& piece
                 const uint64_t seed = hashOf(0x41d, t, uint64_t(point));
                 glm::dvec2 b = Rng(seed).uniform2();
                 if (b.x + b.y > 1) b = 1.0 - b;
-                const CoverPoint at{offsetOrigin(glm::vec3(a + b.x * e1 + b.y * e2), normal),
+                const CoverPoint at{rays.offsetOrigin(glm::vec3(a + b.x * e1 + b.y * e2), normal),
                                     frameFromNormal(normal), kPressedTexels * float(texelSizeMeters),
                                     seed + 1};
                 open += !coverOf(at, rays, isDark).closed();

@@ -40,7 +40,7 @@ bool surroundedByDark(const TexelPoints& points, const Atlas& atlas, float texel
     // Beside a strip that is much narrower than a texel, much touches it by that measure.
     const float size =
         std::min(texelSizeMeters, kNarrowAltitudes * altitudeOf(rays.scene(), points.triangle[i]));
-    const CoverPoint point{offsetOrigin(points.position[i], points.normal[i]),
+    const CoverPoint point{rays.offsetOrigin(points.position[i], points.normal[i]),
                            frameFromNormalAndTangent(points.normal[i], points.tangent[i]),
                            kPressedTexels * size, hashOf(i)};
     const auto isDark = [&](const Hit& hit) { return !sideLit(atlas, hit.triangle, hit.backFace); };
@@ -67,7 +67,7 @@ bool isWalled(const RayScene& rays, glm::vec3 from, glm::vec3 to, glm::vec3 norm
         const glm::vec3 across = glm::cross(scene.positions[v[1]] - scene.positions[v[0]],
                                             scene.positions[v[2]] - scene.positions[v[0]]);
         if (std::abs(glm::dot(across, normal)) < kMaxCosine * glm::length(across)) return true;
-        from = offsetOrigin(from + hit.distance * direction, direction);
+        from = rays.offsetOrigin(from + hit.distance * direction, direction);
     }
     return false;
 }
@@ -89,8 +89,8 @@ bool behindGeometry(const TexelPoints& points, float texelSizeMeters, const RayS
 
     const glm::vec3 lift = kGutterLiftTexels * texelSizeMeters * points.normal[i];
     return isBlocked(rays, start + lift, points.position[i] + lift) ||
-           isWalled(rays, offsetOrigin(start, points.normal[i]),
-                    offsetOrigin(points.position[i], points.normal[i]), points.normal[i]);
+           isWalled(rays, rays.offsetOrigin(start, points.normal[i]),
+                    rays.offsetOrigin(points.position[i], points.normal[i]), points.normal[i]);
 }
 
 }  // namespace

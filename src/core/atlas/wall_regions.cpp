@@ -126,7 +126,7 @@ class RegionFinder {
                 const glm::dvec3 at = (1 - b.x - b.y) * cutter_.position(v[0]) +
                                       b.x * cutter_.position(v[1]) + b.y * cutter_.position(v[2]);
                 const glm::vec3 up = side * glm::vec3(normal(t));
-                const Cover cover = coverOf({offsetOrigin(glm::vec3(at), up), frameFromNormal(up),
+                const Cover cover = coverOf({rays_.offsetOrigin(glm::vec3(at), up), frameFromNormal(up),
                                              kPressedTexels * float(texelSize_), seed + 1},
                                             rays_, isDark);
                 closed += double(std::max(cover.dark, cover.touched));

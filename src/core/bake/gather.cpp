@@ -28,7 +28,7 @@ std::optional<Ray> texelRay(const GatherInput& input, const TexelDirection& chos
     const glm::vec3 flatNormal = flatNormalOf(input, texel);
     if (glm::dot(direction, input.points.normal[texel]) <= 0.0f || glm::dot(direction, flatNormal) <= 0.0f)
         return {};
-    return Ray{offsetOrigin(input.points.position[texel], flatNormal), direction};
+    return Ray{input.rays.offsetOrigin(input.points.position[texel], flatNormal), direction};
 }
 
 /// Radiance by the photons at the ray's hit: the paper's exact-solution analogue (section 5.1.2).
@@ -70,8 +70,10 @@ IncidentRadiance incidentAt(const IndirectLayer& of, const TexelDirection& chose
     return incident;
 }
 
-PackedPhatexel packed(const TexelDirection& chosen, glm::vec3 radiance, float distance) {
-    return packPhatexel({radiance, chosen.directionBlock, distance, chosen.pdf, true});
+PackedPhatexel packed(const GatherInput& input, const TexelDirection& chosen, glm::vec3 radiance,
+                      float distance) {
+    return packPhatexel({radiance, chosen.directionBlock, distance, chosen.pdf, true},
+                        input.atlas.unitMeters);
 }
 
 /// Texels that deserve further rounds, judged by their eight neighbours alone: had a texel's own first
@@ -131,7 +133,7 @@ PackedPhatexel indirectPhatexel(const IndirectLayer& layer, const TexelDirection
     if (!ray) return {};
     const IncidentRadiance incident = incidentAt(layer, direction, *ray, texel);
     rays += incident.rays;
-    return packed(direction, incident.reflected, incident.distance);
+    return packed(layer.input, direction, incident.reflected, incident.distance);
 }
 
 PackedPhatexel areaPhatexel(const GatherInput& input, const TexelDirection& direction, size_t texel,
@@ -141,7 +143,7 @@ PackedPhatexel areaPhatexel(const GatherInput& input, const TexelDirection& dire
     const PathSettings emissionOnly{.pathsPerHit = 0, .maxBounces = 0};
     const IncidentRadiance incident = traceIncident(input.scene(), *ray, emissionOnly, Rng(0));
     rays += incident.rays;
-    return packed(direction, incident.emitted, incident.distance);
+    return packed(input, direction, incident.emitted, incident.distance);
 }
 
 PhatexelLayer gatherIndirect(const GatherContext& context, const ChosenDirections& chosen,

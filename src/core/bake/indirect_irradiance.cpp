@@ -52,7 +52,7 @@ struct Gatherer {
             glm::uvec2(texel % input.atlas.sizeTexels.x, texel / input.atlas.sizeTexels.x) / level.step;
         const Frame frame = frameFromNormalAndTangent(points.normal[texel], points.tangent[texel]);
         const glm::vec3 flatNormal = flatNormalOf(input, texel);
-        const glm::vec3 origin = offsetOrigin(points.position[texel], flatNormal);
+        const glm::vec3 origin = input.rays.offsetOrigin(points.position[texel], flatNormal);
         uint32_t count = 0;
         for (uint32_t i = 0; i < rayCount; ++i) {
             const glm::vec2 square = r2Point(uint64_t(morton(group.x, group.y)) * rayCount + i, stream);

@@ -135,7 +135,7 @@ bool Walk::reflectsGlossily(int bounce, const StepNumbers& numbers) {
 
     ++rayCount;
     const SeenThrough seen =
-        seeThrough(world.scene.rays, {originOn(point, direction), direction}, 0, rayCount);
+        seeThrough(world.scene.rays, {originOn(world.scene.rays, point, direction), direction}, 0, rayCount);
     const glm::vec3 arriving = seen.ray.direction;
     hit = seen.hit;
     throughput *= seen.throughput;

@@ -116,7 +116,7 @@ std::vector<uint32_t> sidesSeenFrom(const LitScene& lit, const Components& compo
         if (b.x + b.y > 1) b = 1.0f - b;
         const glm::vec3 direction =
             glm::normalize(frameFromNormal(normal).toWorld(squareToCosineHemisphere(random.uniform2())));
-        const Ray toward{offsetOrigin(a + b.x * e1 + b.y * e2, normal), direction};
+        const Ray toward{lit.rays.offsetOrigin(a + b.x * e1 + b.y * e2, normal), direction};
         const Hit hit = seeStraight(lit.rays, toward, kFarDistance, rayCount).hit;
         if (hit)
             seen[i] = 2 * components.ofTriangle[hit.triangle] + hit.backFace;

@@ -112,7 +112,7 @@ TileUpdate PhatexelUpdater::updateTile(size_t tile, bool coverChanged) const {
         const bool valid = packed.directionDistance != 0;
         if (coverChanged || changes.moved()) return points.valid(texel) || valid;
         if (!valid || !points.valid(texel)) return false;
-        const Phatexel phatexel = unpackPhatexel(packed);
+        const Phatexel phatexel = unpackPhatexel(packed, state_.scene.atlas().unitMeters);
         return changes.affectRay(state_.scene.scene(), points.position[texel],
                                  frame.toWorld(phatexel.directionBlock), phatexel.distance);
     };
@@ -206,8 +206,10 @@ BlockUpdate PhatexelUpdater::updateBlock(uint32_t block) const {
         std::vector<PhotonIndex::Neighbor> near;
         const Bounds bounds = blockBounds(atlas, points, rect);
         const Frame& frame = state_.scene.frames()[block];
-        if (state_.guided()) update.indirectGuide = buildGuide(bounds, frame, sets, isIndirectPhoton, near);
-        if (state_.hasArea) update.areaGuide = buildGuide(bounds, frame, sets, isAreaPhoton, near);
+        if (state_.guided())
+            update.indirectGuide = buildGuide(bounds, frame, atlas.unitMeters, sets, isIndirectPhoton, near);
+        if (state_.hasArea)
+            update.areaGuide = buildGuide(bounds, frame, atlas.unitMeters, sets, isAreaPhoton, near);
         update.work += kGuideWork;
     }
     update.indirect.resize(state_.phatexture.indirect.size());

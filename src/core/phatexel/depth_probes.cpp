@@ -7,15 +7,19 @@
 namespace phat {
 namespace {
 
+// In units of length: Atlas::unitMeters.
+float unitsOf(uint32_t code) {
+    return unpackDistance(code, 1);
+}
 float levelZero(const DepthProbe& probe) {
-    return unpackDistance(std::max(4 * probe.low, 1u));
+    return unitsOf(std::max(4 * probe.low, 1u));
 }
 float topLevel(const DepthProbe& probe) {
-    return unpackDistance(std::min(4 * probe.high, 254u));
+    return unitsOf(std::min(4 * probe.high, 254u));
 }
 
 DepthProbe roundToLevels(const std::array<uint8_t, kProbeSize * kProbeSize>& codes) {
-    const uint8_t far = uint8_t(packDistance(kFarDistance));
+    const uint8_t far = uint8_t(packDistance(kFarDistance, 1));
     DepthProbe probe;
     probe.low = far;
     for (uint8_t code : codes)
@@ -27,7 +31,7 @@ DepthProbe roundToLevels(const std::array<uint8_t, kProbeSize * kProbeSize>& cod
     const float low = std::log2(levelZero(probe)),
                 octaves = std::max(std::log2(topLevel(probe)) - low, 1e-6f);
     for (size_t i = 0; i < codes.size(); ++i) {
-        const float fraction = (std::log2(unpackDistance(codes[i])) - low) / octaves;
+        const float fraction = (std::log2(unitsOf(codes[i])) - low) / octaves;
         probe.level[i] = codes[i] == far
                              ? uint8_t(kFarLevel)
                              : uint8_t(std::lround(std::clamp(fraction, 0.0f, 1.0f) * (kFarLevel - 1)));
@@ -37,10 +41,10 @@ DepthProbe roundToLevels(const std::array<uint8_t, kProbeSize * kProbeSize>& cod
 
 }  // namespace
 
-float probeDistance(const DepthProbe& probe, uint32_t level) {
+float probeDistance(const DepthProbe& probe, uint32_t level, float unitMeters) {
     if (level == kFarLevel) return kFarDistance;
     const float low = levelZero(probe);
-    return low * std::pow(topLevel(probe) / low, float(level) / float(kFarLevel - 1));
+    return unitMeters * low * std::pow(topLevel(probe) / low, float(level) / float(kFarLevel - 1));
 }
 
 DepthProbe traceDepthProbe(const Atlas& atlas, const TexelPoints& points, const std::vector<Frame>& frames,
@@ -64,14 +68,14 @@ DepthProbe traceDepthProbe(const Atlas& atlas, const TexelPoints& points, const 
     const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
     const Frame& frame = frames[atlas.blockAt(texel)];
     const glm::vec3 normal = points.normal[index];
-    const glm::vec3 from = offsetOrigin(points.position[index], normal);
+    const glm::vec3 from = rays.offsetOrigin(points.position[index], normal);
     std::array<uint8_t, kProbeSize * kProbeSize> codes;
     for (size_t cell = 0; cell < kDirections.size(); ++cell) {
         // No lobe looks below the texel's own horizon: such rays go along it.
         const glm::vec3 w = frame.toWorld(kDirections[cell]);
         const glm::vec3 above = w - std::min(glm::dot(w, normal) - 0.01f, 0.0f) * normal;
         const Hit hit = rays.closestHit(from, glm::normalize(above));
-        codes[cell] = uint8_t(packDistance(hit ? hit.distance : kFarDistance));
+        codes[cell] = uint8_t(packDistance(hit ? hit.distance : kFarDistance, atlas.unitMeters));
     }
     return roundToLevels(codes);
 }

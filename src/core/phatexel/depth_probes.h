@@ -20,8 +20,9 @@ struct DepthProbe {
     std::array<uint8_t, kProbeSize * kProbeSize> level;  // [y][x]
 };
 
-/// Metres, or kFarDistance. twin: levelDistance in shaders/lib/lookup_tables.glsl.
-float probeDistance(const DepthProbe& probe, uint32_t level);
+/// Metres, or kFarDistance; `unitMeters`: Atlas::unitMeters. twin: levelDistance in
+/// shaders/lib/lookup_tables.glsl.
+float probeDistance(const DepthProbe& probe, uint32_t level, float unitMeters);
 
 /// Of one tile; of an empty one all levels are far.
 DepthProbe traceDepthProbe(const Atlas& atlas, const TexelPoints& points, const std::vector<Frame>& frames,

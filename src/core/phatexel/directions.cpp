@@ -9,8 +9,9 @@
 namespace phat {
 namespace {
 
-// Guide photons come from this far around a block at least (design study: 25 cm for 12 cm blocks).
-constexpr float kGuideRadiusMeters = 0.25f;
+// Guide photons come from this far around a block at least, in units of length (design study: 25 cm for
+// blocks of 12 cm).
+constexpr float kGuideRadius = 0.25f;
 constexpr float kGuideRadiusOverBlock = 1.5f;
 // Share of directions that ignore the photons, so that nothing unseen by them is missed for good.
 constexpr float kUniformFraction = 0.3f;
@@ -67,10 +68,12 @@ Bounds blockBounds(const Atlas& atlas, const TexelPoints& points, const BlockRec
     return bounds;
 }
 
-Guide buildGuide(const Bounds& bounds, const Frame& frame, std::span<const PhotonSet> photonSets,
-                 PhotonFilter keep, std::vector<PhotonIndex::Neighbor>& near) {
+Guide buildGuide(const Bounds& bounds, const Frame& frame, float unitMeters,
+                 std::span<const PhotonSet> photonSets, PhotonFilter keep,
+                 std::vector<PhotonIndex::Neighbor>& near) {
     if (bounds.empty()) return uniformGuide();
-    const float radius = std::max(kGuideRadiusMeters, kGuideRadiusOverBlock * 0.5f * bounds.diagonal());
+    const float radius =
+        std::max(kGuideRadius * unitMeters, kGuideRadiusOverBlock * 0.5f * bounds.diagonal());
     Cells cells{};
     float count = 0, sum = 0;
     for (const PhotonSet& set : photonSets) {
@@ -98,8 +101,9 @@ std::vector<Guide> buildGuides(const BlockGeometry& blocks, const PhotonSet& pho
     parallelRanges(blocks.atlas.blockCount, 16, progress, [&](size_t begin, size_t end) {
         std::vector<PhotonIndex::Neighbor> near;
         for (size_t block = begin; block < end; ++block)
-            guides[block] = buildGuide(blockBounds(blocks.atlas, blocks.points, rects[block]),
-                                       blocks.frames[block], std::span(&photons, 1), keep, near);
+            guides[block] =
+                buildGuide(blockBounds(blocks.atlas, blocks.points, rects[block]), blocks.frames[block],
+                           blocks.atlas.unitMeters, std::span(&photons, 1), keep, near);
     });
     return guides;
 }

@@ -45,9 +45,11 @@ struct BlockGeometry {
 std::vector<Guide> buildGuides(const BlockGeometry& blocks, const PhotonSet& photons, PhotonFilter keep,
                                Progress& progress);
 
-/// The guide of one block. `bounds`: of its valid texels; empty: uniform. `near` is scratch.
-Guide buildGuide(const Bounds& bounds, const Frame& frame, std::span<const PhotonSet> photons,
-                 PhotonFilter keep, std::vector<PhotonIndex::Neighbor>& near);
+/// The guide of one block. `bounds`: of its valid texels; empty: uniform. `unitMeters`: Atlas::unitMeters.
+/// `near` is scratch.
+Guide buildGuide(const Bounds& bounds, const Frame& frame, float unitMeters,
+                 std::span<const PhotonSet> photons, PhotonFilter keep,
+                 std::vector<PhotonIndex::Neighbor>& near);
 
 /// Bounds of the block's valid texels.
 Bounds blockBounds(const Atlas& atlas, const TexelPoints& points, const BlockRect& rect);

@@ -9,9 +9,9 @@ namespace {
 
 constexpr uint32_t kOctahedralMax = (1u << 12) - 1;
 
-// Distance codes 1..254 span 1 mm to 1 km; 255 is infinity, 0 marks an invalid PHATexel.
-constexpr float kNearestMeters = 1e-3f;
-constexpr float kOctaves = 19.931569f;  // log2(1 km / 1 mm)
+// Distance codes 1..254 span a thousandth to a thousand units; 255 is infinity, 0 marks an invalid PHATexel.
+constexpr float kNearest = 1e-3f;       // units
+constexpr float kOctaves = 19.931569f;  // log2 of a million
 constexpr float kCodesPerOctave = 253.0f / kOctaves;
 constexpr uint32_t kFarCode = 255;
 
@@ -105,31 +105,32 @@ glm::vec3 unpackOctahedral24(uint32_t packed) {
     return glm::normalize(d);
 }
 
-uint32_t packDistance(float meters) {
+uint32_t packDistance(float meters, float unitMeters) {
     if (meters >= kFarDistance) return kFarCode;
-    const float code = std::log2(std::max(meters, kNearestMeters) / kNearestMeters) * kCodesPerOctave;
+    const float nearest = kNearest * unitMeters;
+    const float code = std::log2(std::max(meters, nearest) / nearest) * kCodesPerOctave;
     return uint32_t(std::clamp(std::floor(code + 0.5f), 0.0f, 253.0f)) + 1;
 }
 
-float unpackDistance(uint32_t code) {
+float unpackDistance(uint32_t code, float unitMeters) {
     if (code == kFarCode) return kFarDistance;
-    return kNearestMeters * std::exp2(float(code - 1) / kCodesPerOctave);
+    return kNearest * unitMeters * std::exp2(float(code - 1) / kCodesPerOctave);
 }
 
-PackedPhatexel packPhatexel(const Phatexel& phatexel) {
+PackedPhatexel packPhatexel(const Phatexel& phatexel, float unitMeters) {
     if (!phatexel.valid) return {};
     return {packRgb9e5(phatexel.radiance),
-            packOctahedral24(phatexel.directionBlock) | (packDistance(phatexel.distance) << 24)};
+            packOctahedral24(phatexel.directionBlock) | (packDistance(phatexel.distance, unitMeters) << 24)};
 }
 
-Phatexel unpackPhatexel(PackedPhatexel packed) {
+Phatexel unpackPhatexel(PackedPhatexel packed, float unitMeters) {
     Phatexel phatexel;
     const uint32_t distanceCode = packed.directionDistance >> 24;
     if (distanceCode == 0) return phatexel;
     phatexel.radiance = unpackRgb9e5(packed.radiance);
     phatexel.directionBlock = unpackOctahedral24(packed.directionDistance & 0xffffffu);
     phatexel.directionBlock.z = std::max(phatexel.directionBlock.z, 0.0f);
-    phatexel.distance = unpackDistance(distanceCode);
+    phatexel.distance = unpackDistance(distanceCode, unitMeters);
     phatexel.valid = true;
     return phatexel;
 }
@@ -236,7 +237,7 @@ glm::vec2 guideToSquare(const Guide& guide, glm::vec3 direction) {
 Phatexel phatexelAt(const PhatexelLayer& layer, const std::vector<Guide>& guides, const Atlas& atlas,
                     glm::uvec2 texel) {
     const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
-    Phatexel phatexel = unpackPhatexel(layer.texels[index]);
+    Phatexel phatexel = unpackPhatexel(layer.texels[index], atlas.unitMeters);
     if (!phatexel.valid) return phatexel;
     if (!layer.pdf.empty()) {
         phatexel.pdf = layer.pdf[index];

@@ -34,14 +34,15 @@ glm::vec3 unpackRgb9e5(uint32_t packed);
 /// 12+12 bit octahedral code of a unit direction; worst error 0.06 degrees.
 uint32_t packOctahedral24(glm::vec3 direction);
 glm::vec3 unpackOctahedral24(uint32_t packed);
-/// Codes 1..254: 1 mm to 1 km in equal ratios (5.6 %); 255: kFarDistance.
-uint32_t packDistance(float meters);
-float unpackDistance(uint32_t code);
+/// Codes 1..254: a thousandth to a thousand units in equal ratios (5.6 %); 255: kFarDistance. `unitMeters`
+/// here and below: Atlas::unitMeters.
+uint32_t packDistance(float meters, float unitMeters);
+float unpackDistance(uint32_t code, float unitMeters);
 
-PackedPhatexel packPhatexel(const Phatexel& phatexel);
+PackedPhatexel packPhatexel(const Phatexel& phatexel, float unitMeters);
 /// The pdf is not in the bytes: it comes from the block's guide (or PhatexelLayer::pdf). Directions that
 /// rounding put under the block's horizon are lifted onto it.
-Phatexel unpackPhatexel(PackedPhatexel packed);
+Phatexel unpackPhatexel(PackedPhatexel packed, float unitMeters);
 
 /// The paper's 16-byte storage (section 6): three floats and two angles as halves in one channel.
 /// No distance, no pdf. Files may use it (docs/format.md); renderers hold the 8 bytes.

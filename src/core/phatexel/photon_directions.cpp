@@ -11,6 +11,8 @@ namespace {
 
 // Share of the directions of splats that look for cells without light. As of guides; untuned.
 constexpr float kSplatUniformFraction = 0.3f;
+// Photons at one point would have no area.
+constexpr float kMinRimFraction = 4e-6f;  // of the largest radius
 constexpr float kUniformPdf = 1.0f / (2.0f * kPi);
 
 /// A photon that a texel may choose.
@@ -87,11 +89,11 @@ class PhotonChooser {
         // As in photonRadiance: the k-th only marks the rim; where fewer are found, the rim is the largest
         // radius.
         const uint32_t k = std::max(settings_.density.neighbors, 2u);
-        photons_.index.nearest(blocks_.points.position[texel], k, settings_.density.maxRadiusMeters,
-                               std::cref(counts), neighbors_);
-        float radius = settings_.density.maxRadiusMeters;
+        const float maxRadius = settings_.density.maxRadiusMeters(photons_.photons);
+        photons_.index.nearest(blocks_.points.position[texel], k, maxRadius, std::cref(counts), neighbors_);
+        float radius = maxRadius;
         if (neighbors_.size() == k) {
-            radius = std::max(std::sqrt(neighbors_.back().distanceSquared), 1e-6f);
+            radius = std::max(std::sqrt(neighbors_.back().distanceSquared), kMinRimFraction * maxRadius);
             neighbors_.pop_back();
         }
         Candidates result{.texel = texel, .photons = {}};

@@ -6,7 +6,7 @@
 namespace phat {
 
 /// A direction for every valid texel from the photons around it that `keep` takes, the k nearest within
-/// `settings.density.maxRadiusMeters` on surfaces that face the same way:
+/// `settings.density.maxRadius` on surfaces that face the same way:
 /// - Directions::photons: one of them by weighted reservoir, the weight a cone that ends at the k-th;
 /// - Directions::nearestPhoton: the nearest, the paper's naive strategy.
 /// The direction is jittered within the photon's histogram cell, which gives it a density: the cell's

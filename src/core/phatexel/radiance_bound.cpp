@@ -24,7 +24,8 @@ TileSums sumTile(const Atlas& atlas, const Phatexture& phatexture, glm::uvec2 ti
         for (const PhatexelLayer& layer : phatexture.indirect)
             sums.indirect = glm::max(
                 sums.indirect,
-                unpackPhatexel(layer.texels[size_t(texel.y) * atlas.sizeTexels.x + texel.x]).radiance);
+                unpackPhatexel(layer.texels[size_t(texel.y) * atlas.sizeTexels.x + texel.x], atlas.unitMeters)
+                    .radiance);
         for (const PhatexelLayer& layer : phatexture.area) {
             const Phatexel phatexel = phatexelAt(layer, phatexture.areaGuides, atlas, texel);
             if (!phatexel.valid || !(phatexel.pdf > 0)) continue;

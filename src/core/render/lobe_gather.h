@@ -36,7 +36,8 @@ ReconnectedPhatexel unmoved(const WorldPhatexel& phatexel);
 /// Distances around a point, by direction, from the PHATexels near it.
 class LocalDepth {
   public:
-    explicit LocalDepth(const Frame& frame) : frame_(frame) {}
+    /// `unitMeters`: Atlas::unitMeters.
+    LocalDepth(const Frame& frame, float unitMeters) : frame_(frame), unitMeters_(unitMeters) {}
 
     void add(glm::vec3 direction, float distance, float weight);
     /// Call between the last add() and the first visibility().
@@ -57,6 +58,7 @@ class LocalDepth {
     int cellOf(glm::vec3 direction) const;  // -1 below the horizon
 
     Frame frame_;
+    float unitMeters_;
     std::vector<Look> looks_;                                  // by cell, the farthest first
     std::array<uint32_t, size_t(kSize) * kSize + 1> first_{};  // [cell] in looks_
 };

@@ -100,7 +100,7 @@ void PhatGather::findTiles(Visible& visible) const {
 }
 
 LocalDepth PhatGather::depthAround(const Visible& visible) const {
-    LocalDepth depth(frameFromNormal(visible.point.normalGeometric));
+    LocalDepth depth(frameFromNormal(visible.point.normalGeometric), scene_.atlas.unitMeters);
     for (const TiledPhatexels* source : {&indirect_, &area_}) {
         forNeighbors(visible, *source, kDepthRadius * texelSizeAt(visible),
                      [&](const WorldPhatexel& phatexel, float cone) {
@@ -115,7 +115,7 @@ LocalDepth PhatGather::depthAround(const Visible& visible) const {
 LobeSums PhatGather::sumOver(const Visible& visible, const TiledPhatexels& source, const GatherLobe& lobe,
                              float radius, const LocalDepth& depth) const {
     LobeSums sums;
-    const glm::vec3 origin = offsetOrigin(visible.point.position, visible.point.normalGeometric);
+    const glm::vec3 origin = scene_.rays.offsetOrigin(visible.point.position, visible.point.normalGeometric);
     forNeighbors(visible, source, radius, [&](const WorldPhatexel& phatexel, float cone) {
         const ReconnectedPhatexel reconnected =
             reconnects() ? reconnect(phatexel, visible.point.position) : unmoved(phatexel);

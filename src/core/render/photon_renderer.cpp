@@ -25,7 +25,7 @@ glm::vec3 indirectByPhotons(const PhotonScene& scene, const PhotonRendererSettin
 // Incident radiance along a gather ray. Emission is left out: it is direct light of the visible point.
 glm::vec3 gatheredLight(const PhotonScene& scene, const PhotonRendererSettings& settings,
                         const SurfacePoint& from, glm::vec3 direction, PixelSample& sample) {
-    const glm::vec3 origin = offsetOrigin(from.position, from.normalGeometric);
+    const glm::vec3 origin = scene.rays.offsetOrigin(from.position, from.normalGeometric);
     ++sample.rays;
     const SeenThrough seen = seeThrough(scene.rays, {origin, direction}, 0, sample.rays);
     if (!seen.hit) return glm::vec3(0);

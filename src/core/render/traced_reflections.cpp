@@ -83,8 +83,8 @@ glm::vec3 LobeRays::estimateByLightSample(Rng& rng) const {
     // Below this weight no emitter is bright enough to be visible, and the shadow ray is saved.
     constexpr float kMinWeight = 1e-6f;
     if (weight < kMinWeight) return glm::vec3(0);
-    const glm::vec3 transmittance =
-        transmittanceToLight(scene.rays, point.position, originOn(point, light.towardLight), light, rayCount);
+    const glm::vec3 transmittance = transmittanceToLight(
+        scene.rays, point.position, originOn(scene.rays, point, light.towardLight), light, rayCount);
     return transmittance * (value * weight / light.pdf / albedo * light.radiance);
 }
 
@@ -107,7 +107,7 @@ PooledLight LobeRays::trace(int count, int walks, const RayNumbers& numbers, uin
 
         ++rayCount;
         const SeenThrough seen =
-            seeThrough(scene.rays, {originOn(point, direction), direction}, stream, rayCount);
+            seeThrough(scene.rays, {originOn(scene.rays, point, direction), direction}, stream, rayCount);
         const glm::vec3 arriving = seen.ray.direction;
         const float lightPdf = areaPdf(scene.lights, point.position, seen.hit, arriving);
         const glm::vec3 emissionWeight = weight * powerWeight(sample.pdf, lightPdf) * seen.throughput;
@@ -228,7 +228,7 @@ class LobeTracer {
             lobes.push_back({s.pixel, 2 * scene.triangleSurface[s.triangle] + uint32_t(s.back),
                              positionAt(scene, s.triangle, primaryRays_[i].barycentric),
                              glm::reflect(primaryRays_[i].direction, lobe.normal), lobe.alpha,
-                             std::max(lobe.distance, 1e-3f)});
+                             std::max(lobe.distance, 1e-3f * scene_.rays.unitMeters())});
         }
         return lobes;
     }

@@ -3,8 +3,6 @@
 namespace phat {
 namespace {
 
-constexpr float kMinNearMeters = 1e-5f;  // the rasteriser's too
-
 // The first hit along a ray that is not skipped; its distance is from the ray's origin.
 template <class Skip>
 Hit firstHit(const RayScene& rays, const Ray& ray, uint64_t& rayCount, const Skip& skip) {
@@ -23,7 +21,7 @@ Hit firstHit(const RayScene& rays, const Ray& ray, uint64_t& rayCount, const Ski
         const glm::vec3 a = scene.positions[corner.x];
         const glm::vec3 across = glm::cross(scene.positions[corner.y] - a, scene.positions[corner.z] - a);
         const glm::vec3 front = glm::normalize(across);
-        const glm::vec3 beyond = offsetOrigin(position, hit.backFace ? front : -front);
+        const glm::vec3 beyond = rays.offsetOrigin(position, hit.backFace ? front : -front);
         // Where floats are too coarse to get past it, the ray ends rather than stays.
         if (!(glm::dot(beyond - origin, ray.direction) > 0)) return {};
         origin = beyond;
@@ -37,7 +35,7 @@ Ray cameraRay(const Camera& camera, int width, int height, glm::vec2 position) {
     const glm::vec2 ndc(2 * position.x / float(width) - 1, 1 - 2 * position.y / float(height));
     const glm::mat3 rotation(camera.worldFromCamera);
     const glm::vec3 eye(camera.worldFromCamera[3]);
-    const float nearMeters = std::max(camera.znear, kMinNearMeters);
+    const float nearMeters = std::max(camera.znear, 0.0f);
     if (camera.perspective) {
         const float half = std::tan(0.5f * camera.yfovRadians);
         const glm::vec3 toPlane = rotation * glm::vec3(ndc.x * half * aspect, ndc.y * half, -1);

@@ -116,7 +116,7 @@ glm::vec3 tightEye(const Scene& scene, const std::vector<bool>& counts, const gl
 DefaultView outsideView(const Scene& scene) {
     DefaultView view;
     const Bounds bounds = boundsWithoutGround(scene);
-    const float size = std::max(bounds.diagonal(), 1e-6f);
+    const float size = bounds.diagonal() > 0 ? bounds.diagonal() : 1.0f;
     view.target = bounds.empty() ? glm::vec3(0) : bounds.center();
     const glm::vec3 back = glm::normalize(glm::vec3(0.6f, 0.45f, 1.0f));
     glm::vec3 eye = view.target + 2 * size * back;

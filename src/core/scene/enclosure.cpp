@@ -27,8 +27,10 @@ constexpr float kMinFrontsInMeters = 0.05f;
 constexpr float kMinRoomHeight = 0.5f;
 // Less of the scene's ground plan than this, of kColumns^2 points, is a cavity and no room.
 constexpr size_t kMinPoints = 8;
-// Rooms within these heights are taken to be in metres.
+// Rooms within these heights are taken to be in metres, or in another unit that files are exported in.
 constexpr float kMinRoomMeters = 2, kMaxRoomMeters = 12;
+// How many of a metre, a centimetre, a millimetre and a kilometre are a metre.
+constexpr float kUnitsInMeter[] = {1, 100, 1000, 0.001f};
 
 // Heights at which the vertical line through (x, z) crosses surfaces, downward.
 std::vector<float> crossings(const RayScene& rays, const Bounds& bounds, float x, float z) {
@@ -46,12 +48,16 @@ std::vector<float> crossings(const RayScene& rays, const Bounds& bounds, float x
     return found;
 }
 
-bool isRoomInMeters(float roomHeight) {
-    return roomHeight >= kMinRoomMeters && roomHeight <= kMaxRoomMeters;
+// What a metre is in the unit in which a room is as high as rooms are; 0: there is none.
+float meterIn(float roomHeight) {
+    for (const float meter : kUnitsInMeter)
+        if (roomHeight >= kMinRoomMeters * meter && roomHeight <= kMaxRoomMeters * meter) return meter;
+    return 0;
 }
 
 float eyeHeight(float roomHeight) {
-    return isRoomInMeters(roomHeight) ? kEyeMeters : kEyeFraction * roomHeight;
+    const float meter = meterIn(roomHeight);
+    return meter > 0 ? kEyeMeters * meter : kEyeFraction * roomHeight;
 }
 
 // Whether `point` is enclosed; fills in what is around it.
@@ -159,11 +165,11 @@ std::vector<StandPoint> standPoints(const RayScene& rays) {
     float highest = 0, fronts = 0;
     for (const StandPoint& p : points) highest = std::max(highest, p.roomHeight);
     const float height = bounds.high.y - bounds.low.y;
-    const float leastHeight = kMinRoomHeight * (isRoomInMeters(highest) ? highest : height);
+    const float leastHeight = kMinRoomHeight * (meterIn(highest) > 0 ? highest : height);
     std::erase_if(points, [&](const StandPoint& p) { return p.roomHeight < leastHeight; });
     points = onMainFloor(points, 0.03f * height);
     for (const StandPoint& p : points) fronts += p.frontFraction;
-    const float leastFronts = outward && isRoomInMeters(highest) ? kMinFrontsInMeters : kMinFronts;
+    const float leastFronts = outward && meterIn(highest) > 0 ? kMinFrontsInMeters : kMinFronts;
     if (points.size() < kMinPoints || fronts < leastFronts * float(points.size())) return {};
     return points;
 }

@@ -22,9 +22,9 @@ struct StandPoint {
     float frontFraction = 0;  // of the surfaces around it
 };
 
-/// Eyes in rooms, on a grid over the scene, at the height of kEyeMeters or, where that says nothing of the
-/// room's unit, of kEyeFraction of the room. Empty where the scene has no inside. The same for any number of
-/// threads.
+/// Eyes in rooms, on a grid over the scene, at the height of kEyeMeters, also in rooms that seem to be in
+/// centimetres, millimetres or kilometres; where the room is in no known unit, of kEyeFraction of it. Empty
+/// where the scene has no inside. The same for any number of threads.
 std::vector<StandPoint> standPoints(const RayScene& rays);
 
 inline constexpr float kEyeMeters = 1.6f;

@@ -56,9 +56,9 @@ glm::vec3 thinAttenuation(const Scene& scene, const Hit& hit, const Material& ma
     return attenuation(material, thicknessAt(scene, hit) / refractedCosine(cosine, material.ior));
 }
 
-glm::vec3 pastSurface(const SurfacePoint& point, glm::vec3 direction) {
+glm::vec3 pastSurface(const RayScene& rays, const SurfacePoint& point, glm::vec3 direction) {
     const float side = glm::dot(direction, point.normalGeometric) >= 0.0f ? 1.0f : -1.0f;
-    return offsetOrigin(point.position, side * point.normalGeometric);
+    return rays.offsetOrigin(point.position, side * point.normalGeometric);
 }
 
 }  // namespace
@@ -80,7 +80,7 @@ void GlassWalk::absorb(const Hit& hit) {
 
 void GlassWalk::goOn(const SurfacePoint& from, glm::vec3 direction) {
     from_ = from.position;
-    ray_ = {pastSurface(from, direction), direction};
+    ray_ = {pastSurface(rays_, from, direction), direction};
 }
 
 bool GlassWalk::leaves(const SurfacePoint& at, const Material& material) {
@@ -165,7 +165,7 @@ SeenThrough seeThrough(const RayScene& rays, const Ray& ray, uint64_t seed, uint
                             !scene.materialOf(hit.triangle).doubleSided;
         if (hidden) {
             const SurfacePoint at = surfaceAt(scene, hit, seen.ray.direction);
-            const glm::vec3 beyond = offsetOrigin(at.position, -at.normalGeometric);
+            const glm::vec3 beyond = rays.offsetOrigin(at.position, -at.normalGeometric);
             if (!(glm::dot(beyond - seen.ray.origin, seen.ray.direction) > 0)) return {{}, seen.ray};
             skipped += hit.distance;
             seen.ray.origin = beyond;
@@ -222,7 +222,7 @@ StraightView seeStraight(const RayScene& rays, const Ray& ray, float maxDistance
         }
         if (maxComponent(view.transmittance) <= 0.0f) return view;
         from = at.position;
-        origin = pastSurface(at, ray.direction);
+        origin = pastSurface(rays, at, ray.direction);
         way += hit.distance;
         ++rayCount;
         view.hit = rays.closestHit(origin, ray.direction, maxDistance - way);

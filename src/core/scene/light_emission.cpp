@@ -178,7 +178,8 @@ EmittedPhoton LightSampler::fromTriangles(const PhotonSource& source, const Phot
         emitter.uniform ? emitter.radiance : emittedRadiance(*scene_, emitter, barycentric);
     EmittedPhoton photon;
     photon.direction = frameFromNormal(normal).toWorld(squareToCosineHemisphere({dx, dy}));
-    photon.origin = offsetOrigin(pointOnTriangle(*scene_, emitter.triangle, barycentric), normal);
+    photon.origin =
+        offsetOrigin(pointOnTriangle(*scene_, emitter.triangle, barycentric), normal, unitMeters_);
     photon.fluxWatts = radiance * float(double(kPi) * emitter.areaSquareMeters * emitter.sides() *
                                         turn.powerFraction / chance);
     return photon;

@@ -6,6 +6,10 @@
 
 namespace phat {
 
+/// Nearer than this part of the scene's radius a point light has no direction to speak of, and its irradiance
+/// might overflow.
+inline constexpr float kMinLightDistance = 2.5e-7f;
+
 /// Share of a light's intensity left at `distance`, 1 when its range is unlimited (rangeMeters = 0).
 float rangeAttenuation(float distanceMeters, float rangeMeters);
 

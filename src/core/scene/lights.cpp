@@ -2,6 +2,7 @@
 
 #include <cassert>
 
+#include "core/scene/length_unit.h"
 #include "core/scene/light_punctual.h"
 
 namespace phat {
@@ -16,9 +17,6 @@ constexpr float kMinSourceProbability = 0.1f;
 // Cosines below this are edge-on: nothing is sampled and nothing counts as sampled.
 constexpr float kMinCosine = 1e-6f;
 
-// Nearer than a micrometre a point light has no direction to speak of, and its irradiance would overflow.
-constexpr float kMinDistanceSquared = 1e-12f;
-
 float emittingCosine(const EmissiveTriangle& emitter, glm::vec3 towardPoint) {
     const float cosine = glm::dot(emitter.normal, towardPoint);
     return emitter.doubleSided ? std::abs(cosine) : cosine;
@@ -31,6 +29,7 @@ LightSampler::LightSampler(const Scene& scene, SharedValue<Environment> environm
     if (const Bounds bounds = boundsOf(scene); !bounds.empty()) {
         sceneCenter_ = bounds.center();
         sceneRadius_ = 0.5f * bounds.diagonal();
+        unitMeters_ = lengthUnit(scene);
     }
     for (const PunctualLight& light : scene.lights) {
         powerPunctual_ += punctualPower(light, sceneRadius_);
@@ -152,7 +151,7 @@ LightSample LightSampler::samplePunctual(size_t index, glm::vec3 point, glm::vec
     }
     const glm::vec3 toward = light.position - point;
     const float distanceSquared = glm::dot(toward, toward);
-    if (!(distanceSquared > kMinDistanceSquared)) return sample;
+    if (!(distanceSquared > phat::square(kMinLightDistance * sceneRadius_))) return sample;
     sample.distance = std::sqrt(distanceSquared);
     sample.towardLight = toward / sample.distance;
     float attenuation = rangeAttenuation(sample.distance, light.rangeMeters);

@@ -95,6 +95,7 @@ class LightSampler {
     glm::vec3 sceneCenter_{0};
     float sceneRadius_ = 0;  // metres, of the sphere around the scene's bounds
     bool hasDiscs_ = false;
+    float unitMeters_ = 1;  // lengthUnit() of the scene
     glm::vec3 powerPunctual_{0};
     glm::vec3 powerArea_{0};
 

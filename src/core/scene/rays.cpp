@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/base/random.h"
+#include "core/scene/length_unit.h"
 #include "core/scene/shading.h"
 #include "core/scene/transparency.h"
 
@@ -51,6 +52,7 @@ void filterTransparent(const RTCFilterFunctionNArguments* arguments) {
 struct RayScene::Bvh {
     RTCDevice device = rtcNewDevice(nullptr);
     RTCScene scene = nullptr;
+    float unitMeters = 1;
 
     Bvh() = default;
     Bvh(const Bvh&) = delete;
@@ -64,6 +66,7 @@ struct RayScene::Bvh {
 std::shared_ptr<const RayScene::Bvh> RayScene::buildBvh(const Scene& scene) {
     auto bvh = std::make_shared<Bvh>();
     if (!bvh->device) throw std::runtime_error("Embree cannot start on this machine");
+    bvh->unitMeters = lengthUnit(scene);
     bvh->scene = rtcNewScene(bvh->device);
     // Without the robust mode rays slip between adjacent triangles.
     rtcSetSceneFlags(bvh->scene, RTC_SCENE_FLAG_ROBUST);
@@ -146,16 +149,25 @@ std::vector<uint32_t> RayScene::trianglesNear(glm::vec3 point, float radius) con
     return found;
 }
 
-glm::vec3 offsetOrigin(glm::vec3 p, glm::vec3 normal) {
+float RayScene::unitMeters() const {
+    return bvh_->unitMeters;
+}
+
+glm::vec3 RayScene::offsetOrigin(glm::vec3 position, glm::vec3 normal) const {
+    return phat::offsetOrigin(position, normal, bvh_->unitMeters);
+}
+
+glm::vec3 offsetOrigin(glm::vec3 p, glm::vec3 normal, float unitMeters) {
     assert(isUnit(normal));
-    // Far from the origin step by units in the last place; near it by a fixed length.
-    constexpr float kOrigin = 1.0f / 32.0f, kFloatScale = 1.0f / 65536.0f, kIntScale = 256.0f;
+    // Far from the origin step by units in the last place; near it by a fixed part of the scene, whose other
+    // coordinates the rounding comes from.
+    const float origin = unitMeters / 32.0f, step = unitMeters / 65536.0f;
+    constexpr float kIntScale = 256.0f;
     glm::vec3 moved;
     for (int axis = 0; axis < 3; ++axis) {
         const int32_t ulps = int32_t(kIntScale * normal[axis]);
         const int32_t bits = std::bit_cast<int32_t>(p[axis]) + (p[axis] < 0.0f ? -ulps : ulps);
-        moved[axis] =
-            std::abs(p[axis]) < kOrigin ? p[axis] + kFloatScale * normal[axis] : std::bit_cast<float>(bits);
+        moved[axis] = std::abs(p[axis]) < origin ? p[axis] + step * normal[axis] : std::bit_cast<float>(bits);
     }
     return moved;
 }

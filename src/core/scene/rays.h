@@ -44,6 +44,9 @@ class RayScene {
     const Scene& scene() const { return *scene_; }
     const std::shared_ptr<const Bvh>& bvh() const { return bvh_; }
 
+    /// lengthUnit() of the scene.
+    float unitMeters() const;
+
     /// Whether glassOf() is anything but `none` anywhere.
     bool hasGlass() const { return !glass_.empty(); }
     Glass glassOf(uint32_t triangle) const {
@@ -59,6 +62,9 @@ class RayScene {
     /// All triangles whose bounds come within `radius` of a point, ascending, and some that do not.
     std::vector<uint32_t> trianglesNear(glm::vec3 point, float radius) const;
 
+    /// A position on a surface moved off it: the function of this name, by the scene's unit.
+    glm::vec3 offsetOrigin(glm::vec3 position, glm::vec3 normal) const;
+
   private:
     const Scene* scene_;
     std::shared_ptr<const Bvh> bvh_;
@@ -66,8 +72,9 @@ class RayScene {
 };
 
 /// `position` moved off its surface, far enough that rays on the side of `normal` do not meet the triangle
-/// again and no farther than float rounding asks. pre: |normal| = 1, on the side that the ray leaves.
-/// source: Waechter and Binder 2019, "A Fast and Robust Method for Avoiding Self-Intersection".
-glm::vec3 offsetOrigin(glm::vec3 position, glm::vec3 normal);
+/// again and no farther than float rounding asks. `unitMeters`: lengthUnit() of the scene, by which
+/// coordinates near zero are judged. pre: |normal| = 1, on the side that the ray leaves. source: Waechter and
+/// Binder 2019, "A Fast and Robust Method for Avoiding Self-Intersection".
+glm::vec3 offsetOrigin(glm::vec3 position, glm::vec3 normal, float unitMeters);
 
 }  // namespace phat

@@ -114,7 +114,7 @@ struct Camera {
     float yfovRadians = 0.8f;  // perspective
     float aspect = 0;          // width / height; 0: the picture's
     float ymag = 1;            // orthographic: half the height in metres
-    float znear = 0.01f;
+    float znear = 0;           // 0: near enough for what there is to see
 };
 
 /// Light from infinity. Latitude-longitude picture: column 0 at azimuth atan2(z, x) = -pi, growing;

@@ -35,7 +35,7 @@ bool reachesSky(const RayScene& rays, glm::vec3 origin, glm::vec3 direction, Hit
     const Scene& scene = rays.scene();
     for (int bounce = 0; bounce <= kBounces; ++bounce) {
         const glm::vec3 normal = surfaceAt(scene, hit, direction).normalGeometric;
-        origin = offsetOrigin(origin + hit.distance * direction, normal);
+        origin = rays.offsetOrigin(origin + hit.distance * direction, normal);
         direction = glm::normalize(frameFromNormal(normal).toWorld(squareToCosineHemisphere(rng.uniform2())));
         hit = hitBehindGlass(rays, {origin, direction});
         if (!hit) return true;
@@ -85,8 +85,8 @@ float litFraction(const RayScene& rays, const LightSampler& lights, const Camera
         const SurfacePoint surface = surfaceAt(rays.scene(), hit, ray.direction);
         if (maxComponent(surface.emission) > 0) return glm::ivec2(0);
         const glm::vec3 normal = surface.normalGeometric;
-        return glm::ivec2(
-            1, int(isLit(rays, lights, offsetOrigin(surface.position, normal), normal, Rng(hashOf(pixel)))));
+        return glm::ivec2(1, int(isLit(rays, lights, rays.offsetOrigin(surface.position, normal), normal,
+                                       Rng(hashOf(pixel)))));
     });
     return sum.x > 0 ? float(sum.y) / float(sum.x) : 1.0f;
 }

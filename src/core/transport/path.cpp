@@ -31,9 +31,9 @@ glm::vec3 emissionToward(const LitScene& scene, const Hit& hit, glm::vec3 direct
 
 }  // namespace
 
-glm::vec3 originOn(const SurfacePoint& point, glm::vec3 direction) {
+glm::vec3 originOn(const RayScene& rays, const SurfacePoint& point, glm::vec3 direction) {
     const float side = glm::dot(direction, point.normalGeometric) >= 0.0f ? 1.0f : -1.0f;
-    return offsetOrigin(point.position, side * point.normalGeometric);
+    return rays.offsetOrigin(point.position, side * point.normalGeometric);
 }
 
 glm::vec3 transmittanceToLight(const RayScene& rays, glm::vec3 position, glm::vec3 origin,
@@ -89,7 +89,7 @@ UnshadowedLight unshadowed(const LightSampler& lights, size_t index, const PathV
 glm::vec3 shadowed(const RayScene& rays, const SurfacePoint& point, const UnshadowedLight& candidate,
                    uint64_t& rayCount) {
     if (maxComponent(candidate.reflected) <= 0.0f) return glm::vec3(0);
-    const glm::vec3 origin = originOn(point, candidate.light.towardLight);
+    const glm::vec3 origin = originOn(rays, point, candidate.light.towardLight);
     return transmittanceToLight(rays, point.position, origin, candidate.light, rayCount) *
            candidate.reflected;
 }
@@ -140,8 +140,8 @@ glm::vec3 areaLight(const LitScene& scene, const PathVertex& vertex, glm::vec3 n
     const glm::vec3 lightLocal = point.shading.toLocal(light.towardLight);
     const glm::vec3 value = evaluateBrdf(vertex.brdf, lightLocal);
     if (maxComponent(value) <= 0.0f) return glm::vec3(0);
-    const glm::vec3 transmittance =
-        transmittanceToLight(scene.rays, point.position, originOn(point, light.towardLight), light, rayCount);
+    const glm::vec3 transmittance = transmittanceToLight(
+        scene.rays, point.position, originOn(scene.rays, point, light.towardLight), light, rayCount);
     if (maxComponent(transmittance) <= 0.0f) return glm::vec3(0);
     return transmittance * value * light.radiance / (light.pdf + sampleDirectionPdf(vertex, lightLocal));
 }
@@ -197,7 +197,7 @@ IrradianceRound irradianceRound(const LitScene& scene, glm::vec3 position, const
     // Golden-ratio (R2) points with a random shift: stratified for any count (Roberts 2018).
     constexpr glm::vec2 kR2(0.7548776662f, 0.5698402910f);
     IrradianceRound round;
-    const glm::vec3 origin = offsetOrigin(position, frame.normal);
+    const glm::vec3 origin = scene.rays.offsetOrigin(position, frame.normal);
 
     const float choiceShift = rng.uniform();
     const glm::vec2 squareShift = rng.uniform2();
@@ -267,7 +267,8 @@ ReflectedRadiance tracePath(const LitScene& scene, const PathStart& start, int m
         throughput /= survival;
 
         ++rayCount;
-        const SeenThrough seen = seeThrough(scene.rays, {originOn(point, direction), direction}, 0, rayCount);
+        const SeenThrough seen =
+            seeThrough(scene.rays, {originOn(scene.rays, point, direction), direction}, 0, rayCount);
         const glm::vec3 arriving = seen.ray.direction;
         // Light samples go straight through glass: a ray that was bent counts as if it had not been.
         const float lightPdf = areaPdf(scene.lights, point.position, seen.hit, arriving);

@@ -9,7 +9,7 @@
 namespace phat {
 
 /// Where a ray along `direction` starts.
-glm::vec3 originOn(const SurfacePoint& point, glm::vec3 direction);
+glm::vec3 originOn(const RayScene& rays, const SurfacePoint& point, glm::vec3 direction);
 
 /// Of light that was sampled for `position`, the part that arrives at `origin`, which is `position` moved off
 /// its surface: 0 in shadow, 1 in the open, between them behind glass (seeStraight). Geometry that touches

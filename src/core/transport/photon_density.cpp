@@ -23,8 +23,9 @@ glm::vec3 densityOf(const PhotonSet& photons, glm::vec3 position, glm::vec3 norm
     // One photon alone is a rim with nothing inside.
     const uint32_t k = std::max(settings.neighbors, 2u);
     std::vector<PhotonIndex::Neighbor> neighbors;
-    photons.index.nearest(position, k, settings.maxRadiusMeters, std::cref(counts), neighbors);
-    float radiusSquared = square(settings.maxRadiusMeters);
+    const float maxRadius = settings.maxRadiusMeters(photons.photons);
+    photons.index.nearest(position, k, maxRadius, std::cref(counts), neighbors);
+    float radiusSquared = square(maxRadius);
     if (neighbors.size() == k) {
         radiusSquared =
             std::max(neighbors.back().distanceSquared, square(kMinRadiusFraction) * radiusSquared);

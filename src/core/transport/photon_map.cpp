@@ -35,7 +35,8 @@ struct Flight {
 // brightest channel back to `fluxGoal`, what it was emitted with: dim photons end or catch up, and those that
 // a surface made heavier (a coat lets in what it would reflect, so the BRDF is not symmetric) go on
 // unchanged.
-bool reflect(const SurfacePoint& surface, float fluxGoal, Rng& rng, Flight& flight, PhotonStats& stats) {
+bool reflect(const RayScene& rays, const SurfacePoint& surface, float fluxGoal, Rng& rng, Flight& flight,
+             PhotonStats& stats) {
     const glm::vec3 towardOrigin = -flight.direction;
     const glm::vec3 towardOriginLocal = surface.shading.toLocal(towardOrigin);
     const float lobe = rng.uniform();
@@ -55,7 +56,7 @@ bool reflect(const SurfacePoint& surface, float fluxGoal, Rng& rng, Flight& flig
         (cosLeaving / sample.pdf);
     const float chance = std::min(1.0f, maxComponent(reflected) / fluxGoal);
     if (!(survival < chance)) return false;
-    flight = {offsetOrigin(surface.position, surface.normalGeometric), leaving, reflected / chance};
+    flight = {rays.offsetOrigin(surface.position, surface.normalGeometric), leaving, reflected / chance};
     return true;
 }
 
@@ -135,7 +136,7 @@ void trace(const RayScene& rays, const EmittedPhoton& emitted, Rng rng, int maxB
                 batch.photons.push_back({surface.position, flight.fluxWatts, -flight.direction,
                                          surface.normalGeometric, hit.triangle, bounce == 0, emitted.punctual,
                                          hit.backFace});
-            goesOn = bounce < maxBounces && reflect(surface, fluxGoal, rng, flight, batch.stats);
+            goesOn = bounce < maxBounces && reflect(rays, surface, fluxGoal, rng, flight, batch.stats);
         }
         batch.stats.absorbedWatts += before - (goesOn ? glm::dvec3(flight.fluxWatts) : glm::dvec3(0));
         if (!goesOn) return;
@@ -161,6 +162,7 @@ PhotonMap tracePhotonPart(const RayScene& rays, const LightSampler& lights, cons
                           uint64_t begin, uint64_t end, Progress& progress) {
     assert(begin <= end && end <= settings.count);
     PhotonMap map;
+    map.unitMeters = rays.unitMeters();
     if (!(maxComponent(lights.powerPunctual() + lights.powerArea()) > 0)) return map;
 
     progress.begin("photons", end - begin);

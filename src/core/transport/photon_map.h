@@ -43,6 +43,7 @@ struct PhotonStats {
 
 struct PhotonMap {
     std::vector<Photon> photons;  // order independent of the number of threads
+    float unitMeters = 1;         // lengthUnit() of the scene
     PhotonStats stats;
 };
 
@@ -90,7 +91,9 @@ struct PhotonSet {
 
 struct DensityEstimate {
     uint32_t neighbors = 50;
-    float maxRadiusMeters = 0.25f;
+    float maxRadius = 0.25f;  // in the units of the photons' scene
+
+    float maxRadiusMeters(const PhotonMap& photons) const { return maxRadius * photons.unitMeters; }
 };
 
 /// Radiance reflected toward `towardEye` at `point` by the local photons: sum of f * flux / (pi r^2), r the

@@ -10,7 +10,7 @@ namespace {
 // Emission is squared and summed in floats; brighter lights than this lose to infinity.
 constexpr double kMaxEmission = 1e12;
 constexpr double kMaxIor = 100;
-constexpr double kMinMeters = 1e-6, kMaxMeters = 1e6;
+constexpr double kMinMeters = 1e-9, kMaxMeters = 1e9;
 
 using Value = tinygltf::Value;
 

@@ -84,7 +84,6 @@ void turnMirrored(GltfSource& source, json& primitive, const std::vector<glm::dm
     auto triangles = primitiveTriangles(source, primitive, uint32_t(matrices.size()));
     for (auto& [a, b, c] : triangles)
         if (sign[a] + sign[b] + sign[c] < 0) std::swap(b, c);
-    constexpr uint32_t kUnsignedInt = 5125;
     std::vector<uint8_t> bytes(triangles.size() * sizeof(triangles[0]));
     std::memcpy(bytes.data(), triangles.data(), bytes.size());
     primitive["indices"] = addAccessor(

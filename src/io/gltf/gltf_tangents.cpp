@@ -63,7 +63,7 @@ UvGradient uvGradient(const TangentInput& mesh, glm::uvec3 t) {
 glm::vec3 intoPlane(glm::vec3 v, glm::vec3 normal) {
     const glm::vec3 inPlane = v - glm::dot(v, normal) * normal;
     const float length = glm::length(inPlane);
-    return length > 1e-6f ? inPlane / length : glm::vec3(0);
+    return length > 1e-6f * glm::length(v) ? inPlane / length : glm::vec3(0);
 }
 
 float cornerAngle(const TangentInput& mesh, glm::uvec3 t, int corner) {

@@ -26,8 +26,8 @@ constexpr ScalarProperty kScalars[] = {
     {"clearcoat", &Material::clearcoat, 0, 1},
     {"clearcoatRoughness", &Material::clearcoatRoughness, 0, 1},
     {"transmission", &Material::transmission, 0, 1},
-    {"thickness", &Material::thickness, 0, 1e6f},
-    {"attenuationDistance", &Material::attenuationDistance, 1e-6f, 1e6f},
+    {"thickness", &Material::thickness, 0, 1e9f},
+    {"attenuationDistance", &Material::attenuationDistance, 1e-9f, 1e9f},
 };
 
 struct ColorProperty {

@@ -144,7 +144,8 @@ std::vector<uint8_t> bakedBytes(const GltfSource& source, const Scene& scene, co
     notes = gltf.notes;
     writeAddedLights(scene, gltf.glb.json);
 
-    json extension = {{"version", kBakedFormatVersion}, {"texCoord", gltf.texCoord}};
+    json extension = {
+        {"version", kBakedFormatVersion}, {"texCoord", gltf.texCoord}, {"lengthUnit", bake.atlas.unitMeters}};
     if (record.storage != PhatexelStorage::packed) {
         extension["version"] = kStorageFormatVersion;
         extension["storage"] = nameOf(storageNames(), record.storage);

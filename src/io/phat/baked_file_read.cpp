@@ -148,6 +148,10 @@ Atlas readAtlas(PayloadReader& reader, const json& extension, const Scene& scene
     atlas.texelSizeMeters = object.at("texelSize").get<float>();
     if (!(atlas.texelSizeMeters > 0 && std::isfinite(atlas.texelSizeMeters)))
         fail("the texel size is not positive");
+    // Older files have none: their distances are in metres.
+    atlas.unitMeters = extension.value("lengthUnit", 1.0f);
+    if (!(atlas.unitMeters > 0 && std::isfinite(atlas.unitMeters)))
+        fail("the unit of length is not positive");
     readCharts(reader, object, scene.surfaces.size(), atlas);
     readTriangleTexels(reader, object, wholeNumber(extension, "texCoord"), scene, atlas);
     readTriangleCharts(reader, object, scene, atlas);

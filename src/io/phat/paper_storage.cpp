@@ -10,6 +10,8 @@ namespace phat {
 namespace {
 
 constexpr uint32_t kInvalidAngles = ~0u;
+// The paper's storage has no distances: those of packed PHATexels are lost, or infinite, in every unit.
+constexpr float kNoUnit = 1;
 
 void check(const PackedPhatexel16& texel) {
     if (texel.anglesHalf == kInvalidAngles) return;
@@ -26,7 +28,7 @@ void check(const PackedPhatexel16& texel) {
 std::vector<PackedPhatexel16> paperOfPacked(std::span<const PackedPhatexel> texels) {
     std::vector<PackedPhatexel16> paper;
     paper.reserve(texels.size());
-    for (const PackedPhatexel texel : texels) paper.push_back(packPhatexel16(unpackPhatexel(texel)));
+    for (const PackedPhatexel texel : texels) paper.push_back(packPhatexel16(unpackPhatexel(texel, kNoUnit)));
     return paper;
 }
 
@@ -37,7 +39,7 @@ std::vector<PackedPhatexel> packedOfPaper(std::span<const PackedPhatexel16> texe
         check(texel);
         Phatexel phatexel = unpackPhatexel16(texel);
         if (phatexel.valid) phatexel.directionBlock = storableDirection(phatexel.directionBlock);
-        packed.push_back(packPhatexel(phatexel));
+        packed.push_back(packPhatexel(phatexel, kNoUnit));
     }
     return packed;
 }

@@ -74,7 +74,7 @@ std::string addDaylight(const Daylight& day, Scene& scene) {
 // of about 1 W/m2, whatever the unit of the room.
 PunctualLight workLight(const RayScene& rays, const Camera& camera) {
     constexpr float kTowardTarget = 0.4f, kTowardCeiling = 0.7f;
-    const float far = std::max(boundsOf(rays.scene()).diagonal(), 1e-6f);
+    const float far = boundsOf(rays.scene()).diagonal();
     const auto reach = [&](glm::vec3 from, glm::vec3 direction) {
         const Hit hit = rays.closestHit(from, direction);
         return hit ? hit.distance : far;

@@ -85,8 +85,8 @@ TEST(Bake, FurnaceIsWhite) {
     double sum = 0;
     uint64_t valid = 0;
     for (size_t i = 0; i < p.indirect[0].texels.size(); ++i) {
-        const Phatexel indirect = unpackPhatexel(p.indirect[0].texels[i]);
-        const Phatexel area = unpackPhatexel(p.area[0].texels[i]);
+        const Phatexel indirect = unpackPhatexel(p.indirect[0].texels[i], 1);
+        const Phatexel area = unpackPhatexel(p.area[0].texels[i], 1);
         // A ray from a gutter extends past the wall and may miss the room.
         if (result.points.state[i] != TexelState::surface || !indirect.valid) continue;
         ASSERT_EQ(area.radiance, glm::vec3(1));
@@ -125,7 +125,7 @@ TEST(Bake, FurnaceIsEvenlyLitInItsCorners) {
 std::pair<double, double> tracedIrradiance(const RayScene& rays, const LightSampler& lights,
                                            glm::vec3 position, glm::vec3 normal, int count) {
     const Frame frame = frameFromNormal(normal);
-    const glm::vec3 origin = offsetOrigin(position, normal);
+    const glm::vec3 origin = rays.offsetOrigin(position, normal);
     Rng rng(7);
     double sum = 0, squares = 0;
     for (int i = 0; i < count; ++i) {
@@ -268,7 +268,7 @@ double irradianceOfPhatexels(const Scene& scene, const BakeSettings& settings) {
 TEST(Bake, MethodsAgreeOnDiffuseLight) {
     const Scene scene = litRoom();
     BakeSettings settings = smallBake(6000, 100'000);
-    settings.density.maxRadiusMeters = 0.08f;
+    settings.density.maxRadius = 0.08f;
     const Bake result = bakeQuietly(scene, settings);
     const double truth = overTexels(result.points, [&](size_t i) {
                              return luminance(unpackRgb9e5(result.phatexture.indirectIrradiance[i]));
@@ -324,7 +324,7 @@ double incidentUnderLobes(const Bake& baked, float alpha) {
 TEST(Bake, SplatsHoldTheLightOfPhotonRadiance) {
     const Scene scene = litRoom();
     BakeSettings settings = smallBake(12'000, 100'000);
-    settings.density.maxRadiusMeters = 0.08f;
+    settings.density.maxRadius = 0.08f;
     settings.radiance = RadianceSource::photons;
     const Bake truth = bakeQuietly(scene, settings);
     settings.radiance = RadianceSource::splat;
@@ -428,7 +428,7 @@ TEST(Bake, DirectLightIsLeftOut) {
         settings.radiance = source;
         const Bake result = bakeQuietly(scene, settings);
         for (const PackedPhatexel packed : result.phatexture.indirect[0].texels)
-            ASSERT_EQ(unpackPhatexel(packed).radiance, glm::vec3(0)) << int(source);
+            ASSERT_EQ(unpackPhatexel(packed, 1).radiance, glm::vec3(0)) << int(source);
         for (const uint32_t irradiance : result.phatexture.indirectIrradiance)
             ASSERT_EQ(unpackRgb9e5(irradiance), glm::vec3(0)) << int(source);
     }

@@ -136,15 +136,16 @@ TEST(IncrementalBaker, AtOnceEveryPhatexelIsAsFarAsItsRay) {
     const TexelPoints& points = engine.scene().points();
     size_t wrong = 0, valid = 0;
     for (size_t i = 0; i < points.state.size(); ++i) {
-        const Phatexel phatexel = unpackPhatexel(engine.phatexture().indirect[0].texels[i]);
+        const Phatexel phatexel =
+            unpackPhatexel(engine.phatexture().indirect[0].texels[i], baked.atlas.unitMeters);
         if (!phatexel.valid) continue;
         EXPECT_TRUE(points.valid(i));
         ++valid;
         const glm::uvec2 xy(i % baked.atlas.sizeTexels.x, i / baked.atlas.sizeTexels.x);
         const glm::vec3 direction =
             engine.scene().frames()[baked.atlas.blockAt(xy)].toWorld(phatexel.directionBlock);
-        const Hit hit = engine.rays().closestHit(offsetOrigin(points.position[i], points.normal[i]),
-                                                 glm::normalize(direction));
+        const Hit hit = engine.rays().closestHit(
+            engine.rays().offsetOrigin(points.position[i], points.normal[i]), glm::normalize(direction));
         const float truth = hit ? hit.distance : kFarDistance;
         wrong +=
             std::abs(std::log(phatexel.distance / truth)) > 0.06f;  // half a code, and the origin's offset
@@ -361,7 +362,7 @@ TEST(IncrementalBaker, AChangedLightIsAnsweredBeforeAnyBlockIsUpdated) {
     size_t valid = 0, brighter = 0;
     const auto &now = engine.phatexture().indirect[0].texels, &was = baked.phatexture.indirect[0].texels;
     for (size_t i = 0; i < now.size(); ++i) {
-        const Phatexel a = unpackPhatexel(was[i]), b = unpackPhatexel(now[i]);
+        const Phatexel a = unpackPhatexel(was[i], 1), b = unpackPhatexel(now[i], 1);
         if (!a.valid || !b.valid || luminance(a.radiance) == 0) continue;
         ++valid;
         brighter += luminance(b.radiance) > 1.2f * luminance(a.radiance);

@@ -47,7 +47,7 @@ TEST(LookupTables, PermutationsTellWhereTexelsLook) {
             size_t valid = 0, same = 0;
             for (uint32_t i = 0; i < atlas.texelCount(); ++i) {
                 const glm::uvec2 xy(i % atlas.sizeTexels.x, i / atlas.sizeTexels.x);
-                const Phatexel phatexel = unpackPhatexel(layer.texels[i]);
+                const Phatexel phatexel = unpackPhatexel(layer.texels[i], 1);
                 if (!phatexel.valid) continue;
                 const uint32_t block = atlas.blockAt(xy);
                 const Guide& guide =
@@ -110,16 +110,16 @@ TEST(LookupTables, ProbesTellTheDistance) {
         const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
         ASSERT_TRUE(world.baked.points.valid(index));
         const DepthProbe& probe = world.baked.phatexture.probes[tile];
-        const float octaves = std::log2(unpackDistance(std::min(4 * probe.high, 254u)) /
-                                        unpackDistance(std::max(4 * probe.low, 1u)));
+        const float octaves = std::log2(unpackDistance(std::min(4 * probe.high, 254u), 1) /
+                                        unpackDistance(std::max(4 * probe.low, 1u), 1));
         for (uint32_t cell = 0; cell < probe.level.size(); cell += 5) {
             const glm::vec3 local = squareToHemisphere(
                 (glm::vec2(cell % kProbeSize, cell / kProbeSize) + 0.5f) / float(kProbeSize));
             const Hit hit = rays.closestHit(
-                offsetOrigin(world.baked.points.position[index], world.baked.points.normal[index]),
+                rays.offsetOrigin(world.baked.points.position[index], world.baked.points.normal[index]),
                 world.frames[atlas.blockAt(texel)].toWorld(local));
             ASSERT_TRUE(hit);
-            const float told = probeDistance(probe, probe.level[cell]);
+            const float told = probeDistance(probe, probe.level[cell], atlas.unitMeters);
             // Half a level, and half a code of packDistance.
             EXPECT_LE(std::abs(std::log2(told / hit.distance)), 0.5f * octaves / 14 + 0.5f * 0.0788f + 1e-3f);
             ++compared;

@@ -44,21 +44,23 @@ TEST(PhatexelPacking, DirectionsComeBackWithin006Degrees) {
 
 TEST(PhatexelPacking, DistanceStepsAreEqualRatios) {
     const float halfStep = std::exp2(0.5f * 19.931569f / 253);
-    for (float d = 1.001e-3f; d < 999; d *= 1.01f) {
-        const float back = unpackDistance(packDistance(d));
-        ASSERT_LT(std::max(back / d, d / back), halfStep * 1.0001f) << d;
+    for (const float unit : {1.0f, 1.7e3f, 0.9e-3f}) {
+        for (float d = 1.001e-3f * unit; d < 999 * unit; d *= 1.01f) {
+            const float back = unpackDistance(packDistance(d, unit), unit);
+            ASSERT_LT(std::max(back / d, d / back), halfStep * 1.0001f) << d << " in units of " << unit;
+        }
+        EXPECT_EQ(packDistance(1e-9f * unit, unit), 1u);
+        EXPECT_EQ(packDistance(5000 * unit, unit), 254u);
+        EXPECT_EQ(packDistance(kFarDistance, unit), 255u);
+        EXPECT_EQ(unpackDistance(255, unit), kFarDistance);
     }
-    EXPECT_EQ(packDistance(1e-9f), 1u);
-    EXPECT_EQ(packDistance(5000), 254u);
-    EXPECT_EQ(packDistance(kFarDistance), 255u);
-    EXPECT_EQ(unpackDistance(255), kFarDistance);
 }
 
 TEST(PhatexelPacking, InvalidIsAllZero) {
-    const PackedPhatexel packed = packPhatexel({});
+    const PackedPhatexel packed = packPhatexel({}, 1);
     EXPECT_EQ(packed.radiance, 0u);
     EXPECT_EQ(packed.directionDistance, 0u);
-    EXPECT_FALSE(unpackPhatexel(packed).valid);
+    EXPECT_FALSE(unpackPhatexel(packed, 1).valid);
     EXPECT_FALSE(unpackPhatexel16(packPhatexel16({})).valid);
 }
 
@@ -118,7 +120,7 @@ TEST(PhatexelPacking, BothStoragesKeepAnEstimateWithinHalfAPercent) {
         const Phatexel phatexel{glm::vec3(2 + d.x, 1, 0.1f), d, 1 + rng.uniform(), squareToGuidePdf(guide, d),
                                 true};
         exact += phatexel.radiance.x * d.z / phatexel.pdf;
-        Phatexel back = unpackPhatexel(packPhatexel(phatexel));
+        Phatexel back = unpackPhatexel(packPhatexel(phatexel, 1), 1);
         packed8 += back.radiance.x * back.directionBlock.z / squareToGuidePdf(guide, back.directionBlock);
         back = unpackPhatexel16(packPhatexel16(phatexel));
         packed16 += back.radiance.x * back.directionBlock.z / squareToGuidePdf(guide, back.directionBlock);

@@ -54,7 +54,7 @@ TEST(LobeGather, LightFromInfinityStays) {
 }
 
 TEST(LobeGather, DepthIsAVoteOfTheNeighbors) {
-    LocalDepth depth(frameFromNormal(kUp));
+    LocalDepth depth(frameFromNormal(kUp), 1);
     const glm::vec3 half = glm::normalize(glm::vec3(0.5f, 1, 0)),
                     unknown = glm::normalize(glm::vec3(-2, 1, 0));
     depth.add(kUp, 1, 0.5f);

@@ -68,6 +68,17 @@ TEST(DefaultCamera, StandsInARoomAndLooksLevel) {
     EXPECT_FALSE(eye.x > 4.3f && eye.z < 1.6f) << "in the wardrobe";
 }
 
+// The eye is at 1.6 m whether the file is in metres, centimetres, millimetres or kilometres.
+TEST(DefaultCamera, StandsAsHighInEveryUnit) {
+    for (const float meter : {1.0f, 100.0f, 1000.0f, 0.001f}) {
+        Scene scene;
+        addRoom(scene, lambert(0.7f), meter * glm::vec3(5, 3.2f, 4));
+        const DefaultView view = viewOf(scene);
+        EXPECT_TRUE(view.inside) << meter;
+        EXPECT_NEAR(eyeOf(view).y / meter, 1.6f, 1e-3f) << meter;
+    }
+}
+
 // Many rooms are boxes whose fronts look outward, with double-sided materials. What is in them makes them
 // rooms.
 TEST(DefaultCamera, StandsInABoxOfDoubleSidedWallsIfThereIsSomethingInIt) {

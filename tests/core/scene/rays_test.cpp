@@ -235,21 +235,26 @@ TEST(Rays, BlendingStopsItsShareOfRays) {
     }
 }
 
-// The farthest step that the method may take on an axis: 256 units in the last place, or its fixed length.
-float longestStep(float coordinate) {
+// The farthest step that the method may take on an axis: 256 units in the last place, or its fixed part of
+// the scene.
+float longestStep(float coordinate, float unitMeters) {
     const float ulp = std::nextafter(std::abs(coordinate), 1e30f) - std::abs(coordinate);
-    return std::max(257 * ulp, 1.0f / 65536);
+    return std::max(257 * ulp, unitMeters / 65536);
 }
 
 TEST(Rays, OffsetOriginsDoNotMeetTheirOwnTriangle) {
     Rng rng(16);
-    for (const float away : {0.0f, 1.0f, 100.0f, 1e4f}) {
+    struct Place {
+        float size, away;
+    };
+    for (const auto [size, away] :
+         {Place{1, 0}, {1, 1}, {1, 100}, {1, 1e4f}, {1e3f, 0}, {1e-3f, 0}, {1e-3f, 1}}) {
         for (int i = 0; i < 2000; ++i) {
-            const glm::vec3 center = away * randomPoint(rng);
-            const glm::vec3 corners[3] = {center + randomPoint(rng), center + randomPoint(rng),
-                                          center + randomPoint(rng)};
+            const glm::vec3 center = size * away * randomPoint(rng);
+            const glm::vec3 corners[3] = {center + size * randomPoint(rng), center + size * randomPoint(rng),
+                                          center + size * randomPoint(rng)};
             const glm::vec3 cross = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-            if (glm::length(cross) < 0.2f) continue;  // slivers have no normal in float
+            if (glm::length(cross) < 0.2f * size * size) continue;  // slivers have no normal in float
             Scene scene;
             addSurface(scene, lambert(0.5f));
             addTriangle(scene, corners, kNoUv);
@@ -259,16 +264,17 @@ TEST(Rays, OffsetOriginsDoNotMeetTheirOwnTriangle) {
             const glm::vec3 position = corners[0] * (1 - b.x - b.y) + corners[1] * b.x + corners[2] * b.y;
             for (const float side : {1.0f, -1.0f}) {
                 const glm::vec3 normal = side * glm::normalize(cross);
-                const glm::vec3 origin = offsetOrigin(position, normal);
+                const glm::vec3 origin = rays.offsetOrigin(position, normal);
                 for (int axis = 0; axis < 3; ++axis)
-                    ASSERT_LE(std::abs(origin[axis] - position[axis]), longestStep(position[axis]));
+                    ASSERT_LE(std::abs(origin[axis] - position[axis]),
+                              longestStep(position[axis], rays.unitMeters()));
                 const Frame frame = frameFromNormal(normal);
                 for (int j = 0; j < 20; ++j) {
                     glm::vec3 local = squareToHemisphere(rng.uniform2());
                     if (j % 2) local.z *= 0.01f;  // grazing
                     const glm::vec3 direction = glm::normalize(frame.toWorld(local));
-                    ASSERT_FALSE(rays.closestHit(origin, direction)) << away << ' ' << i;
-                    ASSERT_FALSE(rays.anyHit(origin, direction, 1e30f)) << away << ' ' << i;
+                    ASSERT_FALSE(rays.closestHit(origin, direction)) << size << ' ' << away << ' ' << i;
+                    ASSERT_FALSE(rays.anyHit(origin, direction, 1e30f)) << size << ' ' << away << ' ' << i;
                 }
             }
         }

@@ -255,7 +255,8 @@ double bruteForce(const World& world, SurfacePoint point, glm::vec3 towardEye, i
         const glm::vec3 local(radius * std::cos(phi), radius * std::sin(phi), u.x);
         throughput *= double(evaluateBrdf(point.brdf, point.shading.toLocal(towardEye), local).x * 2 * kPi);
         const glm::vec3 direction = glm::normalize(point.shading.toWorld(local));
-        const Hit hit = world.rays.closestHit(offsetOrigin(point.position, point.normalGeometric), direction);
+        const Hit hit =
+            world.rays.closestHit(world.rays.offsetOrigin(point.position, point.normalGeometric), direction);
         if (!hit) return radiance + throughput * double(world.lights.environmentRadiance(direction).x);
         point = surfaceAt(world.scene, hit, direction);
         radiance += throughput * double(point.emission.x);

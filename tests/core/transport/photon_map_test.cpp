@@ -135,7 +135,7 @@ double pathRadiance(const RayScene& rays, const LightSampler& lights, glm::vec3 
         const BrdfSample next = sampleBrdf(point.brdf, towardEye, lobe, rng.uniform2());
         throughput *= next.weight.x;
         if (!(throughput > 0)) break;
-        origin = offsetOrigin(point.position, point.normalGeometric);
+        origin = rays.offsetOrigin(point.position, point.normalGeometric);
         direction = point.shading.toWorld(next.direction);
     }
     return radiance;

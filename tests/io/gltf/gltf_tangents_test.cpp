@@ -125,8 +125,13 @@ TEST(Tangents, WeightsAreAnglesNotTriangles) {
     addFan(0, 8, false);
     addFan(3, 1, true);
     const std::vector<glm::vec3> normals(positions.size(), glm::vec3(0, 0, 1));
-    const TangentOutput output = generateTangents({positions, normals, uvs}, triangles);
-    EXPECT_NEAR(glm::distance(glm::vec3(output.tangents[0]), glm::normalize(glm::vec3(1, 1, 0))), 0, 1e-5f);
+    for (const float size : {1.0f, 1e-7f}) {  // in any unit
+        std::vector<glm::vec3> sized = positions;
+        for (glm::vec3& p : sized) p *= size;
+        const TangentOutput output = generateTangents({sized, normals, uvs}, triangles);
+        EXPECT_NEAR(glm::distance(glm::vec3(output.tangents[0]), glm::normalize(glm::vec3(1, 1, 0))), 0,
+                    1e-5f);
+    }
 }
 
 TEST(Tangents, DegenerateInputStillGivesFrames) {

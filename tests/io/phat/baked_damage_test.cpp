@@ -117,6 +117,21 @@ TEST_F(BakedDamage, OtherVersionsAreRefusedByName) {
     }
 }
 
+TEST_F(BakedDamage, WithoutAUnitOfLengthDistancesAreInMeters) {
+    const auto read = [&](const nlohmann::json& unit) {
+        rewrite([&](auto& json) {
+            json["extensions"]["PHAT_photon_accumulation_texture"].erase("lengthUnit");
+            if (!unit.is_null()) json["extensions"]["PHAT_photon_accumulation_texture"]["lengthUnit"] = unit;
+        });
+        return loads(target) ? readBakedFile(target).atlas.unitMeters : 0;
+    };
+    EXPECT_EQ(read(nullptr), 1);
+    EXPECT_EQ(read(2.5), 2.5f);
+    for (const nlohmann::json& wrong :
+         {nlohmann::json(0), nlohmann::json(-1), nlohmann::json(1e60), nlohmann::json("m")})
+        EXPECT_EQ(read(wrong), 0) << wrong;
+}
+
 TEST_F(BakedDamage, SizesThatDoNotAgreeAreRefused) {
     const auto refuses = [&](const std::function<void(nlohmann::json&)>& change) {
         rewrite([&](auto& json) { change(json["extensions"]["PHAT_photon_accumulation_texture"]); });
@@ -174,7 +189,7 @@ TEST_F(BakedDamage, StoragesThatDoNotFitAreRefused) {
 TEST(PaperStorage, RefusesWhatIsNoRadianceOrNoDirection) {
     const PackedPhatexel16 sound{glm::vec3(1, 2, 3), glm::packHalf2x16({0.5f, -3.0f})};
     const auto read = [](const PackedPhatexel16& texel) { return packedOfPaper({&texel, 1})[0]; };
-    EXPECT_EQ(unpackPhatexel(read(sound)).radiance, glm::vec3(1, 2, 3));
+    EXPECT_EQ(unpackPhatexel(read(sound), 1).radiance, glm::vec3(1, 2, 3));
     for (const float wrong : {-1.0f, float(INFINITY), float(NAN)}) {
         EXPECT_THROW(read({{1, wrong, 1}, sound.anglesHalf}), std::runtime_error);
         EXPECT_THROW(read({sound.radiance, glm::packHalf2x16({wrong, 1.0f})}), std::runtime_error);
@@ -182,7 +197,7 @@ TEST(PaperStorage, RefusesWhatIsNoRadianceOrNoDirection) {
     EXPECT_THROW(read({sound.radiance, glm::packHalf2x16({1.6f, 1.0f})}), std::runtime_error);
     EXPECT_THROW(read({sound.radiance, glm::packHalf2x16({1.0f, NAN})}), std::runtime_error);
     EXPECT_THROW(read({sound.radiance, glm::packHalf2x16({1.0f, 3.2f})}), std::runtime_error);
-    EXPECT_FALSE(unpackPhatexel(read({{NAN, -1, 1}, ~0u})).valid);
+    EXPECT_FALSE(unpackPhatexel(read({{NAN, -1, 1}, ~0u}), 1).valid);
 }
 
 TEST_F(BakedDamage, TexelSizesThatCannotBeAreRefused) {

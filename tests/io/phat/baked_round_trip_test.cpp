@@ -24,6 +24,8 @@ void expectSame(const Atlas& a, const Atlas& b) {
     EXPECT_LT(a.finestTexelSizeMeters(), a.texelSizeMeters);
     EXPECT_EQ(a.sizeTexels, b.sizeTexels);
     EXPECT_EQ(a.texelSizeMeters, b.texelSizeMeters);
+    EXPECT_NE(a.unitMeters, 1);
+    EXPECT_EQ(a.unitMeters, b.unitMeters);
     ASSERT_EQ(a.charts.size(), b.charts.size());
     for (size_t i = 0; i < a.charts.size(); ++i) {
         EXPECT_EQ(a.charts[i].originTile, b.charts[i].originTile);
@@ -119,7 +121,7 @@ void expectSameButDistance(const std::vector<PackedPhatexel>& before,
     ASSERT_EQ(before.size(), after.size());
     size_t valid = 0;
     for (size_t i = 0; i < before.size(); ++i) {
-        const Phatexel a = unpackPhatexel(before[i]), b = unpackPhatexel(after[i]);
+        const Phatexel a = unpackPhatexel(before[i], 1), b = unpackPhatexel(after[i], 1);
         ASSERT_EQ(a.valid, b.valid);
         if (!a.valid) continue;
         ASSERT_EQ(a.radiance, b.radiance);
