@@ -57,8 +57,14 @@ glm::vec3 thinAttenuation(const Scene& scene, const Hit& hit, const Material& ma
 }
 
 glm::vec3 pastSurface(const RayScene& rays, const SurfacePoint& point, glm::vec3 direction) {
-    const float side = glm::dot(direction, point.normalGeometric) >= 0.0f ? 1.0f : -1.0f;
-    return rays.offsetOrigin(point.position, side * point.normalGeometric);
+    // Grazing rays would get too far along the surface.
+    constexpr float kMinCosine = 0.1f;
+    const float cosine = glm::dot(direction, point.normalGeometric);
+    const glm::vec3 outward = cosine >= 0.0f ? point.normalGeometric : -point.normalGeometric;
+    const glm::vec3 beyond = rays.offsetOrigin(point.position, outward);
+    if (std::abs(cosine) < kMinCosine) return beyond;
+    // On the ray itself, so that thin glass in a large scene does not shift it.
+    return point.position + glm::dot(beyond - point.position, outward) / std::abs(cosine) * direction;
 }
 
 }  // namespace
