@@ -18,8 +18,16 @@ double toleranceOf(const Scene& scene, double texelSizeMeters) {
     return std::max(kToleranceTexels * texelSizeMeters, 0x1p-20 * double(maxComponent(far)));
 }
 
-void cutAll(MeshCutter& cutter, const std::vector<WallSection>& sections) {
-    for (uint32_t i = 0; i < sections.size(); ++i) cutter.cut(sections[i], i);
+// Thousands of small objects on one floor would shatter it.
+constexpr size_t kMaxFactor = 4, kAlwaysAllowed = 100'000;
+
+// Whether the triangles did not become too many.
+bool cutAll(MeshCutter& cutter, const std::vector<WallSection>& sections, size_t sceneTriangles) {
+    for (uint32_t i = 0; i < sections.size(); ++i) {
+        cutter.cut(sections[i], i);
+        if (cutter.triangles().size() > kMaxFactor * sceneTriangles + kAlwaysAllowed) return false;
+    }
+    return true;
 }
 
 // The surfaces with cut triangles. Triangles of the cut mesh are gathered by the surface's own
@@ -124,7 +132,7 @@ std::vector<DividedSurface> divideAtWalls(const RayScene& rays, double texelSize
     const double tolerance = toleranceOf(scene, texelSizeMeters);
     {
         MeshCutter trial(scene, topology, tolerance);
-        cutAll(trial, sections);
+        if (!cutAll(trial, sections, scene.triangles.size())) return {};
         const WallRegions regions = findWallRegions(trial, rays, topology, texelSizeMeters, sections.size());
         std::vector<WallSection> needed;
         for (size_t i = 0; i < sections.size(); ++i)
@@ -133,7 +141,7 @@ std::vector<DividedSurface> divideAtWalls(const RayScene& rays, double texelSize
     }
     if (sections.empty()) return {};
     MeshCutter cutter(scene, topology, tolerance);
-    cutAll(cutter, sections);
+    if (!cutAll(cutter, sections, scene.triangles.size())) return {};
     return divisionOf(scene, cutter,
                       findWallRegions(cutter, rays, topology, texelSizeMeters, sections.size()));
 }

@@ -27,7 +27,8 @@ struct DividedSurface {
 /// The surfaces of a scene that change when walls divide surfaces, ascending. A part is a set of regions that
 /// do not touch: a region is what hangs together without crossing a wall. Walls that end within a region,
 /// such as those with a doorway, do not divide it. What is under objects belongs to the region beside it, and
-/// so does what is smaller than a texel. `texelSizeMeters`: about that of the atlas to come.
+/// so does what is smaller than a texel. None where the cuts
+/// would make four times as many triangles. `texelSizeMeters`: about that of the atlas to come.
 std::vector<DividedSurface> divideAtWalls(const RayScene& rays, double texelSizeMeters);
 
 /// The scene with the parts as surfaces, those of a surface after each other.

@@ -75,6 +75,7 @@ uint32_t MeshCutter::addTriangle(glm::uvec3 corners, uint32_t origin) {
     origin_.push_back(origin);
     pieces_[origin].push_back(triangle);
     setTriangle(triangle, corners);
+    if (const auto grid = grids_.find(origin); grid != grids_.end()) addToGrid(grid->second, triangle);
     return triangle;
 }
 
@@ -148,7 +149,7 @@ void MeshCutter::insertPoint(uint32_t sceneTriangle, glm::dvec3 point) {
     uint32_t best = ~0u;
     double bestDepth = -1e300;
     double depths[3], bestDepths[3] = {};
-    for (const uint32_t piece : pieces_[sceneTriangle]) {
+    for (const uint32_t piece : piecesNear(sceneTriangle, point, point)) {
         const glm::uvec3& corners = triangles_[piece];
         for (int i = 0; i < 3; ++i) {
             const glm::dvec3 a = positions_[corners[i]], edge = positions_[corners[(i + 1) % 3]] - a;
@@ -172,6 +173,26 @@ void MeshCutter::insertPoint(uint32_t sceneTriangle, glm::dvec3 point) {
         return;
     }
     splitTriangle(best, point);
+}
+
+void MeshCutter::addToGrid(TriangleGrid& grid, uint32_t piece) const {
+    const glm::uvec3& v = triangles_[piece];
+    grid.add(piece, {positions_[v[0]], positions_[v[1]], positions_[v[2]]});
+}
+
+// The pieces of a triangle of the scene that a segment may touch, and others.
+std::vector<uint32_t> MeshCutter::piecesNear(uint32_t sceneTriangle, glm::dvec3 from, glm::dvec3 to) {
+    constexpr size_t kMinPieces = 64;
+    const std::vector<uint32_t>& all = pieces_[sceneTriangle];
+    if (all.size() < kMinPieces) return all;
+    auto found = grids_.find(sceneTriangle);
+    if (found == grids_.end()) {
+        const glm::uvec3& v = scene_.triangles[sceneTriangle];
+        const glm::dvec3 corners[] = {scene_.positions[v[0]], scene_.positions[v[1]], scene_.positions[v[2]]};
+        found = grids_.try_emplace(sceneTriangle, corners, topology_.faceNormal[sceneTriangle]).first;
+        for (const uint32_t piece : all) addToGrid(found->second, piece);
+    }
+    return found->second.near(from, to, 2 * tolerance_);
 }
 
 double MeshCutter::toLine(const Line& line, uint32_t vertex) const {
@@ -218,10 +239,13 @@ void MeshCutter::cut(const WallSection& section, uint32_t number) {
 
     insertPoint(section.triangle, section.from);
     insertPoint(section.triangle, section.to);
-    const std::vector<uint32_t>& pieces = pieces_[section.triangle];
+    std::vector<uint32_t> pieces = piecesNear(section.triangle, section.from, section.to);
     for (size_t i = 0; i < pieces.size();) {
-        // The triangle keeps one of the two parts, which the line may still cross; the other one comes last.
+        // The triangle keeps one of the two parts, which the line may still cross; the other one is new.
+        const size_t before = pieces_[section.triangle].size();
         if (!splitAcross(line, pieces[i])) ++i;
+        const std::vector<uint32_t>& all = pieces_[section.triangle];
+        pieces.insert(pieces.end(), all.begin() + std::ptrdiff_t(before), all.end());
     }
     for (const uint32_t piece : pieces) {
         const glm::uvec3& corners = triangles_[piece];

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/atlas/mesh_topology.h"
+#include "core/atlas/triangle_grid.h"
 #include "core/atlas/wall_sections.h"
 
 namespace phat {
@@ -44,6 +45,8 @@ class MeshCutter {
 
   private:
     struct Line;
+    std::vector<uint32_t> piecesNear(uint32_t sceneTriangle, glm::dvec3 from, glm::dvec3 to);
+    void addToGrid(TriangleGrid& grid, uint32_t piece) const;
     double toLine(const Line& line, uint32_t vertex) const;
     void insertPoint(uint32_t sceneTriangle, glm::dvec3 point);
     void splitTriangle(uint32_t triangle, glm::dvec3 point);
@@ -61,7 +64,8 @@ class MeshCutter {
     std::vector<CutVertex> added_;
     std::vector<glm::uvec3> triangles_;
     std::vector<uint32_t> origin_;
-    std::vector<std::vector<uint32_t>> pieces_;  // per triangle of the scene
+    std::vector<std::vector<uint32_t>> pieces_;         // per triangle of the scene
+    std::unordered_map<uint32_t, TriangleGrid> grids_;  // of those with many pieces
     std::unordered_map<Edge, std::vector<uint32_t>> edges_;
     std::unordered_map<Edge, std::vector<uint32_t>> sections_;
 };

@@ -9,7 +9,7 @@ namespace phat {
 namespace {
 
 constexpr double kLiftTexels = 1.0 / 16;
-constexpr double kExtendTexels = 0.25;
+constexpr double kExtendTexels = 0.25, kExtendLength = 0.5;
 constexpr double kMinTexels = 0.01;  // of a section: the direction of shorter ones is rounding
 // Along an edge of a triangle, this far inside or outside of it, a wall stands on the edge. Inside, because
 // what leans over the surface is cut a little above its foot.
@@ -122,7 +122,7 @@ std::optional<Segment> clipped(const Triangle& triangle, Segment segment, double
     const double length = glm::distance(segment.from, segment.to);
     if (!(length > kMinTexels * texelSizeMeters)) return std::nullopt;
     const glm::dvec3 direction = (segment.to - segment.from) / length;
-    double low = -kExtendTexels * texelSizeMeters, high = length - low;
+    double low = -std::min(kExtendTexels * texelSizeMeters, kExtendLength * length), high = length - low;
     for (int i = 0; i < 3; ++i) {
         if (i == on) continue;
         const double depth = borders.depth(i, segment.from), slope = glm::dot(borders.inward[i], direction);
