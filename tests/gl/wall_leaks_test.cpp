@@ -23,7 +23,7 @@ class WallLeaks : public ::testing::TestWithParam<uint64_t> {
 Scene halves() {
     Scene scene;
     addRoom(scene, lambert(0.6f), {4, 1, 2});
-    addBox(scene, lambert(0.6f), {2.0f, -0.1f, -0.1f}, {2.02f, 1.1f, 2.1f});
+    addOutwardBox(scene, lambert(0.6f), {2.0f, -0.1f, -0.1f}, {0.02f, 1.2f, 2.2f});
     addQuad(scene, emitter(glm::vec3(4)), {0.5f, 0.98f, 0.5f}, {1, 0, 0}, {0, 0, 1});
     return scene;
 }

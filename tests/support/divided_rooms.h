@@ -5,19 +5,6 @@
 
 namespace phat::test {
 
-/// Six quads that look outward.
-inline void addBox(Scene& scene, const Material& material, glm::vec3 low, glm::vec3 high) {
-    const glm::vec3 size = high - low;
-    for (int axis = 0; axis < 3; ++axis) {
-        glm::vec3 along(0), across(0), far(0);
-        along[(axis + 1) % 3] = size[(axis + 1) % 3];
-        across[(axis + 2) % 3] = size[(axis + 2) % 3];
-        far[axis] = size[axis];
-        addQuad(scene, material, low, across, along);
-        addQuad(scene, material, low + far, along, across);
-    }
-}
-
 /// Where the walls of a room end below.
 struct RoomOnFloor {
     float floor = 6;     // side; the room's is 2 m, and 1 m high
@@ -32,13 +19,14 @@ inline Scene roomOnFloor(const RoomOnFloor& room = {}) {
     Scene scene;
     addFloor(scene, lambert(0.6f), room.floor);
     const Material wall = lambert(0.6f);
+    const auto between = [&](glm::vec3 from, glm::vec3 to) { addOutwardBox(scene, wall, from, to - from); };
     const float in = 1, out = in + room.wall, low = room.foot, high = 1;
-    addBox(scene, wall, {-out, low, -out}, {-in, high, out});
-    addBox(scene, wall, {in, low, -out}, {out, high, -0.5f * room.doorway});
-    addBox(scene, wall, {in, low, 0.5f * room.doorway}, {out, high, out});
-    addBox(scene, wall, {-out, low, -out}, {out, high, -in});
-    addBox(scene, wall, {-out, low, in}, {out, high, out});
-    addBox(scene, wall, {-out, high, -out}, {out, high + room.wall, out});
+    between({-out, low, -out}, {-in, high, out});
+    between({in, low, -out}, {out, high, -0.5f * room.doorway});
+    between({in, low, 0.5f * room.doorway}, {out, high, out});
+    between({-out, low, -out}, {out, high, -in});
+    between({-out, low, in}, {out, high, out});
+    between({-out, high, -out}, {out, high + room.wall, out});
     Image sky(4, 2);
     for (glm::vec3& pixel : sky.pixels) pixel = glm::vec3(1);
     scene.environment = Environment{sky};

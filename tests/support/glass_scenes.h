@@ -52,18 +52,6 @@ inline void addBox(Scene& scene, const Material& material, glm::vec3 low, glm::v
         }
 }
 
-/// Six quads that look outward: their surfaces close a volume.
-inline void addOutwardBox(Scene& scene, const Material& material, glm::vec3 low, glm::vec3 size) {
-    for (int axis = 0; axis < 3; ++axis) {
-        glm::vec3 along(0), across(0), far(0);
-        along[(axis + 1) % 3] = size[(axis + 1) % 3];
-        across[(axis + 2) % 3] = size[(axis + 2) % 3];
-        far[axis] = size[axis];
-        addQuad(scene, material, low, across, along);
-        addQuad(scene, material, low + far, along, across);
-    }
-}
-
 /// A closed sphere of flat triangles.
 inline void addSphere(Scene& scene, const Material& material, glm::vec3 center, float radius, int rings) {
     addSurface(scene, material);

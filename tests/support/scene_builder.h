@@ -88,6 +88,18 @@ inline void addRoom(Scene& scene, const Material& material, glm::vec3 size) {
     }
 }
 
+/// Six quads that look outward: their surfaces close a volume.
+inline void addOutwardBox(Scene& scene, const Material& material, glm::vec3 low, glm::vec3 size) {
+    for (int axis = 0; axis < 3; ++axis) {
+        glm::vec3 along(0), across(0), far(0);
+        along[(axis + 1) % 3] = size[(axis + 1) % 3];
+        across[(axis + 2) % 3] = size[(axis + 2) % 3];
+        far[axis] = size[axis];
+        addQuad(scene, material, low, across, along);
+        addQuad(scene, material, low + far, along, across);
+    }
+}
+
 inline PunctualLight pointLight(glm::vec3 candela, glm::vec3 position) {
     PunctualLight light;
     light.intensity = candela;

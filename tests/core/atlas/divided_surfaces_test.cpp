@@ -74,8 +74,8 @@ TEST(DividedSurfaces, WallsHighAboveAFloorDoNotDivideIt) {
 TEST(DividedSurfaces, ObjectsOnAFloorDoNotDivideIt) {
     Scene scene;
     addRoom(scene, lambert(0.5f), {4, 3, 4});
-    addBox(scene, lambert(0.5f), {1, 0, 1}, {2, 1, 2});
-    addBox(scene, lambert(0.5f), {2.5f, -0.1f, 1}, {2.6f, 1, 1.1f});
+    addOutwardBox(scene, lambert(0.5f), {1, 0, 1}, {1, 1, 1});
+    addOutwardBox(scene, lambert(0.5f), {2.5f, -0.1f, 1}, {0.1f, 1.1f, 0.1f});
     // Only the second box has a part below the floor.
     for (const DividedSurface& divided : divideAtWalls(RayScene(scene), kTexel))
         EXPECT_GE(divided.surface, 12u);
