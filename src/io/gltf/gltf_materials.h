@@ -17,11 +17,11 @@ Material defaultMaterial();
 /// Every slot of a material.
 template <typename Use>
 void forEachSlot(Material& material, Use use) {
-    for (TextureSlot* slot : {&material.baseColorTexture, &material.metallicRoughnessTexture,
-                              &material.normalTexture, &material.emissionTexture, &material.specularTexture,
-                              &material.specularColorTexture, &material.clearcoatTexture,
-                              &material.clearcoatRoughnessTexture, &material.clearcoatNormalTexture,
-                              &material.transmissionTexture, &material.thicknessTexture}) {
+    for (TextureSlot* slot :
+         {&material.baseColorTexture, &material.metallicRoughnessTexture, &material.normalTexture,
+          &material.emissionTexture, &material.specularTexture, &material.specularColorTexture,
+          &material.clearcoatTexture, &material.clearcoatRoughnessTexture, &material.clearcoatNormalTexture,
+          &material.transmissionTexture, &material.thicknessTexture}) {
         use(*slot);
     }
 }
