@@ -9,7 +9,7 @@ namespace phat {
 namespace {
 
 // Of cameras without a near plane, in parts of what they reach.
-constexpr float kLeastNear = 1e-6f;
+constexpr float kMinNear = 1e-6f;
 
 }  // namespace
 
@@ -17,7 +17,7 @@ CameraMatrices matricesOf(const Camera& camera, glm::uvec2 size, const Bounds& b
     const float aspect = float(size.x) / float(size.y), across = camera.ymag * aspect;
     const glm::vec3 eye(camera.worldFromCamera[3]);
     const float reach = glm::distance(eye, bounds.center()) + 0.5f * bounds.diagonal();
-    const float nearMeters = std::max(camera.znear, kLeastNear * reach);
+    const float nearMeters = std::max(camera.znear, kMinNear * reach);
     const float farMeters = std::max(2 * nearMeters, 1.01f * reach);
     const glm::mat4 jittered = glm::translate(glm::mat4(1), glm::vec3(2.0f * jitter / glm::vec2(size), 0));
     const glm::mat4 cameraFromWorld = glm::inverse(camera.worldFromCamera);

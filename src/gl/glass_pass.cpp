@@ -12,7 +12,7 @@ namespace {
 
 // The picture behind rough glass is taken anew for so many of the nearest rough surfaces, which show those
 // behind them; all others show what was drawn before the farthest of them.
-constexpr int kMostPictures = 4;
+constexpr int kMaxPictures = 4;
 
 bool isRough(const Material& material) {
     return square(material.roughness) > kMinAlpha;
@@ -41,7 +41,7 @@ std::vector<bool> picturesBefore(const std::vector<uint32_t>& order, const Displ
             rough.push_back(i);
     }
     std::vector<bool> before(order.size());
-    for (size_t i = 0; i < rough.size(); ++i) before[rough[i]] = i == 0 || i + kMostPictures > rough.size();
+    for (size_t i = 0; i < rough.size(); ++i) before[rough[i]] = i == 0 || i + kMaxPictures > rough.size();
     return before;
 }
 

@@ -21,8 +21,7 @@ struct CutVertex {
 
 /// Cuts the triangles of a scene. Edges are split in all triangles that have them, of all surfaces, so that
 /// no new vertex lies on the edge of a triangle without being one of its corners: a picture would have holes
-/// there. Vertices are those of
-/// the scene and, behind them, new ones.
+/// there. Vertices are those of the scene and, behind them, new ones.
 class MeshCutter {
   public:
     /// `toleranceMeters`: what is nearer to a line or a vertex is on it.

@@ -22,12 +22,11 @@ struct LaidPiece {
 /// The pieces of one chart.
 using PieceGroup = std::vector<LaidPiece>;
 
-/// Texels around each of several pieces in a chart: what bilinear interpolation on the piece reaches. Pieces
-/// narrower than a texel share those along their long sides, which weigh little there.
+/// Texels around each of several pieces in a chart: what bilinear interpolation on the piece reaches.
 inline constexpr uint32_t kPieceGutter = 1;
-// How wide what is narrower than a texel is drawn. Interpolation then takes its own texels and all but
-// nothing of those beside them, and it needs no ring. In an atlas of 16,384 texels, floats still tell its
-// sides apart.
+/// How wide what is narrower than a texel is drawn. Interpolation then takes its own texels and all but
+/// nothing of those beside them, and it needs no ring. In an atlas of 16,384 texels, floats still tell its
+/// sides apart.
 inline constexpr double kNarrowTexels = 1.0 / 256;
 
 inline bool isNarrow(double sizeTexels) {

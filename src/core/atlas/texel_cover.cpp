@@ -17,7 +17,7 @@ namespace {
 constexpr float kGutterLiftTexels = 0.5f;
 // The way begins a little inside the triangle: a wall along its edge has to be crossed.
 constexpr float kStartTexels = 0.125f;
-
+// What is more than so many altitudes of its triangle above a texel does not touch it.
 constexpr float kNarrowAltitudes = 2;
 
 float altitudeOf(const Scene& scene, uint32_t triangle) {

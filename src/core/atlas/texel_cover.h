@@ -24,10 +24,10 @@ struct Cover {
     float dark = 0;     // fraction of the directions in which dark sides are met
     float touched = 0;  // fraction, by cosine, that is blocked by what touches the surface
 
-    /// Whether the point is inside other geometry, or an object touches it.
-    /// A texel that is inside meets unlit backs everywhere, but corners of texels may be outside; beside a
-    /// wall's foot it meets at most a little less than half. Height instead of distance, weighted by cosine,
-    /// so that the border of a contact is not speckled.
+    /// Whether the point is inside other geometry, or an object touches it. A texel that is inside meets
+    /// unlit backs everywhere, but corners of texels may be outside; beside a wall's foot it meets at most a
+    /// little less than half. Height instead of distance, weighted by cosine, so that the border of a contact
+    /// is not speckled.
     bool closed() const { return dark >= kMaxDark || touched >= kMaxBlocked; }
 };
 

@@ -11,7 +11,7 @@ namespace {
 // cd in Raw; a sun of strength S as S lux, or 683 S in Standard. These bounds are lamps of 2,500 W and suns
 // of 100 in Unitless, ten times what rooms have, and 3.7 W and .15 in Standard. Blender's own new lamp has
 // 1,000 W (80 and 54,000 cd), its sun 1.
-constexpr float kMostCandela = 200, kMostLux = 100;
+constexpr float kMaxCandela = 200, kMaxLux = 100;
 
 bool isOfBlender(const nlohmann::json& gltf) {
     const auto asset = gltf.find("asset");
@@ -28,11 +28,10 @@ std::optional<std::string> blenderUnitsNote(const GltfSource& source, const Scen
     for (const PunctualLight& light : scene.lights) {
         const bool sun = light.type == PunctualLight::Type::directional;
         const float intensity = maxComponent(light.intensity);
-        if (intensity <= (sun ? kMostLux : kMostCandela)) continue;
+        if (intensity <= (sun ? kMaxLux : kMaxCandela)) continue;
         return fmt::format(
             "light \"{}\" has {:.0f} {}: Blender's lighting mode Standard makes lights 683 times as bright "
-            "as "
-            "surfaces that emit; if these look dark, export again with File > Export > glTF 2.0 > Data > "
+            "as surfaces that emit; if these look dark, export again with File > Export > glTF 2.0 > Data > "
             "Lighting > Unitless",
             light.name, intensity, sun ? "lux" : "candela");
     }
