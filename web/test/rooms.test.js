@@ -90,18 +90,22 @@ test('two nodes with one camera are two views', async () => {
     ]);
 });
 
-// Pages show in perspective alone.
-test('a room with parallel cameras alone is seen by a camera of the page', async (t) => {
-    const [scene, baked, site] = ['parallel.glb', 'parallel.phat.glb', 'parallel'].map((name) =>
-        join(folder, name),
-    );
-    await writeFile(scene, glassRoom({ cameras: 'orthographic' }));
+// The page of a baked room, when it is at rest.
+async function pageOf(t, name, room) {
+    const [scene, baked, site] = [`${name}.glb`, `${name}.phat.glb`, name].map((file) => join(folder, file));
+    await writeFile(scene, glassRoom(room));
     await phat('bake', scene, '-o', baked, '--resolution', '10k', '--photons', '10k', '--quiet');
     await phat('web', baked, '-o', site, '--quiet');
     const server = await serve(site);
     t.after(() => server.close());
     const other = await loaded(await open(mesa.value, server.url));
     await rest(other);
+    return other;
+}
+
+// Pages show in perspective alone.
+test('a room with parallel cameras alone is seen by a camera of the page', async (t) => {
+    const other = await pageOf(t, 'parallel', { cameras: 'orthographic' });
     const eye = await other.evaluate(() => viewer.camera.position.toArray());
     assert.ok(eye.every((x, i) => x > [-2, 0, -2][i] && x < [2, 3, 2][i]), eye.join());
     assert.ok(meanOf(await pixelsOf(other)) > 0);
@@ -109,20 +113,13 @@ test('a room with parallel cameras alone is seen by a camera of the page', async
 });
 
 test('walls keep the sun out, wherever its node is', async (t) => {
-    const bakedPage = async (name, sun) => {
-        const [scene, baked, site] = [`${name}.glb`, `${name}.phat.glb`, name].map((file) => join(folder, file));
-        await writeFile(scene, glassRoom({ sun }));
-        await phat('bake', scene, '-o', baked, '--resolution', '10k', '--photons', '10k', '--quiet');
-        await phat('web', baked, '-o', site, '--quiet');
-        const server = await serve(site);
-        t.after(() => server.close());
-        const other = await loaded(await open(mesa.value, server.url));
-        await rest(other);
+    const brightness = async (name, sun) => {
+        const other = await pageOf(t, name, { sun });
         const seen = await pixelsOf(other);
         await other.close();
         return meanOf(seen);
     };
-    const [dark, sunny] = [await bakedPage('night', 0), await bakedPage('day', 100)];
+    const [dark, sunny] = [await brightness('night', 0), await brightness('day', 100)];
     t.diagnostic(`without the sun ${dark}, with it ${sunny}`);
     assert.ok(Math.abs(sunny / dark - 1) < 0.1, `${sunny} and ${dark}`);
 });

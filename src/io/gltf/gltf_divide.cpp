@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstring>
-#include <map>
 
 #include "io/gltf/gltf_json.h"
 
@@ -45,13 +43,6 @@ FileParts filePartsOf(const GltfSource& source, const Scene& scene, const Divide
     return parts;
 }
 
-template <typename T>
-std::vector<uint8_t> bytesOf(const std::vector<T>& values) {
-    std::vector<uint8_t> bytes(values.size() * sizeof(T));
-    std::memcpy(bytes.data(), values.data(), bytes.size());
-    return bytes;
-}
-
 uint32_t componentsOf(const json& accessor) {
     const std::string type = accessor.at("type").get<std::string>();
     if (type == "SCALAR") return 1;
@@ -86,18 +77,7 @@ size_t extendedAttribute(GltfSource& source, const std::string& name, uint64_t i
         if (name == "NORMAL" || name == "TANGENT") normalize(&values[first], source0);
         if (name == "TANGENT" && components == 4) values[first + 3] = source0[3];  // the handedness
     }
-    return addAccessor(
-        source,
-        {{"componentType", kFloat}, {"type", accessor.at("type")}, {"count", values.size() / components}},
-        bytesOf(values));
-}
-
-json partPrimitive(GltfSource& source, const json& shared, std::vector<uint32_t> indices) {
-    json primitive = shared;
-    const size_t count = indices.size();
-    primitive["indices"] = addAccessor(
-        source, {{"componentType", kUnsignedInt}, {"type", "SCALAR"}, {"count", count}}, bytesOf(indices));
-    return primitive;
+    return addFloats(source, values, components);
 }
 
 void divide(GltfSource& source, uint64_t mesh, const FileParts& parts, MemoryBudget& budget) {
@@ -111,7 +91,8 @@ void divide(GltfSource& source, uint64_t mesh, const FileParts& parts, MemoryBud
         accessor = extendedAttribute(source, name, accessor.get<uint64_t>(), parts);
     for (const char* key : {"mode", "targets"}) shared.erase(key);
     for (size_t part = 0; part < parts.indicesOfPart.size(); ++part) {
-        json primitive = partPrimitive(source, shared, parts.indicesOfPart[part]);
+        json primitive = shared;
+        primitive["indices"] = addIndices(source, parts.indicesOfPart[part]);
         json& primitives = source.json["meshes"][mesh]["primitives"];
         if (part == 0)
             primitives[parts.surface->primitive] = std::move(primitive);
@@ -120,41 +101,16 @@ void divide(GltfSource& source, uint64_t mesh, const FileParts& parts, MemoryBud
     }
 }
 
-// Meshes by node; one that other nodes show, too, is copied.
-class OwnMeshes {
-  public:
-    explicit OwnMeshes(json& gltf) : gltf_(gltf) {
-        for (size_t n = 0; n < countOf(gltf, "nodes"); ++n)
-            if (gltf["nodes"][n].contains("mesh")) ++users_[wholeNumber(gltf["nodes"][n], "mesh")];
-    }
-
-    uint64_t meshOf(const Surface& surface) {
-        const auto [found, isNew] = own_.try_emplace(surface.node, surface.mesh);
-        if (isNew && users_[surface.mesh]-- > 1) {
-            json copy = gltf_["meshes"][surface.mesh];
-            found->second = gltf_["meshes"].size();
-            gltf_["meshes"].push_back(std::move(copy));
-            gltf_["nodes"][surface.node]["mesh"] = found->second;
-        }
-        return found->second;
-    }
-
-  private:
-    json& gltf_;
-    std::map<uint64_t, size_t> users_;  // by mesh
-    std::map<uint32_t, uint64_t> own_;  // by node
-};
-
 }  // namespace
 
 void dividePrimitives(GltfSource& source, const Scene& scene, std::span<const DividedSurface> divided,
                       MemoryBudget& budget) {
     std::vector<FileParts> all;  // before the first change
     for (const DividedSurface& surface : divided) all.push_back(filePartsOf(source, scene, surface));
-    OwnMeshes meshes(source.json);
-    std::map<uint32_t, uint64_t> meshOfNode;
-    for (const FileParts& parts : all) meshOfNode[parts.surface->node] = meshes.meshOf(*parts.surface);
-    for (const FileParts& parts : all) divide(source, meshOfNode[parts.surface->node], parts, budget);
+    std::vector<Surface> surfaces;
+    for (const FileParts& parts : all) surfaces.push_back(*parts.surface);
+    const std::vector<size_t> meshOfSurface = giveNodesTheirOwnMeshes(source.json, surfaces);
+    for (size_t i = 0; i < all.size(); ++i) divide(source, meshOfSurface[i], all[i], budget);
 }
 
 }  // namespace phat::gltf

@@ -143,11 +143,53 @@ size_t addBufferView(GltfSource& source, std::vector<uint8_t> bytes, uint32_t by
     return views.size() - 1;
 }
 
+namespace {
+
+template <typename T>
+std::vector<uint8_t> bytesOf(std::span<const T> values) {
+    const auto* first = reinterpret_cast<const uint8_t*>(values.data());
+    return {first, first + values.size_bytes()};
+}
+
+}  // namespace
+
 size_t addAccessor(GltfSource& source, json accessor, std::vector<uint8_t> bytes, uint32_t byteStride) {
     accessor["bufferView"] = addBufferView(source, std::move(bytes), byteStride);
     json& accessors = source.json["accessors"];
     accessors.push_back(std::move(accessor));
     return accessors.size() - 1;
+}
+
+size_t addFloats(GltfSource& source, const std::vector<float>& values, uint32_t components) {
+    const std::string type = components == 1 ? "SCALAR" : fmt::format("VEC{}", components);
+    return addAccessor(source,
+                       {{"componentType", kFloat}, {"type", type}, {"count", values.size() / components}},
+                       bytesOf<float>(values));
+}
+
+size_t addIndices(GltfSource& source, std::span<const uint32_t> indices) {
+    return addAccessor(source,
+                       {{"componentType", kUnsignedInt}, {"type", "SCALAR"}, {"count", indices.size()}},
+                       bytesOf(indices));
+}
+
+std::vector<size_t> giveNodesTheirOwnMeshes(json& gltf, std::span<const Surface> surfaces) {
+    std::map<uint64_t, size_t> users;
+    for (const json& node : gltf.value("nodes", json::array()))
+        if (node.contains("mesh")) ++users[wholeNumber(node, "mesh")];
+    std::map<uint32_t, size_t> meshOfNode;
+    std::vector<size_t> meshOfSurface;
+    for (const Surface& surface : surfaces) {
+        const auto [found, isNew] = meshOfNode.try_emplace(surface.node, surface.mesh);
+        if (isNew && users[surface.mesh]-- > 1) {
+            const json copy = gltfItem(gltf, "meshes", surface.mesh);
+            found->second = gltf["meshes"].size();
+            gltf["meshes"].push_back(copy);
+            gltf["nodes"].at(surface.node)["mesh"] = found->second;
+        }
+        meshOfSurface.push_back(found->second);
+    }
+    return meshOfSurface;
 }
 
 std::vector<float> accessorFloats(const GltfSource& source, uint64_t index, uint32_t components,

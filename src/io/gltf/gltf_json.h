@@ -48,6 +48,16 @@ size_t addBufferView(GltfSource& source, std::vector<uint8_t> bytes, uint32_t by
 size_t addAccessor(GltfSource& source, nlohmann::json accessor, std::vector<uint8_t> bytes,
                    uint32_t byteStride = 0);
 
+/// An accessor over floats, `components` an element.
+size_t addFloats(GltfSource& source, const std::vector<float>& values, uint32_t components);
+
+/// An accessor over vertex indices.
+size_t addIndices(GltfSource& source, std::span<const uint32_t> indices);
+
+/// A mesh that several nodes show is copied for each of them that has one of the surfaces. Returns the mesh
+/// of each surface.
+std::vector<size_t> giveNodesTheirOwnMeshes(nlohmann::json& gltf, std::span<const Surface> surfaces);
+
 /// Numbers of an accessor, `components` an element; integers of a normalised accessor, or of any with
 /// `asNormalized`, are mapped to [0,1] or [-1,1]. `expectedCount`: see readAccessor.
 std::vector<float> accessorFloats(const GltfSource& source, uint64_t accessor, uint32_t components,

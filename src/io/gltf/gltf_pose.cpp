@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <glm/gtc/quaternion.hpp>
 #include <map>
 #include <optional>
@@ -102,15 +101,6 @@ void addTargets(const GltfSource& source, const json& primitive, const std::vect
                     base[v * stride + c] += float(weights[t] * double(displacement[v * 3 + c]));
         }
     }
-}
-
-size_t addFloats(GltfSource& source, const std::vector<float>& values, uint32_t components) {
-    std::vector<uint8_t> bytes(values.size() * sizeof(float));
-    std::memcpy(bytes.data(), values.data(), bytes.size());
-    const std::string type = fmt::format("VEC{}", components);
-    return addAccessor(source,
-                       {{"componentType", kFloat}, {"type", type}, {"count", values.size() / components}},
-                       std::move(bytes));
 }
 
 // The shape of one node's mesh, and what it takes to pose it.

@@ -48,27 +48,6 @@ uint32_t freeTexCoord(const json& gltf, const Scene& scene) {
     return index;
 }
 
-// World-space texels belong to one position: a mesh that several nodes show is copied for each of them.
-// Returns the new mesh of each surface.
-std::vector<size_t> giveNodesTheirOwnMeshes(json& gltf, const Scene& scene) {
-    std::map<uint64_t, size_t> users;
-    for (const json& node : gltf.value("nodes", json::array()))
-        if (node.contains("mesh")) ++users[wholeNumber(node, "mesh")];
-    std::map<uint32_t, size_t> meshOfNode;
-    std::vector<size_t> meshOfSurface;
-    for (const Surface& surface : scene.surfaces) {
-        const auto [found, isNew] = meshOfNode.try_emplace(surface.node, surface.mesh);
-        if (isNew && users[surface.mesh]-- > 1) {
-            const json copy = gltfItem(gltf, "meshes", surface.mesh);
-            found->second = gltf["meshes"].size();
-            gltf["meshes"].push_back(copy);
-            gltf["nodes"].at(surface.node)["mesh"] = found->second;
-        }
-        meshOfSurface.push_back(found->second);
-    }
-    return meshOfSurface;
-}
-
 // The surface's vertices, split so that each has one position in the atlas.
 struct SplitVertices {
     std::vector<uint32_t> sourceVertex;  // per new vertex
@@ -263,7 +242,8 @@ RewrittenGltf rewriteGltf(const GltfSource& source, const Scene& scene, const At
     Kept kept;
     keepAllIfReferencesAreUnknown(source, out.glb, kept);
     out.texCoord = freeTexCoord(gltf, scene);
-    const std::vector<size_t> meshOfSurface = giveNodesTheirOwnMeshes(gltf, scene);
+    // World-space texels belong to one position.
+    const std::vector<size_t> meshOfSurface = gltf::giveNodesTheirOwnMeshes(gltf, scene.surfaces);
     dropDeformation(source, scene, meshOfSurface, out);
 
     PrimitiveRewriter rewriter{source, out.glb, out.texCoord};

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "io/gltf/gltf_json.h"
 
@@ -84,11 +83,8 @@ void turnMirrored(GltfSource& source, json& primitive, const std::vector<glm::dm
     auto triangles = primitiveTriangles(source, primitive, uint32_t(matrices.size()));
     for (auto& [a, b, c] : triangles)
         if (sign[a] + sign[b] + sign[c] < 0) std::swap(b, c);
-    std::vector<uint8_t> bytes(triangles.size() * sizeof(triangles[0]));
-    std::memcpy(bytes.data(), triangles.data(), bytes.size());
-    primitive["indices"] = addAccessor(
-        source, {{"componentType", kUnsignedInt}, {"type", "SCALAR"}, {"count", 3 * triangles.size()}},
-        std::move(bytes));
+    primitive["indices"] =
+        addIndices(source, {reinterpret_cast<const uint32_t*>(triangles.data()), 3 * triangles.size()});
     primitive.erase("mode");
 }
 
