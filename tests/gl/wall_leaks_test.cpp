@@ -8,6 +8,7 @@
 #include "core/render/path_tracer.h"
 #include "gl/renderer_world.h"
 #include "support/divided_rooms.h"
+#include "support/scene_parts.h"
 
 namespace phat::test {
 namespace {

@@ -5,11 +5,9 @@
 // outside, and everything that interpolates or filters would bring the daylight into the room. So surfaces
 // are cut where walls stand, before the atlas is made: parts of a surface are surfaces of their own.
 
-#include <span>
 #include <vector>
 
 #include "core/atlas/mesh_cutter.h"
-#include "core/base/progress.h"
 #include "core/scene/rays.h"
 
 namespace phat {
@@ -30,8 +28,5 @@ struct DividedSurface {
 /// so does what is smaller than a texel. None where the cuts
 /// would make four times as many triangles. `texelSizeMeters`: about that of the atlas to come.
 std::vector<DividedSurface> divideAtWalls(const RayScene& rays, double texelSizeMeters);
-
-/// The scene with the parts as surfaces, those of a surface after each other.
-Scene withParts(const Scene& scene, std::span<const DividedSurface> divided);
 
 }  // namespace phat

@@ -9,6 +9,7 @@
 #include "core/atlas/atlas_checks.h"
 #include "core/base/random.h"
 #include "support/divided_rooms.h"
+#include "support/scene_parts.h"
 
 namespace phat {
 namespace {
