@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/atlas/dividing_sections.h"
 #include "core/atlas/wall_regions.h"
 
 namespace phat {
@@ -18,14 +19,14 @@ double toleranceOf(const Scene& scene, double texelSizeMeters) {
     return std::max(kToleranceTexels * texelSizeMeters, 0x1p-20 * double(maxComponent(far)));
 }
 
-// Thousands of small objects on one floor would shatter it.
-constexpr size_t kMaxFactor = 4, kAlwaysAllowed = 100'000;
+// How many triangles a scene may become: before it is known which sections are needed, and with those alone.
+constexpr size_t kMaxTrialFactor = 16, kMaxFactor = 4, kAlwaysAllowed = 100'000;
 
 // Whether the triangles did not become too many.
-bool cutAll(MeshCutter& cutter, const std::vector<WallSection>& sections, size_t sceneTriangles) {
+bool cutAll(MeshCutter& cutter, const std::vector<WallSection>& sections, size_t maxTriangles) {
     for (uint32_t i = 0; i < sections.size(); ++i) {
         cutter.cut(sections[i], i);
-        if (cutter.triangles().size() > kMaxFactor * sceneTriangles + kAlwaysAllowed) return false;
+        if (cutter.triangles().size() > maxTriangles) return false;
     }
     return true;
 }
@@ -39,6 +40,7 @@ std::vector<DividedSurface> divisionOf(const Scene& scene, const MeshCutter& cut
     const auto partOf = [&](uint32_t triangle) { return regions.part[regions.ofTriangle[triangle]]; };
 
     std::vector<uint32_t> local(scene.positions.size() + cutter.newVertices().size(), ~0u);
+    std::vector<uint8_t> seen(cutter.newVertices().size(), 0);  // a vertex belongs to one surface
     std::vector<DividedSurface> result;
     for (uint32_t s = 0; s < scene.surfaces.size(); ++s) {
         const Surface& surface = scene.surfaces[s];
@@ -61,9 +63,11 @@ std::vector<DividedSurface> divisionOf(const Scene& scene, const MeshCutter& cut
         // A new vertex comes from earlier ones, which may no longer be corners of any triangle.
         std::vector<uint32_t> open = made;
         while (!open.empty()) {
-            const CutVertex vertex = cutter.newVertices()[open.back() - scene.positions.size()];
+            const uint32_t index = open.back() - uint32_t(scene.positions.size());
             open.pop_back();
-            for (const uint32_t from : vertex.from)
+            if (seen[index]) continue;
+            seen[index] = 1;
+            for (const uint32_t from : cutter.newVertices()[index].from)
                 if (from >= scene.positions.size()) {
                     made.push_back(from);
                     open.push_back(from);
@@ -92,12 +96,14 @@ std::vector<DividedSurface> divisionOf(const Scene& scene, const MeshCutter& cut
 std::vector<DividedSurface> divideAtWalls(const RayScene& rays, double texelSizeMeters) {
     const Scene& scene = rays.scene();
     const MeshTopology topology = buildTopology(scene);
-    std::vector<WallSection> sections = wallSections(rays, topology, texelSizeMeters);
+    std::vector<WallSection> sections =
+        dividingSections(wallSections(rays, topology, texelSizeMeters), scene, topology, texelSizeMeters);
     if (sections.empty()) return {};
     const double tolerance = toleranceOf(scene, texelSizeMeters);
+    const size_t count = scene.triangles.size();
     {
         MeshCutter trial(scene, topology, tolerance);
-        if (!cutAll(trial, sections, scene.triangles.size())) return {};
+        if (!cutAll(trial, sections, kMaxTrialFactor * count + kAlwaysAllowed)) return {};
         const WallRegions regions = findWallRegions(trial, rays, topology, texelSizeMeters, sections.size());
         std::vector<WallSection> needed;
         for (size_t i = 0; i < sections.size(); ++i)
@@ -106,7 +112,7 @@ std::vector<DividedSurface> divideAtWalls(const RayScene& rays, double texelSize
     }
     if (sections.empty()) return {};
     MeshCutter cutter(scene, topology, tolerance);
-    if (!cutAll(cutter, sections, scene.triangles.size())) return {};
+    if (!cutAll(cutter, sections, kMaxFactor * count + kAlwaysAllowed)) return {};
     return divisionOf(scene, cutter,
                       findWallRegions(cutter, rays, topology, texelSizeMeters, sections.size()));
 }

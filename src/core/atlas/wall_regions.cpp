@@ -11,8 +11,6 @@
 namespace phat {
 namespace {
 
-// Nothing is interpolated around an edge at which a surface turns by more than 60 degrees.
-constexpr double kMaxTurn = 0.5;
 constexpr double kMinAreaTexels = 0.25;
 // Pieces of a surface that lie in one plane are joined across joints of a texel (join_coplanar.h), and texels
 // may become larger than was expected.
@@ -69,7 +67,7 @@ class RegionFinder {
     void addContact(uint32_t a, uint32_t b, const std::vector<uint32_t>* sections) {
         const std::vector<uint32_t>& surface = rays_.scene().triangleSurface;
         if (surface[cutter_.origin(a)] != surface[cutter_.origin(b)]) return;
-        if (glm::dot(normal(a), normal(b)) < kMaxTurn) return;
+        if (isFold(normal(a), normal(b))) return;
         contacts_.push_back({std::min(a, b), std::max(a, b), sections});
     }
 

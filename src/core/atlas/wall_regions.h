@@ -8,6 +8,12 @@
 
 namespace phat {
 
+/// Whether a surface turns so sharply between two triangles, by their unit normals, that nothing is
+/// interpolated there: by more than 60 degrees.
+inline bool isFold(glm::dvec3 a, glm::dvec3 b) {
+    return glm::dot(a, b) < 0.5;
+}
+
 struct WallRegions {
     std::vector<uint32_t> ofTriangle;  // per triangle of the cut mesh, numbered without gaps
     std::vector<uint32_t> part;        // per region: regions on both sides of a wall have different ones

@@ -82,6 +82,53 @@ TEST(DividedSurfaces, ObjectsOnAFloorDoNotDivideIt) {
         EXPECT_GE(divided.surface, 12u);
 }
 
+TEST(DividedSurfaces, BoardsDoNotShatterTheScreedUnderThem) {
+    Scene scene = roomOnFloor();
+    constexpr int kRows = 40;
+    const float side = 8.0f / kRows;
+    addFloor(scene, lambert(0.5f), 8, -1);
+    const uint32_t screed = uint32_t(scene.surfaces.size() - 1);
+    for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < kRows; ++x)
+            addOutwardBox(scene, lambert(0.5f), {-4 + side * float(x), -1, -4 + side * float(y)},
+                          {side - 0.01f, 0.02f, side - 0.01f});
+    bool floor = false;
+    for (const DividedSurface& divided : divideAtWalls(RayScene(scene), kTexel)) {
+        floor = floor || divided.surface == 0;
+        EXPECT_NE(divided.surface, screed);
+    }
+    EXPECT_TRUE(floor) << "what is beside the boards is divided as ever";
+}
+
+TEST(DividedSurfaces, AHundredRoomsDivideTheirFloor) {
+    constexpr int kRooms = 10;
+    Scene scene;
+    size_t large = 0;
+    addFloor(scene, lambert(0.5f), kRooms);
+    for (int i = 0; i <= kRooms; ++i) {
+        const float at = float(i) - 0.5f * kRooms, half = 0.5f * kRooms;
+        addOutwardBox(scene, lambert(0.5f), {at - 0.02f, -0.1f, -half}, {0.04f, 1, kRooms});
+        addOutwardBox(scene, lambert(0.5f), {-half, -0.1f, at - 0.02f}, {kRooms, 1, 0.04f});
+    }
+    const Scene parts = withParts(scene, divideAtWalls(RayScene(scene), kTexel));
+    double area = 0;
+    for (uint32_t t = 0; t < parts.triangles.size(); ++t) {
+        const Surface& surface = parts.surfaces[parts.triangleSurface[t]];
+        if (surface.material != 0) continue;
+        area += areaOf(parts, t);
+        if (areaOf(parts, t) < 0.03) continue;  // under a wall
+        glm::vec3 low(1e30f), high(-1e30f);
+        for (int i = 0; i < 3; ++i) {
+            low = glm::min(low, parts.positions[parts.triangles[t][i]]);
+            high = glm::max(high, parts.positions[parts.triangles[t][i]]);
+        }
+        EXPECT_LT(std::max(high.x - low.x, high.z - low.z), 1.1f) << "a triangle is in two rooms";
+        ++large;
+    }
+    EXPECT_GE(large, size_t(kRooms) * kRooms);
+    EXPECT_NEAR(area, kRooms * kRooms, 1e-3 * kRooms * kRooms);
+}
+
 TEST(DividedSurfaces, GlassAndWhatMovesAreNoWalls) {
     Scene glazed = roomOnFloor();
     for (size_t m = 1; m < glazed.materials.size(); ++m) glazed.materials[m].transmission = 1;
