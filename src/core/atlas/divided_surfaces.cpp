@@ -19,8 +19,8 @@ double toleranceOf(const Scene& scene, double texelSizeMeters) {
     return std::max(kToleranceTexels * texelSizeMeters, 0x1p-20 * double(maxComponent(far)));
 }
 
-// How many triangles a scene may become: before it is known which sections are needed, and with those alone.
-constexpr size_t kMaxTrialFactor = 16, kMaxFactor = 4, kAlwaysAllowed = 100'000;
+// How many triangles a scene may become.
+constexpr size_t kMaxFactor = 4, kAlwaysAllowed = 100'000;
 
 // Whether the triangles did not become too many.
 bool cutAll(MeshCutter& cutter, const std::vector<WallSection>& sections, size_t maxTriangles) {
@@ -100,10 +100,10 @@ std::vector<DividedSurface> divideAtWalls(const RayScene& rays, double texelSize
         dividingSections(wallSections(rays, topology, texelSizeMeters), scene, topology, texelSizeMeters);
     if (sections.empty()) return {};
     const double tolerance = toleranceOf(scene, texelSizeMeters);
-    const size_t count = scene.triangles.size();
+    const size_t maxTriangles = kMaxFactor * scene.triangles.size() + kAlwaysAllowed;
     {
         MeshCutter trial(scene, topology, tolerance);
-        if (!cutAll(trial, sections, kMaxTrialFactor * count + kAlwaysAllowed)) return {};
+        if (!cutAll(trial, sections, maxTriangles)) return {};
         const WallRegions regions = findWallRegions(trial, rays, topology, texelSizeMeters, sections.size());
         std::vector<WallSection> needed;
         for (size_t i = 0; i < sections.size(); ++i)
@@ -112,7 +112,7 @@ std::vector<DividedSurface> divideAtWalls(const RayScene& rays, double texelSize
     }
     if (sections.empty()) return {};
     MeshCutter cutter(scene, topology, tolerance);
-    if (!cutAll(cutter, sections, kMaxFactor * count + kAlwaysAllowed)) return {};
+    if (!cutAll(cutter, sections, maxTriangles)) return {};
     return divisionOf(scene, cutter,
                       findWallRegions(cutter, rays, topology, texelSizeMeters, sections.size()));
 }

@@ -11,14 +11,6 @@
 
 namespace phat {
 
-// A line on the plane of a triangle, from t = 0 to `length`.
-struct MeshCutter::Line {
-    glm::dvec3 from, direction, across;  // `across` points to the left of `direction`
-    double length;
-
-    double along(glm::dvec3 point) const { return glm::dot(point - from, direction); }
-};
-
 namespace {
 
 bool isBefore(glm::vec3 a, glm::vec3 b) {
@@ -89,19 +81,35 @@ void MeshCutter::setTriangle(uint32_t triangle, glm::uvec3 corners) {
     }
 }
 
+std::array<MeshCutter::Edge, 3> MeshCutter::edgesOf(uint32_t triangle) const {
+    const glm::uvec3& v = triangles_[triangle];
+    return {edgeOf(v[0], v[1]), edgeOf(v[1], v[2]), edgeOf(v[2], v[0])};
+}
+
+// The corner that is not on an edge of the triangle.
+int MeshCutter::cornerAcross(uint32_t triangle, Edge edge) const {
+    const std::array<Edge, 3> edges = edgesOf(triangle);
+    return int((std::find(edges.begin(), edges.end(), edge) - edges.begin() + 2) % 3);
+}
+
+uint32_t MeshCutter::vertexAcross(uint32_t triangle, Edge edge) const {
+    return welded_[triangles_[triangle][cornerAcross(triangle, edge)]];
+}
+
 // `t` from a to b. Every triangle at the edge becomes two.
-void MeshCutter::splitEdge(uint32_t a, uint32_t b, double t) {
+uint32_t MeshCutter::splitEdge(uint32_t a, uint32_t b, double t) {
     const Edge edge = edgeOf(a, b);
     const std::vector<uint32_t> users = std::move(edges_[edge]);
     edges_.erase(edge);
     const glm::dvec3 position = glm::mix(positions_[welded_[a]], positions_[welded_[b]], t);
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> middleOf;  // by the edge's own vertices
+    std::vector<Edge> open;
     uint32_t welded = ~0u;
     for (const uint32_t user : users) {
         const glm::uvec3 corners = triangles_[user];
-        int i = 0;
-        while (edgeOf(corners[i], corners[(i + 1) % 3]) != edge) ++i;
-        const uint32_t from = corners[i], to = corners[(i + 1) % 3], apex = corners[(i + 2) % 3];
+        const int across = cornerAcross(user, edge);
+        const uint32_t from = corners[(across + 1) % 3], to = corners[(across + 2) % 3],
+                       apex = corners[across];
         const bool forward = welded_[from] == welded_[a];
         const auto key = forward ? std::make_pair(from, to) : std::make_pair(to, from);
         const auto [found, isNew] = middleOf.try_emplace(key, 0);
@@ -114,6 +122,7 @@ void MeshCutter::splitEdge(uint32_t a, uint32_t b, double t) {
         std::erase(edges_[edgeOf(to, apex)], user);
         setTriangle(user, {from, middle, apex});
         addTriangle({middle, to, apex}, origin_[user]);
+        open.insert(open.end(), {edgeOf(from, apex), edgeOf(to, apex)});
     }
     if (const auto marked = sections_.find(edge); marked != sections_.end() && welded != ~0u) {
         const std::vector<uint32_t> numbers = marked->second;
@@ -121,10 +130,12 @@ void MeshCutter::splitEdge(uint32_t a, uint32_t b, double t) {
         sections_[edgeOf(a, welded)] = numbers;
         sections_[edgeOf(welded, b)] = numbers;
     }
+    makeDelaunay(std::move(open));
+    return welded;
 }
 
 // Joins a point inside a triangle to its corners.
-void MeshCutter::splitTriangle(uint32_t triangle, glm::dvec3 point) {
+uint32_t MeshCutter::splitTriangle(uint32_t triangle, glm::dvec3 point) {
     const glm::uvec3 corners = triangles_[triangle];
     const glm::dvec3 normal = topology_.faceNormal[origin_[triangle]];
     CutVertex vertex;
@@ -137,126 +148,75 @@ void MeshCutter::splitTriangle(uint32_t triangle, glm::dvec3 point) {
     }
     for (double& weight : vertex.weight) weight /= sum;
     const uint32_t middle = addVertex(vertex, point, uint32_t(positions_.size()));
+    const std::array<Edge, 3> around = edgesOf(triangle);
     for (int i = 1; i < 3; ++i) std::erase(edges_[edgeOf(corners[i], corners[(i + 1) % 3])], triangle);
     setTriangle(triangle, {corners[0], corners[1], middle});
     addTriangle({corners[1], corners[2], middle}, origin_[triangle]);
     addTriangle({corners[2], corners[0], middle}, origin_[triangle]);
+    makeDelaunay({around.begin(), around.end()});
+    return middle;
 }
 
-// Makes a point of a triangle of the scene a vertex, unless there is one.
-void MeshCutter::insertPoint(uint32_t sceneTriangle, glm::dvec3 point) {
-    const glm::dvec3 normal = topology_.faceNormal[sceneTriangle];
-    uint32_t best = ~0u;
-    double bestDepth = -1e300;
-    double depths[3], bestDepths[3] = {};
-    for (const uint32_t piece : piecesNear(sceneTriangle, point, point)) {
-        const glm::uvec3& corners = triangles_[piece];
-        for (int i = 0; i < 3; ++i) {
-            const glm::dvec3 a = positions_[corners[i]], edge = positions_[corners[(i + 1) % 3]] - a;
-            const double length = glm::length(edge);
-            depths[i] = length > 0 ? glm::dot(glm::cross(normal, edge), point - a) / length : -1e300;
-            if (glm::distance(point, a) <= tolerance_) return;
-        }
-        const double depth = std::min({depths[0], depths[1], depths[2]});
-        if (depth <= bestDepth) continue;
-        best = piece;
-        bestDepth = depth;
-        std::copy_n(depths, 3, bestDepths);
+// Whether two triangles of one triangle of the scene meet in an edge, on no section, and form a convex
+// quadrilateral.
+bool MeshCutter::canFlip(Edge edge) const {
+    const auto found = edges_.find(edge);
+    if (found == edges_.end() || found->second.size() != 2 || sections_.contains(edge)) return false;
+    const uint32_t first = found->second[0], second = found->second[1];
+    if (origin_[first] != origin_[second]) return false;
+    const glm::dvec3 a = positions_[uint32_t(edge >> 32)], b = positions_[uint32_t(edge)],
+                     c = positions_[vertexAcross(first, edge)], d = positions_[vertexAcross(second, edge)];
+    const glm::dvec3 normal = topology_.faceNormal[origin_[first]];
+    const double length = glm::distance(c, d);
+    const double left = glm::dot(normal, glm::cross(d - c, a - c)),
+                 right = glm::dot(normal, glm::cross(d - c, b - c));
+    return left * right < 0 && std::min(std::abs(left), std::abs(right)) > tolerance_ * length;
+}
+
+// The other diagonal of the two triangles at an edge becomes theirs. pre: canFlip(edge)
+MeshCutter::Edge MeshCutter::flip(Edge edge) {
+    const uint32_t first = edges_[edge][0], second = edges_[edge][1];
+    const int i = cornerAcross(first, edge), j = cornerAcross(second, edge);
+    const uint32_t c = triangles_[first][i], a = triangles_[first][(i + 1) % 3],
+                   b = triangles_[first][(i + 2) % 3], d = triangles_[second][j];
+    edges_.erase(edge);
+    std::erase(edges_[edgeOf(b, c)], first);
+    std::erase(edges_[edgeOf(a, d)], second);
+    setTriangle(first, {a, d, c});
+    setTriangle(second, {d, b, c});
+    if (const auto grid = grids_.find(origin_[first]); grid != grids_.end()) {
+        addToGrid(grid->second, first);
+        addToGrid(grid->second, second);
     }
-    if (best == ~0u) return;
-    const glm::uvec3 corners = triangles_[best];
-    for (int i = 0; i < 3; ++i) {
-        if (bestDepths[i] > tolerance_) continue;
-        const glm::dvec3 a = positions_[corners[i]], edge = positions_[corners[(i + 1) % 3]] - a;
-        const double t = glm::dot(point - a, edge) / glm::dot(edge, edge);
-        if (t > 0 && t < 1) splitEdge(corners[i], corners[(i + 1) % 3], t);
-        return;
+    return edgeOf(c, d);
+}
+
+// Whether the angles across an edge are at most 180 degrees together. pre: canFlip(edge)
+bool MeshCutter::isDelaunay(Edge edge) const {
+    const std::vector<uint32_t>& users = edges_.at(edge);
+    const glm::dvec3 a = positions_[uint32_t(edge >> 32)], b = positions_[uint32_t(edge)];
+    double sine[2], cosine[2];
+    for (int i = 0; i < 2; ++i) {
+        const glm::dvec3 apex = positions_[vertexAcross(users[size_t(i)], edge)];
+        sine[i] = glm::length(glm::cross(a - apex, b - apex));
+        cosine[i] = glm::dot(a - apex, b - apex);
     }
-    splitTriangle(best, point);
+    constexpr double kRounding = 1e-6;
+    const double scale = (sine[0] + std::abs(cosine[0])) * (sine[1] + std::abs(cosine[1]));
+    return sine[0] * cosine[1] + cosine[0] * sine[1] >= -kRounding * scale;
 }
 
-void MeshCutter::addToGrid(TriangleGrid& grid, uint32_t piece) const {
-    const glm::uvec3& v = triangles_[piece];
-    grid.add(piece, {positions_[v[0]], positions_[v[1]], positions_[v[2]]});
-}
-
-// The pieces of a triangle of the scene that a segment may touch, and others.
-std::vector<uint32_t> MeshCutter::piecesNear(uint32_t sceneTriangle, glm::dvec3 from, glm::dvec3 to) {
-    constexpr size_t kMinPieces = 64;
-    const std::vector<uint32_t>& all = pieces_[sceneTriangle];
-    if (all.size() < kMinPieces) return all;
-    auto found = grids_.find(sceneTriangle);
-    if (found == grids_.end()) {
-        const glm::uvec3& v = scene_.triangles[sceneTriangle];
-        const glm::dvec3 corners[] = {scene_.positions[v[0]], scene_.positions[v[1]], scene_.positions[v[2]]};
-        found = grids_.try_emplace(sceneTriangle, corners, topology_.faceNormal[sceneTriangle]).first;
-        for (const uint32_t piece : all) addToGrid(found->second, piece);
-    }
-    return found->second.near(from, to, 2 * tolerance_);
-}
-
-double MeshCutter::toLine(const Line& line, uint32_t vertex) const {
-    const double distance = glm::dot(positions_[vertex] - line.from, line.across);
-    return std::abs(distance) <= tolerance_ ? 0 : distance;
-}
-
-// Splits one edge of the triangle where the line crosses it. Returns whether there was one.
-bool MeshCutter::splitAcross(const Line& line, uint32_t triangle) {
-    const glm::uvec3 corners = triangles_[triangle];
-    double distance[3];
-    for (int i = 0; i < 3; ++i) distance[i] = toLine(line, corners[i]);
-    double low = 1e300, high = -1e300;
-    int crossed = -1;
-    double crossedAt = 0;
-    for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3;
-        const glm::dvec3 a = positions_[corners[i]], b = positions_[corners[j]];
-        double t = 0;
-        if (distance[i] * distance[j] < 0) {
-            t = distance[i] / (distance[i] - distance[j]);
-            crossed = i;
-            crossedAt = t;
-        } else if (distance[i] != 0) {
-            continue;
-        }
-        const double along = line.along(glm::mix(a, b, t));
-        low = std::min(low, along);
-        high = std::max(high, along);
-    }
-    if (crossed < 0) return false;
-    if (high <= tolerance_ || low >= line.length - tolerance_) return false;
-    splitEdge(corners[crossed], corners[(crossed + 1) % 3], crossedAt);
-    return true;
-}
-
-void MeshCutter::cut(const WallSection& section, uint32_t number) {
-    Line line;
-    line.from = section.from;
-    line.length = glm::distance(section.from, section.to);
-    if (!(line.length > 2 * tolerance_)) return;
-    line.direction = (section.to - section.from) / line.length;
-    line.across = glm::cross(topology_.faceNormal[section.triangle], line.direction);
-
-    insertPoint(section.triangle, section.from);
-    insertPoint(section.triangle, section.to);
-    std::vector<uint32_t> pieces = piecesNear(section.triangle, section.from, section.to);
-    for (size_t i = 0; i < pieces.size();) {
-        // The triangle keeps one of the two parts, which the line may still cross; the other one is new.
-        const size_t before = pieces_[section.triangle].size();
-        if (!splitAcross(line, pieces[i])) ++i;
-        const std::vector<uint32_t>& all = pieces_[section.triangle];
-        pieces.insert(pieces.end(), all.begin() + std::ptrdiff_t(before), all.end());
-    }
-    for (const uint32_t piece : pieces) {
-        const glm::uvec3& corners = triangles_[piece];
-        for (int i = 0; i < 3; ++i) {
-            const uint32_t a = corners[i], b = corners[(i + 1) % 3];
-            if (toLine(line, a) != 0 || toLine(line, b) != 0) continue;
-            const double middle = line.along(0.5 * (positions_[a] + positions_[b]));
-            if (middle < -tolerance_ || middle > line.length + tolerance_) continue;
-            std::vector<uint32_t>& numbers = sections_[edgeOf(a, b)];
-            if (numbers.empty() || numbers.back() != number) numbers.push_back(number);
-        }
+// Flips edges until all of `open` and those that change with them are Delaunay. source: Lawson 1977,
+// "Software for C1 Surface Interpolation".
+void MeshCutter::makeDelaunay(std::vector<Edge> open) {
+    while (!open.empty()) {
+        const Edge edge = open.back();
+        open.pop_back();
+        if (!canFlip(edge) || isDelaunay(edge)) continue;
+        const Edge other = flip(edge);
+        for (const uint32_t triangle : edges_.at(other))
+            for (const Edge around : edgesOf(triangle))
+                if (around != other) open.push_back(around);
     }
 }
 

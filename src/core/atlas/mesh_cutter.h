@@ -19,9 +19,10 @@ struct CutVertex {
     std::array<double, 3> weight{};  // sum 1
 };
 
-/// Cuts the triangles of a scene. Edges are split in all triangles that have them, of all surfaces, so that
-/// no new vertex lies on the edge of a triangle without being one of its corners: a picture would have holes
-/// there. Vertices are those of the scene and, behind them, new ones.
+/// Cuts the triangles of a scene, each into a constrained Delaunay triangulation of the lines on it. The
+/// scene's own edges are split in all triangles that have them, of all surfaces, so that no new vertex lies
+/// on the edge of a triangle without being one of its corners: a picture would have holes there. Vertices are
+/// those of the scene and, behind them, new ones.
 class MeshCutter {
   public:
     /// `toleranceMeters`: what is nearer to a line or a vertex is on it.
@@ -44,16 +45,34 @@ class MeshCutter {
 
   private:
     struct Line;
-    std::vector<uint32_t> piecesNear(uint32_t sceneTriangle, glm::dvec3 from, glm::dvec3 to);
-    void addToGrid(TriangleGrid& grid, uint32_t piece) const;
-    double toLine(const Line& line, uint32_t vertex) const;
-    void insertPoint(uint32_t sceneTriangle, glm::dvec3 point);
-    void splitTriangle(uint32_t triangle, glm::dvec3 point);
-    void splitEdge(uint32_t a, uint32_t b, double t);
-    bool splitAcross(const Line& line, uint32_t triangle);
+    struct Crossed {  // an edge that a line crosses
+        uint32_t left, right;
+    };
+    struct Way;
+
+    // The mesh. Vertices are given by their welded indices.
     uint32_t addVertex(const CutVertex& vertex, glm::dvec3 position, uint32_t welded);
     uint32_t addTriangle(glm::uvec3 corners, uint32_t origin);
     void setTriangle(uint32_t triangle, glm::uvec3 corners);
+    uint32_t splitTriangle(uint32_t triangle, glm::dvec3 point);
+    uint32_t splitEdge(uint32_t a, uint32_t b, double t);
+    bool canFlip(Edge edge) const;
+    Edge flip(Edge edge);
+    bool isDelaunay(Edge edge) const;
+    void makeDelaunay(std::vector<Edge> open);
+    int cornerAcross(uint32_t triangle, Edge edge) const;
+    uint32_t vertexAcross(uint32_t triangle, Edge edge) const;
+    std::array<Edge, 3> edgesOf(uint32_t triangle) const;
+
+    // Lines on a triangle of the scene.
+    std::vector<uint32_t> piecesNear(uint32_t sceneTriangle, glm::dvec3 from, glm::dvec3 to);
+    void addToGrid(TriangleGrid& grid, uint32_t piece) const;
+    Line lineBetween(uint32_t sceneTriangle, uint32_t from, uint32_t to) const;
+    uint32_t insertPoint(uint32_t sceneTriangle, glm::dvec3 point);
+    Way follow(uint32_t sceneTriangle, uint32_t from, uint32_t to);
+    std::vector<uint32_t> splitSections(const Line& line, const std::vector<Crossed>& crossed);
+    void retriangulate(uint32_t from, const Way& way);
+    void triangulate(std::span<const uint32_t> polygon, std::vector<glm::uvec3>& corners) const;
 
     const Scene& scene_;
     const MeshTopology& topology_;

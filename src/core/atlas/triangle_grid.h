@@ -64,7 +64,7 @@ class TriangleGrid {
     }
 
   private:
-    static constexpr int kSide = 64;
+    static constexpr int kSide = 16;
 
     glm::dvec2 inPlane(glm::dvec3 point) const {
         return {glm::dot(point - origin_, x_), glm::dot(point - origin_, y_)};

@@ -100,8 +100,8 @@ TEST(DividedSurfaces, BoardsDoNotShatterTheScreedUnderThem) {
     EXPECT_TRUE(floor) << "what is beside the boards is divided as ever";
 }
 
-TEST(DividedSurfaces, AHundredRoomsDivideTheirFloor) {
-    constexpr int kRooms = 10;
+TEST(DividedSurfaces, HundredsOfRoomsDivideTheirFloor) {
+    constexpr int kRooms = 20;
     Scene scene;
     size_t large = 0;
     addFloor(scene, lambert(0.5f), kRooms);
