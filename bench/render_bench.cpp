@@ -37,7 +37,7 @@ FrameSettings frameOf(const Scene& scene, Method method, int samplesPerPixel) {
     return frame;
 }
 
-// One iteration makes a renderer of a bake in memory, until it could draw.
+// One iteration makes a renderer of a bake in memory; its programs are compiled with the first frame.
 void makeRenderer(benchmark::State& state, const std::string& name) {
     const BakedRoom& room = bakedRoom(name);
     const HeadlessContext context;

@@ -4,6 +4,7 @@
 // glossy, is the mean of what relight_paper.frag made of the PHATexels.
 // source: Hensley et al. 2003, sections 6.1 and 6.2; the ratio and the lookup are ours (docs/lookup.md).
 #include "lib/fetch.glsl"
+#include "lib/irradiance.glsl"
 #include "lib/packed_sums.glsl"
 #include "lib/paper_cone.glsl"
 #include "lib/visible_surface.glsl"
@@ -26,7 +27,6 @@ uniform sampler2D tileLight;        // rgb: the bound of the radiance around
 uniform sampler2DArray relit;       // lobes: of the indirect light, of area lights, then their coats'
 uniform sampler2DArray radii;       // the same lobes, a texel a tile
 #endif
-uniform sampler2DArray irradiance;  // 0 indirect, 1 area lights
 uniform vec3 show;                  // direct, glossy indirect, diffuse indirect: 0 or 1
 uniform int alphaMode;
 
@@ -45,16 +45,12 @@ uniform bool scatters;  // whether there is a picture of what is behind rough gl
 flat in uint vTriangle;
 #endif
 
-#ifdef AREA
-const int kSources = 2;
-#else
-const int kSources = 1;
-#endif
 #ifdef CLEARCOAT
-const int kIrradianceLobe = 2 * kSources;  // of relit, with PAPER
+const int kLobes = 2;
 #else
-const int kIrradianceLobe = kSources;
+const int kLobes = 1;
 #endif
+const int kIrradianceLobe = kLobes * kSources;  // of relit, with PAPER
 // Sources that are ratios of sums.
 #ifdef PAPER
 const int kFirstSource = 1;
@@ -76,21 +72,6 @@ struct Components {
     vec3 glossyIndirect;
     vec3 diffuseIndirect;
 };
-
-// Bilinear inside the chart.
-vec3 irradianceAt(int source, vec2 center, uint chart) {
-    vec2 corner = floor(center - 0.5);
-    vec2 t = center - 0.5 - corner;
-    vec4 sum = vec4(0.0);
-    for (int i = 0; i < 4; ++i) {
-        ivec2 side = ivec2(i & 1, i >> 1);
-        ivec2 texel = ivec2(corner) + side;
-        if (chartAt(texel) != chart) continue;
-        float weight = (side.x == 1 ? t.x : 1.0 - t.x) * (side.y == 1 ? t.y : 1.0 - t.y);
-        sum += weight * vec4(texelFetch(irradiance, ivec3(texel, source), 0).rgb, 1.0);
-    }
-    return sum.a > 0.0 ? sum.rgb / sum.a : vec3(0.0);
-}
 
 #ifdef LOOKUP
 // The albedo of the lobe without colour that lookup.frag samples.
@@ -164,8 +145,7 @@ ShownTexel shownTexel(vec2 center, uint chart) {
     t.center = center;
     t.chart = chart;
     t.radianceBound = radianceBoundAt(center);
-    for (int source = kFirstSource; source < kSources; ++source)
-        t.irradiance[source] = irradianceAt(source, center, chart);
+    irradianceAt(center, chart, t.irradiance);
     clampToBound(t.irradiance, kPi * t.radianceBound);
 #ifdef PAPER
     t.irradiance[0] = paperMean(relit, kIrradianceLobe, center, chart);
@@ -193,30 +173,33 @@ void addGlossy(int firstLobe, vec3 albedo, float scalar, ShownTexel t, inout Com
 }
 
 // Adds the baked light: indirect light, and direct light of area lights.
-void addBakedLight(VisibleSurface s, inout Components c) {
-    Brdf brdf = s.brdf;
-    float nDotV = s.towardEyeLocal.z;
-    float transmission = clearcoatTransmission(brdf, s.towardEyeLocal);
-    vec3 diffuse = transmission * diffuseWeight(brdf, nDotV) * brdf.diffuseColor / kPi;
-    vec3 specular = specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, nDotV);
+void addBakedLight(VisibleSurface s, ViewedBrdf viewed, inout Components c) {
     ShownTexel t = shownTexel(s.texel, s.chart);
-    if (maxComponent(specular) > 0.0) addGlossy(0, transmission * specular, scalarAlbedo(specular), t, c);
+    // A loop: drivers inline all functions, and what a lobe needs is long.
+    int lobes = viewed.brdf.clearcoat > 0.0 ? kLobes : 1;
+    for (int lobe = 0; lobe < lobes; ++lobe) {
+        vec3 albedo = viewed.transmission * viewed.specularAlbedo;
+        float scalar = scalarAlbedo(viewed.specularAlbedo);
 #ifdef CLEARCOAT
-    if (brdf.clearcoat > 0.0)
-        addGlossy(kSources, vec3(1.0 - transmission), (1.0 - transmission) / brdf.clearcoat, t, c);
+        if (lobe == 1) {
+            albedo = vec3(1.0 - viewed.transmission);
+            scalar = albedo.x / viewed.brdf.clearcoat;
+        }
 #endif
-    c.diffuseIndirect = diffuse * t.irradiance[0];
+        if (scalar > 0.0) addGlossy(lobe * kSources, albedo, scalar, t, c);
+    }
+    c.diffuseIndirect = viewed.diffuse * t.irradiance[0];
 #ifdef AREA
-    c.direct += diffuse * t.irradiance[1];
+    c.direct += viewed.diffuse * t.irradiance[1];
 #endif
 }
 
 #ifndef WITHOUT_PUNCTUAL_LIGHTS
-void addPunctualLights(VisibleSurface s, inout vec3 direct) {
+void addPunctualLights(VisibleSurface s, ViewedBrdf viewed, inout vec3 direct) {
     for (int light = 0; light < lightCount; ++light) {
         PunctualSample from = samplePunctual(light, vPosition);
         if (dot(from.towardLight, s.normalGeometric) <= 0.0) continue;
-        vec3 reflected = evaluateBrdf(s.brdf, s.towardEyeLocal, from.towardLight * s.worldFromLocal) * from.irradiance;
+        vec3 reflected = evaluateBrdf(viewed, from.towardLight * s.worldFromLocal) * from.irradiance;
         if (maxComponent(reflected) > 0.0)
             direct += reflected * shadowVisibility(light, vPosition, s.normalGeometric);
     }
@@ -243,11 +226,12 @@ void main() {
 #ifdef GLASS
     transmittance = vec4(1.0 - alpha + alpha * glassTransmittance(factors, s), 1.0);
 #endif
+    ViewedBrdf viewed = viewedBrdf(s.brdf, s.towardEyeLocal);
     Components c = Components(emission, vec3(0.0), vec3(0.0));
 #ifndef WITHOUT_PUNCTUAL_LIGHTS
-    addPunctualLights(s, c.direct);
+    addPunctualLights(s, viewed, c.direct);
 #endif
-    if (s.chart != kNoChart) addBakedLight(s, c);
+    if (s.chart != kNoChart) addBakedLight(s, viewed, c);
     vec3 sum = c.direct * show.x + c.glossyIndirect * show.y + c.diffuseIndirect * show.z;
     // A broken vertex or texel must not spread over the picture.
     if (any(isnan(sum)) || any(isinf(sum))) sum = vec3(0.0);

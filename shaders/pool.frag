@@ -49,10 +49,7 @@ LobeSums pooledSums(int lobe) {
 }
 
 void main() {
-    writeBase(pooledSums(0));
-#ifdef CLEARCOAT
-    writeCoat(pooledSums(1));
-#endif
+    for (int lobe = 0; lobe < kLobes; ++lobe) writeLobe(lobe, pooledSums(lobe));
 #ifdef COUNT_READS
     addReads(texelFetch(incident, ivec3(gl_FragCoord.xy, 0), 0).y,
              texelFetch(incident, ivec3(gl_FragCoord.xy, kLayersPerLobe - 1), 0).y);

@@ -11,7 +11,7 @@ from figures_surfaces import DATA, TABLE, Surface
 
 # Passes of a frame of tabletop, which has area lights: method -> [(name, file, defines)]. src/gl has the same lists.
 PASSES = {
-    "phat": [("lookup", "lookup.frag", ("AREA", "SCRAMBLES")), ("pool", "pool.frag", ("AREA",)),
+    "phat": [("lobes", "lobes.frag", ()), ("lookup", "lookup.frag", ("AREA", "SCRAMBLES")), ("pool", "pool.frag", ("AREA",)),
              ("display", "display.frag", ("LOOKUP", "AREA"))],
     "phat-pyramid": [("relight", "relight.frag", ()), ("pyramid", "pyramid.frag", ()), ("radius", "radius.frag", ()),
                      ("display", "display.frag", ("AREA",))],

@@ -96,17 +96,35 @@ vec3 interfaceTransmittance(Brdf brdf, vec3 towardEye) {
     return clearcoatTransmission(brdf, towardEye) * max(1.0 - reflected, 0.0) * brdf.transmissionColor;
 }
 
+// A BRDF for one direction toward the eye, with the terms that depend on that direction alone.
+struct ViewedBrdf {
+    Brdf brdf;
+    vec3 towardEye;
+    float transmission;   // of the coat
+    vec3 diffuse;         // Lambert's f, 1/sr
+    vec3 specularAlbedo;  // of GGX, as if there were no coat
+};
+
+ViewedBrdf viewedBrdf(Brdf brdf, vec3 towardEye) {
+    float transmission = clearcoatTransmission(brdf, towardEye);
+    vec3 albedo = specularAlbedo(brdf.f0, brdf.f90, brdf.alpha, towardEye.z);
+    vec3 diffuse = transmission * diffuseWeight(brdf, towardEye.z) * brdf.diffuseColor / kPi;
+    return ViewedBrdf(brdf, towardEye, transmission, diffuse, albedo);
+}
+
 // BRDF * cos by lobe: Lambert, and GGX with the coat.
-LobeValues evaluateLobes(Brdf brdf, vec3 towardEye, vec3 towardLight) {
+LobeValues evaluateLobes(ViewedBrdf viewed, vec3 towardLight) {
     LobeValues value = LobeValues(vec3(0.0), vec3(0.0));
+    Brdf brdf = viewed.brdf;
+    vec3 towardEye = viewed.towardEye;
     if (towardEye.z <= 0.0 || towardLight.z <= 0.0) return value;
 
     vec3 h = normalize(towardEye + towardLight);
     float vDotH = dot(towardEye, h);
-    float transmission = clearcoatTransmission(brdf, towardEye);
-    value.diffuse = transmission * diffuseWeight(brdf, towardEye.z) * towardLight.z / kPi * brdf.diffuseColor;
-    value.specular = transmission * ggxD(h.z, brdf.alpha) * smithV(towardLight.z, towardEye.z, brdf.alpha) *
-                     towardLight.z * schlick(brdf.f0, brdf.f90, vDotH);
+    value.diffuse = viewed.diffuse * towardLight.z;
+    value.specular = viewed.transmission * ggxD(h.z, brdf.alpha) *
+                     smithV(towardLight.z, towardEye.z, brdf.alpha) * towardLight.z *
+                     schlick(brdf.f0, brdf.f90, vDotH);
     if (brdf.clearcoat > 0.0) {
         float nDotV = dot(towardEye, brdf.clearcoatNormal);
         float nDotL = dot(towardLight, brdf.clearcoatNormal);
@@ -120,8 +138,8 @@ LobeValues evaluateLobes(Brdf brdf, vec3 towardEye, vec3 towardLight) {
     return value;
 }
 
-vec3 evaluateBrdf(Brdf brdf, vec3 towardEye, vec3 towardLight) {
-    LobeValues value = evaluateLobes(brdf, towardEye, towardLight);
+vec3 evaluateBrdf(ViewedBrdf viewed, vec3 towardLight) {
+    LobeValues value = evaluateLobes(viewed, towardLight);
     return value.diffuse + value.specular;
 }
 

@@ -57,21 +57,23 @@ float coneRadius(sampler2DArray radii, int lobeIndex, vec2 center, uint chart) {
     ivec2 corner = ivec2(floor(tiles));
     vec2 t = tiles - vec2(corner);
     float sum = 0.0, weights = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        ivec2 side = ivec2(i & 1, i >> 1);
-        ivec2 tile = corner + side;
-        if (chartOfTile(tile) != chart) continue;
-        float weight = (side.x == 1 ? t.x : 1.0 - t.x) * (side.y == 1 ? t.y : 1.0 - t.y) + 1e-4;
-        sum += weight * texelFetch(radii, ivec3(tile, lobeIndex), 0).r;
-        weights += weight;
+    for (int y = corner.y; y <= corner.y + 1; ++y) {
+        for (int x = corner.x; x <= corner.x + 1; ++x) {
+            if (chartOfTile(ivec2(x, y)) != chart) continue;
+            float weight = (x == corner.x ? 1.0 - t.x : t.x) * (y == corner.y ? 1.0 - t.y : t.y) + 1e-4;
+            sum += weight * texelFetch(radii, ivec3(x, y, lobeIndex), 0).r;
+            weights += weight;
+        }
     }
     return weights > 0.0 ? sum / weights : 0.0;
 }
 
 // sum a L, sum w of a lobe around a texel, in the cone that radius.frag chose; farther where that holds nothing.
 vec4 lobeSum(sampler2DArray pyramid, sampler2DArray radii, int lobeIndex, vec2 center, uint chart) {
-    float radius = coneRadius(radii, lobeIndex, center, chart);
-    vec4 sum = coneSum(pyramid, lobeIndex, center, max(radius, kMinRadius), chart);
-    if (!(sum.a > 0.0)) sum = coneSum(pyramid, lobeIndex, center, kMaxRadius, chart);
-    return sum;
+    float radius = max(coneRadius(radii, lobeIndex, center, chart), kMinRadius);
+    for (;;) {
+        vec4 sum = coneSum(pyramid, lobeIndex, center, radius, chart);
+        if (sum.a > 0.0 || radius >= kMaxRadius) return sum;
+        radius = kMaxRadius;
+    }
 }

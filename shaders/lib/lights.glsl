@@ -110,14 +110,15 @@ float shadowReceiver(int layer, int firstRow, vec3 point, vec3 normalGeometric, 
 
 // Visibility of a point of light, by 4x4 depth comparisons under a 3x3 box that moves with the point.
 float boxVisibility(ShadowReceiver r) {
-    vec2 corner = floor(r.texel - 0.5);
-    vec2 f = r.texel - 0.5 - corner;
+    ivec2 first = ivec2(floor(r.texel - 0.5)) - 1;
+    vec2 f = r.texel - 1.5 - vec2(first);
     float lit = 0.0;
-    for (int y = 0; y < 4; ++y) {
-        float weightY = y == 0 ? 1.0 - f.y : y == 3 ? f.y : 1.0;
+    // Rows are a loop whose bounds compilers do not know, so that the code of only one is there.
+    for (int y = first.y; y <= first.y + 3; ++y) {
+        float weightY = y == first.y ? 1.0 - f.y : y == first.y + 3 ? f.y : 1.0;
         for (int x = 0; x < 4; ++x) {
             float weightX = x == 0 ? 1.0 - f.x : x == 3 ? f.x : 1.0;
-            vec2 tap = corner + vec2(float(x) - 0.5, float(y) - 0.5);
+            vec2 tap = vec2(first.x + x, y) + 0.5;
             float depth = r.depth + dot(r.slope, tap - r.texel);
             lit += weightX * weightY * texture(shadowMaps, vec4(tap / r.size, float(r.layer), depth - r.bias));
         }
@@ -192,15 +193,17 @@ vec3 shadowTint(int layer, int firstRow, vec3 point) {
     if (clip.w <= 0.0 || any(greaterThan(abs(ndc), vec3(1.0)))) return vec3(1.0);
     ivec2 last = textureSize(shadowTints, 0).xy - 1;
     vec2 texel = (0.5 * ndc.xy + 0.5) * vec2(last + 1) - 0.5;
-    vec2 corner = floor(texel), t = texel - corner;
+    ivec2 corner = ivec2(floor(texel));
+    vec2 t = texel - vec2(corner);
     // A glass does not lie before itself.
     float depth = 0.5 * ndc.z + 0.5 - 1e-5;
     vec3 sum = vec3(0.0);
-    for (int i = 0; i < 4; ++i) {
-        ivec2 side = ivec2(i & 1, i >> 1);
-        vec4 tap = texelFetch(shadowTints, ivec3(clamp(ivec2(corner) + side, ivec2(0), last), layer), 0);
-        float weight = (side.x == 1 ? t.x : 1.0 - t.x) * (side.y == 1 ? t.y : 1.0 - t.y);
-        sum += weight * (tap.a < depth ? tap.rgb : vec3(1.0));
+    for (int y = corner.y; y <= corner.y + 1; ++y) {
+        for (int x = corner.x; x <= corner.x + 1; ++x) {
+            vec4 tap = texelFetch(shadowTints, ivec3(clamp(ivec2(x, y), ivec2(0), last), layer), 0);
+            float weight = (x == corner.x ? 1.0 - t.x : t.x) * (y == corner.y ? 1.0 - t.y : t.y);
+            sum += weight * (tap.a < depth ? tap.rgb : vec3(1.0));
+        }
     }
     return sum;
 }

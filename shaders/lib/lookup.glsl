@@ -283,6 +283,21 @@ void addLightSamples(inout vec4 sum, LookupQuery query, LookupCursor cursor, vec
 }
 #endif
 
+// g = f cos / pdf. The sample's own pdf and the Jacobian cancel: cells hold equal parts of the density (docs/lookup.md).
+void addBrdfSample(inout IncidentSums sums, LookupQuery query, LookupSample found, int source) {
+    float pdf = brdfPdf(query, found);
+    ScalarLobe lobe = query.lobe;
+    if (source == 0) lobe.alpha = query.sampledLobe.alpha;
+    float g = lobeValueLocal(lobe, query.wo, found.direction * query.worldFromLocal) / pdf;
+#ifdef AREA
+    if (source == 1) {
+        sums.area += g * vec4(brdfWeight(pdf, found) * found.radiance, 1.0);
+        return;
+    }
+#endif
+    sums.indirect += g * vec4(found.radiance, 1.0);
+}
+
 // `rank`: see LookupQuery; `sampledAlpha`: of the lobe after the roughness clamp.
 IncidentSums lookUp(Receiver r, ScalarLobe lobe, int rank, out float sampledAlpha) {
     sampledAlpha = lobe.alpha;
@@ -308,21 +323,12 @@ IncidentSums lookUp(Receiver r, ScalarLobe lobe, int rank, out float sampledAlph
         if (wi.z <= 0.0 || dot(wiWorld, r.normalGeometric) <= 0.0) continue;
         // Two samples begin at one texel, unless the first had to go elsewhere.
         LookupSample found = findSample(query, cursor, wiWorld, u, k % layerCount, (k & 1) == 0);
-        if (found.valid) {
-            // g = f cos / pdf. The sample's own pdf and the Jacobian cancel: cells hold equal parts of the density
-            // (docs/lookup.md).
-            float g = lobeValueLocal(query.sampledLobe, wo, found.direction * worldFromLocal) / brdfPdf(query, found);
-            sums.indirect += g * vec4(found.radiance, 1.0);
-        }
+        if (found.valid) addBrdfSample(sums, query, found, 0);
 #ifdef AREA
         if (k % kAreaEvery != 0) continue;
         READS_FOR(1);
         found = findSample(query, cursor, wiWorld, u, layerCount, false);
-        if (found.valid) {
-            float pdf = brdfPdf(query, found);
-            float g = lobeValueLocal(lobe, wo, found.direction * worldFromLocal) / pdf;
-            sums.area += g * vec4(brdfWeight(pdf, found) * found.radiance, 1.0);
-        }
+        if (found.valid) addBrdfSample(sums, query, found, 1);
         READS_FOR(0);
 #endif
     }

@@ -9,12 +9,12 @@ vec4 bilinearTap(sampler2DArray pyramid, int layer, int level, vec2 center, uint
     vec2 t = point - vec2(corner);
     int tileShift = kTopLevel - level;
     vec4 sum = vec4(0.0);
-    for (int i = 0; i < 4; ++i) {
-        ivec2 side = ivec2(i & 1, i >> 1);
-        ivec2 tap = corner + side;
-        if (chartOfTile(ivec2(tap.x >> tileShift, tap.y >> tileShift)) != chart) continue;
-        float weight = (side.x == 1 ? t.x : 1.0 - t.x) * (side.y == 1 ? t.y : 1.0 - t.y);
-        sum += weight * texelFetch(pyramid, ivec3(tap, layer), level);
+    for (int y = corner.y; y <= corner.y + 1; ++y) {
+        for (int x = corner.x; x <= corner.x + 1; ++x) {
+            if (chartOfTile(ivec2(x >> tileShift, y >> tileShift)) != chart) continue;
+            float weight = (x == corner.x ? 1.0 - t.x : t.x) * (y == corner.y ? 1.0 - t.y : t.y);
+            sum += weight * texelFetch(pyramid, ivec3(x, y, layer), level);
+        }
     }
     return sum;
 }

@@ -17,21 +17,44 @@ layout(location = 1) out uvec4 coat;
 const int kLayersPerLobe = 1;
 #endif
 
-void writeBase(LobeSums d) {
-    base = packLobeSums(d);
+// The base, and the coat.
+#ifdef CLEARCOAT
+const int kLobes = 2;
+#else
+const int kLobes = 1;
+#endif
+
+void writeNothing() {
+    base = uvec4(0u);
 #ifdef AREA
-    baseArea = packAreaSums(d);
+    baseArea = uvec4(0u);
+#endif
+#ifdef CLEARCOAT
+    coat = uvec4(0u);
+#ifdef AREA
+    coatArea = uvec4(0u);
+#endif
 #endif
 }
 
+void writeLobe(int lobe, LobeSums d) {
+    uvec4 sums = packLobeSums(d);
 #ifdef CLEARCOAT
-void writeCoat(LobeSums d) {
-    coat = packLobeSums(d);
+    if (lobe == 1) coat = sums;
+    else base = sums;
+#else
+    base = sums;
+#endif
 #ifdef AREA
-    coatArea = packAreaSums(d);
+    uvec4 areaSums = packAreaSums(d);
+#ifdef CLEARCOAT
+    if (lobe == 1) coatArea = areaSums;
+    else baseArea = areaSums;
+#else
+    baseArea = areaSums;
+#endif
 #endif
 }
-#endif
 
 #ifdef COUNT_READS
 // Instead of the weights: reads so far, and by earlier passes.

@@ -1,12 +1,10 @@
 // The surface at a pixel: material, textures, frame.
 #include "lib/slots.glsl"
 #include "lib/frame.glsl"
+#include "lib/visible_point.glsl"
 
-in vec3 vPosition;
 in vec3 vNormal;
 in vec4 vTangent;
-in vec4 vTexel;
-flat in uvec2 vCharts;
 
 uniform sampler2D metallicRoughnessTexture;
 uniform sampler2D normalTexture;
@@ -25,16 +23,13 @@ uniform sampler2D thicknessTexture;
 uniform sampler2D transmissionTexture;
 #endif
 
-uniform vec3 eyeWorld;
-uniform float eyeAtInfinity;
-
 struct VisibleSurface {
-    vec3 towardEye;        // world
-    vec3 normalGeometric;  // world, of the flat triangle, on the eye's side
-    mat3 worldFromLocal;   // local z: the shading normal
+    vec3 towardEye;  // this and the next as in VisiblePoint
+    vec3 normalGeometric;
+    mat3 worldFromLocal;  // local z: the shading normal
     vec3 towardEyeLocal;
     Brdf brdf;
-    vec2 texel;            // position in the atlas, in texels
+    vec2 texel;  // as in VisiblePoint
     uint chart;
 };
 
@@ -58,7 +53,11 @@ float transmissionTexel() {
 VisibleSurface visibleSurface(MaterialFactors factors) {
     VisibleSurface s;
     float side = gl_FrontFacing ? 1.0 : -1.0;
-    s.towardEye = normalize(eyeWorld - vPosition * (1.0 - eyeAtInfinity));
+    VisiblePoint point = visiblePoint();
+    s.towardEye = point.towardEye;
+    s.normalGeometric = point.normalGeometric;
+    s.texel = point.texel;
+    s.chart = point.chart;
     vec3 vertexNormal = normalize(vNormal);
     vec3 normal = side * mappedNormal(normalTexture, kSlotNormal, factors.normalScale, vertexNormal);
     // Interpolated normals may face away from the eye at silhouettes; bend them back just over the edge.
@@ -78,12 +77,5 @@ VisibleSurface visibleSurface(MaterialFactors factors) {
         mappedNormal(clearcoatNormalTexture, kSlotClearcoatNormal, factors.clearcoatNormalScale, vertexNormal);
     s.brdf = brdfFrom(factors, texels, side * coatNormal * s.worldFromLocal);
     s.towardEyeLocal = s.towardEye * s.worldFromLocal;
-
-    // Derivatives give the flat triangle's plane without another attribute.
-    s.normalGeometric = normalize(cross(dFdx(vPosition), dFdy(vPosition)));
-    if (dot(s.normalGeometric, s.towardEye) < 0.0) s.normalGeometric = -s.normalGeometric;
-
-    s.chart = gl_FrontFacing ? vCharts.x : vCharts.y;
-    s.texel = gl_FrontFacing ? vTexel.xy : vTexel.zw;
     return s;
 }

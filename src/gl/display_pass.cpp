@@ -14,7 +14,7 @@ LookupSampling samplingOf(Quality quality) {
     return kSampling[size_t(quality)];
 }
 
-void drawBackground(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& camera,
+void drawBackground(const CommonPass& pass, const DisplayInput& input, const CameraMatrices& camera,
                     glm::uvec2 size, bool shown) {
     const GLfloat black[4] = {0, 0, 0, 0};
     glClearBufferfv(GL_COLOR, 0, black);
@@ -30,7 +30,7 @@ void drawBackground(const DisplayPass& pass, const DisplayInput& input, const Ca
     pass.background.draw();
 }
 
-void drawDepth(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& camera) {
+void drawDepth(const CommonPass& pass, const DisplayInput& input, const CameraMatrices& camera) {
     const ShaderProgram& program = pass.shadows.depth;
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
@@ -51,10 +51,14 @@ void drawDepth(const DisplayPass& pass, const DisplayInput& input, const CameraM
 
 void lookUp(const DisplayInput& input, const CameraMatrices& camera, const FrameSettings& settings,
             const LookupTargets& targets, uint32_t seed) {
+    const ShaderProgram& lobes = input.lookupPass->lobesProgram;
     const ShaderProgram& program = input.lookupPass->lookupProgram;
+    beginLobes(targets);
+    bindCamera(lobes, camera, settings.camera);
+    drawOpaque(lobes, input);
     beginLookup(*input.lookupPass, input.atlas, input.lookup, targets, samplingOf(settings.quality), seed);
     bindCamera(program, camera, settings.camera);
-    drawOpaque(program, input);
+    drawOpaqueShapes(program, input);
     input.clock.ended(Pass::lookup);
     poolSums(*input.lookupPass, targets);
     input.clock.ended(Pass::pool);
@@ -65,8 +69,8 @@ OpaquePicture opaquePictureOf(const FrameTargets& targets) {
 }
 
 // Draws and reads the surfaces whose lobes are traced.
-void findTracedSurfaces(const DisplayPass& pass, const DisplayInput& input, const CameraMatrices& camera,
-                        const FrameTargets& targets, PendingSample& sample) {
+void findTracedSurfaces(const DisplayInput& input, const CameraMatrices& camera, const FrameTargets& targets,
+                        PendingSample& sample) {
     if (sample.reflections == Reflections::lookup || !(sample.view.area || sample.view.indirect)) return;
     const ShaderProgram& program = input.reflectionPass->program;
     beginReflections(*input.reflectionPass, input.atlas, input.lookup, targets.reflections,
@@ -74,7 +78,7 @@ void findTracedSurfaces(const DisplayPass& pass, const DisplayInput& input, cons
     bindCamera(program, camera, sample.settings.camera);
     drawOpaque(program, input);
     sample.surfaces = readTracedSurfaces(targets.reflections, sample.jitter);
-    if (!input.materials.glass.empty() && pass.glass.textures)
+    if (!input.materials.glass.empty() && input.display->glass.textures)
         findPanes(input, camera, opaquePictureOf(targets), targets.glass, sample);
     input.clock.ended(Pass::display);
 }
@@ -100,6 +104,18 @@ FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool 
     return targets;
 }
 
+CommonPass createCommonPass(const std::string& folder, const GpuAtlas& atlas, bool glass) {
+    CommonPass pass;
+    std::vector<std::string> defines;
+    if (atlas.sources.size() > 1) defines.push_back("AREA");
+    pass.preview = ShaderProgram(folder, "surface.vert", "preview.frag", defines);
+    pass.shadows.depth = ShaderProgram(folder, "surface.vert", "depth.frag");
+    if (glass) pass.shadows.tints = ShaderProgram(folder, "surface.vert", "shadow_tint.frag");
+    pass.background = FullscreenProgram(folder, "background.frag");
+    pass.accumulate = FullscreenProgram(folder, "accumulate.frag");
+    return pass;
+}
+
 DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas,
                               const DisplayFeatures& features) {
     std::vector<std::string> defines;
@@ -123,15 +139,16 @@ DisplayPass createDisplayPass(const std::string& folder, const GpuAtlas& atlas,
         std::vector<std::string> ofGlass = defines;
         if (features.paper) ofGlass.push_back("PAPER");
         pass.glass = createGlassPass(folder, std::move(ofGlass), shadowTints);
-        pass.shadows.tints = ShaderProgram(folder, "surface.vert", "shadow_tint.frag");
     }
-    pass.shadows.depth = ShaderProgram(folder, "surface.vert", "depth.frag");
-    pass.background = FullscreenProgram(folder, "background.frag");
-    pass.accumulate = FullscreenProgram(folder, "accumulate.frag");
     return pass;
 }
 
-void prepareSample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
+bool isReady(const DisplayPass& pass) {
+    return pass.displayProgram.isReady() && pass.lookedUpProgram.isReady() && pass.glass.display.isReady() &&
+           pass.glass.behind.program.isReady();
+}
+
+void prepareSample(const CommonPass& pass, const DisplayInput& input, const FrameTargets& targets,
                    PendingSample& sample) {
     const ReversedDepth reversed;
     const FrameSettings& settings = sample.settings;
@@ -146,13 +163,13 @@ void prepareSample(const DisplayPass& pass, const DisplayInput& input, const Fra
     glBindVertexArray(input.scene.vertexArray.name());
     drawDepth(pass, input, camera);
     input.clock.ended(Pass::depth);
-    if (input.inspectProgram || settings.method != Method::phat) return;
+    if (sample.preview || input.inspectProgram || settings.method != Method::phat) return;
     glDepthMask(GL_FALSE);  // clearing the targets must leave the depth
     lookUp(input, camera, settings, targets.lookup, sample.view.frame);
-    findTracedSurfaces(pass, input, camera, targets, sample);
+    findTracedSurfaces(input, camera, targets, sample);
 }
 
-void displaySample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
+void displaySample(const CommonPass& pass, const DisplayInput& input, const FrameTargets& targets,
                    const PendingSample& sample, const TracedIncident& incident) {
     const ReversedDepth reversed;
     const FrameSettings& settings = sample.settings;
@@ -166,21 +183,25 @@ void displaySample(const DisplayPass& pass, const DisplayInput& input, const Fra
     if (traced || !sample.panes.empty()) input.clock.ended(Pass::none);  // with the rays
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
     glViewport(0, 0, GLsizei(targets.size.x), GLsizei(targets.size.y));
-    if (input.inspectProgram) {
+    if (sample.preview) {
+        bindDiffuse(pass.preview, input, camera, settings);
+        drawOpaque(pass.preview, input);
+    } else if (input.inspectProgram) {
         drawInspection(input, camera, settings);
     } else {
+        const DisplayPass& display = *input.display;
         const LookupTargets* looked = settings.method == Method::phat ? &targets.lookup : nullptr;
-        const ShaderProgram& program = looked ? pass.lookedUpProgram : pass.displayProgram;
+        const ShaderProgram& program = looked ? display.lookedUpProgram : display.displayProgram;
         bindShared(program, input, camera, settings, looked, traced);
         drawOpaque(program, input);
-        drawBlended({pass.displayProgram, pass.glass, targets.glass}, input, camera, opaquePictureOf(targets),
-                    sample);
+        drawBlended({display.displayProgram, display.glass, targets.glass}, input, camera,
+                    opaquePictureOf(targets), sample);
     }
     glDepthMask(GL_TRUE);
     input.clock.ended(Pass::display);
 }
 
-void addSample(const DisplayPass& pass, const FrameTargets& targets, PictureSum& sum) {
+void addSample(const CommonPass& pass, const FrameTargets& targets, PictureSum& sum) {
     if (sum.samples == 0) {
         glBindFramebuffer(GL_FRAMEBUFFER, sum.target.name());
         const GLfloat black[4] = {0, 0, 0, 0};

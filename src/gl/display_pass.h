@@ -26,9 +26,16 @@ FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool 
 struct DisplayPass {
     ShaderProgram displayProgram, lookedUpProgram;
     GlassPass glass;
+};
+
+/// Small programs that every picture is drawn with, and that of the preview.
+struct CommonPass {
     ShadowPrograms shadows;
     FullscreenProgram background, accumulate;
+    ShaderProgram preview;
 };
+/// `glass`: whether there is any.
+CommonPass createCommonPass(const std::string& shaderFolder, const GpuAtlas& atlas, bool glass);
 
 /// What the programs of a DisplayPass can do.
 struct DisplayFeatures {
@@ -40,16 +47,19 @@ struct DisplayFeatures {
 };
 DisplayPass createDisplayPass(const std::string& shaderFolder, const GpuAtlas& atlas,
                               const DisplayFeatures& features);
+/// Whether the driver has compiled it.
+bool isReady(const DisplayPass& pass);
 
 /// Draws the inputs of the display pass, from the background to the lookup, and the surfaces and
 /// panes of `sample`. pre: the rest of it is set.
-void prepareSample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
+void prepareSample(const CommonPass& pass, const DisplayInput& input, const FrameTargets& targets,
                    PendingSample& sample);
-/// The display pass. Blended surfaces and glass take their glossy light from the pyramid with either method,
-/// for a pixel of the lookup holds one surface; the nearest glass takes it from rays where there are any.
-void displaySample(const DisplayPass& pass, const DisplayInput& input, const FrameTargets& targets,
+/// The display pass, or the preview. Blended surfaces and glass take their glossy light from the pyramid with
+/// either method, for a pixel of the lookup holds one surface; the nearest glass takes it from rays where
+/// there are any.
+void displaySample(const CommonPass& pass, const DisplayInput& input, const FrameTargets& targets,
                    const PendingSample& sample, const TracedIncident& incident);
 /// Adds the picture that was displayed; the first one clears `sum`.
-void addSample(const DisplayPass& pass, const FrameTargets& targets, PictureSum& sum);
+void addSample(const CommonPass& pass, const FrameTargets& targets, PictureSum& sum);
 
 }  // namespace phat

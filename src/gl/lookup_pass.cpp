@@ -159,9 +159,14 @@ LookupPass createLookupPass(const std::string& folder, const GpuLookup& lookup, 
     if (pass.areaLights) defines.push_back("AREA");
     if (lookup.scrambles) defines.push_back("SCRAMBLES");
     if (countReads) defines.push_back("COUNT_READS");
+    pass.lobesProgram = ShaderProgram(folder, "surface.vert", "lobes.frag", defines);
     pass.lookupProgram = ShaderProgram(folder, "surface.vert", "lookup.frag", defines);
     pass.pool = FullscreenProgram(folder, "pool.frag", defines);
     return pass;
+}
+
+bool isReady(const LookupPass& pass) {
+    return pass.lobesProgram.isReady() && pass.lookupProgram.isReady() && pass.pool.program.isReady();
 }
 
 LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth, bool traced) {
@@ -179,8 +184,22 @@ LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuin
     }
     t.incidentTarget = createFramebuffer(incident, depth);
     t.pooledTarget = createFramebuffer(pooled);
+    t.reflectances = createTexture2D(GL_RGBA32F, size);
+    t.baseLobes = createTexture2D(GL_RGBA32F, size);
+    std::vector<Attachment> lobes = {{t.reflectances.name()}, {t.baseLobes.name()}};
+    if (pass.clearcoat) {
+        t.coatLobes = createTexture2D(GL_RGBA32F, size);
+        lobes.push_back({t.coatLobes.name()});
+    }
+    t.lobesTarget = createFramebuffer(lobes, depth);
     checkGl("creating the lookup's targets");
     return t;
+}
+
+void beginLobes(const LookupTargets& targets) {
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.lobesTarget.name());
+    const GLfloat noSurface[4] = {0, 0, 0, 0};
+    glClearBufferfv(GL_COLOR, 0, noSurface);
 }
 
 void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
@@ -195,6 +214,9 @@ void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup&
     program.bind("probes", 3, lookup.probes.name());
     program.bind("charts", 4, atlas.charts.name());
     if (lookup.scrambles) program.bind("scrambles", 5, lookup.scrambles.name());
+    program.bind("reflectances", 6, targets.reflectances.name());
+    program.bind("baseLobes", 7, targets.baseLobes.name());
+    if (targets.coatLobes) program.bind("coatLobes", 8, targets.coatLobes.name());
     program.set("unitMeters", atlas.unitMeters);
     program.set("guideCount", lookup.guideCount);
     program.set("layerCount", lookup.layerCount);

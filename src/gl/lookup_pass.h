@@ -1,5 +1,5 @@
 #pragma once
-// Light on glossy surfaces, looked up by the pixel: lookup.frag and pool.frag.
+// Light on glossy surfaces, looked up by the pixel: lobes.frag, lookup.frag and pool.frag.
 
 #include <vector>
 
@@ -32,11 +32,13 @@ struct LookupTargets {
     GlTexture
         incident;  // RGBA32UI [layer], see shaders/lib/sums_out.glsl; then traced radiance, see display.frag
     GlTexture pooled;  // the same, pooled along the rows
-    GlFramebuffer incidentTarget, pooledTarget;
+    // RGBA32F, see shaders/lobes.frag; the last only with clear coats.
+    GlTexture reflectances, baseLobes, coatLobes;
+    GlFramebuffer incidentTarget, pooledTarget, lobesTarget;
 };
 
 struct LookupPass {
-    ShaderProgram lookupProgram;
+    ShaderProgram lobesProgram, lookupProgram;
     FullscreenProgram pool;
     bool clearcoat = false;
     bool areaLights = false;
@@ -45,6 +47,8 @@ struct LookupPass {
 /// `countReads`: the pictures hold how many texels were read for them. Throws GlError.
 LookupPass createLookupPass(const std::string& shaderFolder, const GpuLookup& lookup, bool clearcoat,
                             bool countReads);
+/// Whether the driver has compiled it.
+bool isReady(const LookupPass& pass);
 /// `traced`: with layers for traced radiance, see reflection_pass.h.
 LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth, bool traced);
 /// How many layers of `incident` are the lookup's own.
@@ -57,6 +61,8 @@ struct LookupSampling {
     int sampleCount = 8;  // directions of a lobe, at most 32
     int lightBits = 3;    // see shaders/lib/lookup.glsl
 };
+/// Clears the target of the lobes, which are drawn first.
+void beginLobes(const LookupTargets& targets);
 /// Clears the targets, binds the textures common to all surfaces, and reseeds the samples.
 void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
                  const LookupTargets& targets, const LookupSampling& sampling, uint32_t seed);

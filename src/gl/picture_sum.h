@@ -12,7 +12,8 @@ namespace phat {
 struct PictureSum {
     glm::uvec2 size{0};
     int samples = 0;
-    GlTexture texture;  // RGBA32F, row 0 at the bottom
+    bool preview = false;  // one sample by the preview's program: the next begins anew
+    GlTexture texture;     // RGBA32F, row 0 at the bottom
     GlFramebuffer target;
 };
 

@@ -51,32 +51,35 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->lookup = uploadLookup(input.phatexture, input.atlas);
     if (state_->lookup.guideCount > 0) state_->bytesPerPhatexel = bytesOfPhatexel(input.phatexture);
     if (input.scene.environment) state_->environmentWidth = input.scene.environment->radiance.width;
-    // Compiled here so that errors are reported at the start.
-    state_->displayFor(false, false);
-    if (state_->lookup.guideCount > 0) state_->lookupFor(false);
+    state_->commonPass();  // reports at the start that shaders are missing
 }
 
 Renderer::~Renderer() = default;
 
 void Renderer::draw(const FrameSettings& settings, PictureSum& sum) {
     restartTimes();
-    for (int left = samplesToDraw(settings, sum); left > 0; --left)
+    for (int left = samplesToDraw(settings, sum); left > 0; --left) {
         finishSample(beginSample(settings, Reflections::lookup, sum), {}, sum);
+        if (sum.preview) break;
+    }
 }
 
 PendingSample Renderer::beginSample(const FrameSettings& settings, Reflections reflections, PictureSum& sum) {
     State& s = *state_;
-    PendingSample sample{s.possible(settings), reflections, {}, {}, {}, {}};
+    PendingSample sample{s.possible(settings), reflections, {}, {}, {}, {}, false};
     if (sample.settings.method != Method::phat) sample.reflections = Reflections::lookup;
+    const bool traced = sample.reflections != Reflections::lookup;
+    sample.preview = s.previews(sample.settings, traced);
     const int count = std::max(1, settings.samplesPerPixel);
     if (sum.size != sizeOf(settings)) sum = createPictureSum(sizeOf(settings));
-    if (sum.samples >= count) sum.samples = 0;
+    if (sum.samples >= count || sum.preview) sum.samples = 0;
+    sum.preview = false;
     if (settings.filter == PixelFilter::box) sample.jitter = jitterOf(sum.samples, count);
     const glm::vec3 parts = shownParts(settings.component);
     sample.view = {settings.camera,          int(sum.size.x), int(sum.size.y), uint32_t(sum.samples),
                    settings.samplesPerPixel, parts.y > 0,     parts.x > 0};
-    const State::Prepared prepared = s.prepare(sample.settings, sample.reflections != Reflections::lookup);
-    prepareSample(prepared.pass, prepared.input, s.targets, sample);
+    const State::Prepared prepared = s.prepare(sample.settings, traced, sample.preview);
+    prepareSample(prepared.common, prepared.input, s.targets, sample);
     checkGl("drawing a frame");
     return sample;
 }
@@ -86,9 +89,11 @@ void Renderer::finishSample(const PendingSample& sample, const TracedIncident& i
     assert(incident.panes.size() == sample.panes.size());
     assert(sum.samples == int(sample.view.frame));
     State& s = *state_;
-    const State::Prepared prepared = s.prepare(sample.settings, sample.reflections != Reflections::lookup);
-    displaySample(prepared.pass, prepared.input, s.targets, sample, incident);
-    addSample(prepared.pass, s.targets, sum);
+    const State::Prepared prepared =
+        s.prepare(sample.settings, sample.reflections != Reflections::lookup, sample.preview);
+    displaySample(prepared.common, prepared.input, s.targets, sample, incident);
+    addSample(prepared.common, s.targets, sum);
+    sum.preview = sample.preview;
     checkGl("drawing a frame");
 }
 
@@ -201,7 +206,7 @@ void Renderer::turnEnvironment(int columns) {
 
 int samplesToDraw(const FrameSettings& settings, const PictureSum& sum) {
     const int count = std::max(1, settings.samplesPerPixel);
-    const bool continues = sum.size == sizeOf(settings) && sum.samples < count;
+    const bool continues = sum.size == sizeOf(settings) && sum.samples < count && !sum.preview;
     const int left = continues ? count - sum.samples : count;
     return settings.samplesPerDraw > 0 ? std::min(settings.samplesPerDraw, left) : left;
 }

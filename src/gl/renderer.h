@@ -70,6 +70,9 @@ struct FrameSettings {
     PixelFilter filter = PixelFilter::box;
     /// How many of them one draw() adds; 0: all.
     int samplesPerDraw = 0;
+    /// The first picture of a renderer, and those for as long as the driver compiles in the background, may
+    /// be a preview of one sample: base colours by diffuse light (shaders/preview.frag).
+    bool mayPreview = false;
 };
 
 /// Pixels; at least one.
@@ -88,6 +91,7 @@ struct PendingSample {
     ReflectionView view;                  // the frame as the rays' estimator needs it
     std::vector<TracedSurface> surfaces;  // whose lobes are traced; none where all is looked up
     std::vector<TracedSurface> panes;     // the same of the nearest glass in front of them
+    bool preview = false;                 // see FrameSettings::mayPreview
 };
 
 /// What rays brought to the surfaces of a PendingSample, and to its panes.
@@ -168,7 +172,7 @@ class Renderer {
     Renderer& operator=(const Renderer&) = delete;
 
     /// Adds samples to `sum`, which begins anew when its size or its number of samples is not this picture's.
-    /// All reflections are looked up.
+    /// All reflections are looked up. A preview ends it: see PictureSum::preview.
     void draw(const FrameSettings& settings, PictureSum& sum);
     /// The same, from the first sample on, in linear radiance, row 0 on top. Waits for the GPU.
     Image render(const FrameSettings& settings);

@@ -18,38 +18,51 @@ bool anyClearcoat(const std::vector<Material>& materials) {
     return std::any_of(materials.begin(), materials.end(), [](const Material& m) { return m.clearcoat > 0; });
 }
 
-Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings, bool traced) {
+bool Renderer::State::previews(const FrameSettings& settings, bool traced) {
+    if (!settings.mayPreview || settings.inspection.what != Inspected::nothing) return false;
+    if (!std::exchange(hasPreviewed, true)) return true;
+    bool ready = isReady(displayFor(settings.method == Method::phatPaper, false));
+    if (lookup.guideCount > 0) ready &= isReady(lookupFor(false));
+    if (traced) ready &= reflections().program.isReady();
+    return !ready;
+}
+
+Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings, bool traced, bool preview) {
     const Inspected what = settings.inspection.what;
     const bool lookedUp = settings.method == Method::phat, paper = settings.method == Method::phatPaper;
     const bool counting = lookedUp && what == Inspected::reads;
-    const LookupPass* lookups = lookup.guideCount > 0 ? &lookupFor(counting) : nullptr;
-    const ReflectionPass* tracedPass = traced ? &reflections() : nullptr;
-    const DisplayPass& displayPass = displayFor(paper, counting);
+    const CommonPass& commons = commonPass();
+    const LookupPass* lookups = !preview && lookup.guideCount > 0 ? &lookupFor(counting) : nullptr;
+    const ReflectionPass* tracedPass = !preview && traced ? &reflections() : nullptr;
+    const DisplayPass* displayPass = preview ? nullptr : &displayFor(paper, counting);
     const glm::uvec2 size = sizeOf(settings);
-    if (targets.size != size || (traced && !targets.reflections.target))
+    if (targets.size != size || (lookups && !targets.lookup.incident) ||
+        (tracedPass && !targets.reflections.target))
         targets = createFrameTargets(size, lookups, traced);
-    completeGlassTargets(targets.glass, size, glassNeeds({materials, glass}, traced),
-                         anyClearcoat(materials));
+    if (!preview)
+        completeGlassTargets(targets.glass, size, glassNeeds({materials, glass}, traced),
+                             anyClearcoat(materials));
 
     // A query needs a complete framebuffer; a context without a window has none of its own.
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
     if (std::exchange(clockRestarts, false)) clock.restart();
     glDisable(GL_BLEND);
     if (!shadows.depth) {
-        shadows = renderShadowMaps(lights, scene, {materials, glass}, displayPass.shadows);
+        shadows = renderShadowMaps(lights, scene, {materials, glass}, commons.shadows);
         clock.ended(Pass::shadows);
     }
     const RelightPass* pyramid = nullptr;
-    if (!lookedUp || anyBlended(materials) || !glass.empty())
+    if (!preview && (!lookedUp || anyBlended(materials) || !glass.empty()))
         pyramid = &pyramidFrom(eyeOf(settings.camera), paper);
     const bool texelsShown = what != Inspected::nothing && what != Inspected::reads;
     filterTextures(scene, settings.filter);
-    return {displayPass,
+    return {commons,
             {scene,
              atlas,
              shadows,
              lookup,
              {materials, glass},
+             displayPass,
              pyramid,
              lookups,
              tracedPass,
@@ -96,6 +109,12 @@ const LookupPass& Renderer::State::lookupFor(bool counting) {
     std::optional<LookupPass>& made = counting ? countingLookupPass : lookupPass;
     if (!made) made = createLookupPass(shaderFolder, lookup, anyClearcoat(materials), counting);
     return *made;
+}
+
+const CommonPass& Renderer::State::commonPass() {
+    const bool glassAppears = common && !glass.empty() && common->shadows.tints.name() == 0;
+    if (!common || glassAppears) common = createCommonPass(shaderFolder, atlas, !glass.empty());
+    return *common;
 }
 
 const DisplayPass& Renderer::State::displayFor(bool paper, bool counting) {

@@ -21,13 +21,16 @@ struct Renderer::State {
     };
     /// Input of the passes of a frame.
     struct Prepared {
-        const DisplayPass& pass;
+        const CommonPass& common;
         DisplayInput input;
     };
 
-    /// Creates the missing resources of a sample, targets of `size` included. `settings`: as possible()
-    /// returns them; `traced`: with surfaces whose lobes are traced.
-    Prepared prepare(const FrameSettings& settings, bool traced);
+    /// Creates the missing resources of a sample, targets of its size included. `settings`: as possible()
+    /// returns them; `traced`: with surfaces whose lobes are traced; `preview`: of a preview.
+    Prepared prepare(const FrameSettings& settings, bool traced, bool preview);
+    /// Whether the next sample is a preview. Begins to compile what the whole picture needs, but not with the
+    /// first picture, which would wait for it on some drivers.
+    bool previews(const FrameSettings& settings, bool traced);
     /// The settings restricted to what this bake supports.
     FrameSettings possible(FrameSettings settings) const;
     /// The surfaces are those of `now`, for what is made of them later.
@@ -39,6 +42,7 @@ struct Renderer::State {
     /// A clear coat changes the variants of the shaders.
     void dropPasses();
 
+    const CommonPass& commonPass();
     const LookupPass& lookupFor(bool counting);
     const DisplayPass& displayFor(bool paper, bool counting);
 
@@ -59,6 +63,7 @@ struct Renderer::State {
     FrameTargets targets;
     PassClock clock;
     bool clockRestarts = true;  // at the next sample
+    bool hasPreviewed = false;
     double bytesPerPhatexel = 0;
 
     // Made when they are first needed: compiling takes a while, and so do the texels' surfaces.
@@ -67,6 +72,7 @@ struct Renderer::State {
     std::optional<Relit> relit, relitPaper;
     std::optional<LookupPass> lookupPass, countingLookupPass;
     std::optional<ReflectionPass> reflectionPass;
+    std::optional<CommonPass> common;
     std::optional<DisplayPass> display, displayPaper, countingDisplay;
     std::optional<ShaderProgram> inspectProgram;
 

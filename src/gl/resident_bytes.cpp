@@ -35,8 +35,9 @@ ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, cons
     bytes.irradiance = textureBytes(atlas.irradiance);
     bytes.shadows = bytesOf(shadows.depth, shadows.tints, shadows.lightTable);
     const ReflectionTargets& traced = targets.reflections;
-    bytes.frame = bytesOf(targets.picture, targets.depth, targets.lookup.incident, targets.lookup.pooled,
-                          traced.base, traced.coat, traced.surface);
+    const LookupTargets& looked = targets.lookup;
+    bytes.frame = bytesOf(targets.picture, targets.depth, looked.incident, looked.pooled, looked.reflectances,
+                          looked.baseLobes, looked.coatLobes, traced.base, traced.coat, traced.surface);
     const GlassTargets& glass = targets.glass;
     bytes.frame += bytesOf(glass.depth, glass.panes.base, glass.panes.coat, glass.panes.surface,
                            glass.paneLight, glass.behind);

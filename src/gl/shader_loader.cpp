@@ -66,6 +66,24 @@ std::string logOf(GLuint object, void (*getInteger)(GLuint, GLenum, GLint*),
     return log;
 }
 
+GlShader beginCompiling(GLenum stage, const ShaderSource& source) {
+    GlShader shader(glCreateShader(stage));
+    const char* text = source.text.c_str();
+    glShaderSource(shader.name(), 1, &text, nullptr);
+    glCompileShader(shader.name());
+    return shader;
+}
+
+void requireCompiled(const GlShader& shader, const std::vector<std::string>& files) {
+    GLint compiled = 0;
+    glGetShaderiv(shader.name(), GL_COMPILE_STATUS, &compiled);
+    if (compiled) return;
+    const std::string log = logOf(
+        shader.name(), [](GLuint o, GLenum e, GLint* v) { glGetShaderiv(o, e, v); },
+        [](GLuint o, GLsizei n, GLsizei* l, GLchar* t) { glGetShaderInfoLog(o, n, l, t); });
+    throw GlError("the shader does not compile: " + firstError(log, files));
+}
+
 }  // namespace
 
 ShaderSource assembleShader(const std::string& folder, const std::string& name, GlslFlavor flavor,
@@ -78,40 +96,65 @@ ShaderSource assembleShader(const std::string& folder, const std::string& name, 
 }
 
 GlShader compileShader(GLenum stage, const ShaderSource& source) {
-    GlShader shader(glCreateShader(stage));
-    const char* text = source.text.c_str();
-    glShaderSource(shader.name(), 1, &text, nullptr);
-    glCompileShader(shader.name());
-    GLint compiled = 0;
-    glGetShaderiv(shader.name(), GL_COMPILE_STATUS, &compiled);
-    if (!compiled) {
-        const std::string log = logOf(
-            shader.name(), [](GLuint o, GLenum e, GLint* v) { glGetShaderiv(o, e, v); },
-            [](GLuint o, GLsizei n, GLsizei* l, GLchar* t) { glGetShaderInfoLog(o, n, l, t); });
-        throw GlError("the shader does not compile: " + firstError(log, source.files));
-    }
+    GlShader shader = beginCompiling(stage, source);
+    requireCompiled(shader, source.files);
     return shader;
 }
+
+bool compilesInBackground() {
+    return epoxy_has_gl_extension("GL_KHR_parallel_shader_compile") ||
+           epoxy_has_gl_extension("GL_ARB_parallel_shader_compile");
+}
+
+struct ShaderProgram::Stages {
+    GlShader vertex, fragment;
+    std::vector<std::string> vertexFiles, fragmentFiles;
+};
+
+ShaderProgram::ShaderProgram() = default;
+ShaderProgram::~ShaderProgram() = default;
+ShaderProgram::ShaderProgram(ShaderProgram&&) noexcept = default;
+ShaderProgram& ShaderProgram::operator=(ShaderProgram&&) noexcept = default;
 
 ShaderProgram::ShaderProgram(const std::string& folder, const std::string& vertexFile,
                              const std::string& fragmentFile, const std::vector<std::string>& defines,
                              GlslFlavor flavor)
     : program_(glCreateProgram()) {
-    const GlShader vertex =
-        compileShader(GL_VERTEX_SHADER, assembleShader(folder, vertexFile, flavor, defines));
-    const GlShader fragment =
-        compileShader(GL_FRAGMENT_SHADER, assembleShader(folder, fragmentFile, flavor, defines));
-    glAttachShader(program_.name(), vertex.name());
-    glAttachShader(program_.name(), fragment.name());
+    const ShaderSource vertex = assembleShader(folder, vertexFile, flavor, defines);
+    const ShaderSource fragment = assembleShader(folder, fragmentFile, flavor, defines);
+    stages_ = std::make_unique<Stages>(Stages{beginCompiling(GL_VERTEX_SHADER, vertex),
+                                              beginCompiling(GL_FRAGMENT_SHADER, fragment), vertex.files,
+                                              fragment.files});
+    glAttachShader(program_.name(), stages_->vertex.name());
+    glAttachShader(program_.name(), stages_->fragment.name());
     glLinkProgram(program_.name());
+}
+
+bool ShaderProgram::isReady() const {
+    if (!stages_ || !compilesInBackground()) return true;
+    GLint done = 0;
+    glGetProgramiv(name(), GL_COMPLETION_STATUS_KHR, &done);
+    return done != 0;
+}
+
+void ShaderProgram::use() const {
+    finish();
+    glUseProgram(program_.name());
+}
+
+void ShaderProgram::finish() const {
+    if (!stages_) return;
+    const std::unique_ptr<Stages> stages = std::move(stages_);
     GLint linked = 0;
     glGetProgramiv(program_.name(), GL_LINK_STATUS, &linked);
     if (!linked) {
+        requireCompiled(stages->vertex, stages->vertexFiles);
+        requireCompiled(stages->fragment, stages->fragmentFiles);
         const std::string log = logOf(
             program_.name(), [](GLuint o, GLenum e, GLint* v) { glGetProgramiv(o, e, v); },
             [](GLuint o, GLsizei n, GLsizei* l, GLchar* t) { glGetProgramInfoLog(o, n, l, t); });
-        throw GlError(
-            fmt::format("{} and {} do not link: {}", vertexFile, fragmentFile, firstError(log, {})));
+        throw GlError(fmt::format("{} and {} do not link: {}", stages->vertexFiles[0],
+                                  stages->fragmentFiles[0], firstError(log, {})));
     }
     GLint count = 0;
     glGetProgramiv(program_.name(), GL_ACTIVE_UNIFORMS, &count);
@@ -129,6 +172,7 @@ ShaderProgram::ShaderProgram(const std::string& folder, const std::string& verte
 }
 
 GLint ShaderProgram::location(const char* uniform) const {
+    finish();
     const auto found = locations_.find(uniform);
     return found == locations_.end() ? -1 : found->second;
 }

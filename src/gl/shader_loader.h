@@ -3,6 +3,7 @@
 // reads the same ones; this loader adds what desktop GL wants and resolves #include "lib/x.glsl".
 
 #include <glm/glm.hpp>
+#include <memory>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -28,15 +29,25 @@ ShaderSource assembleShader(const std::string& folder, const std::string& name, 
 /// Compiles one stage. Throws GlError with the first line of the driver's log, file names restored.
 GlShader compileShader(GLenum stage, const ShaderSource& source);
 
-/// A linked program. Uniforms that the compiler removed are silently ignored.
+/// Whether the driver compiles programs in the background, and says when they are ready.
+bool compilesInBackground();
+
+/// A program. Uniforms that the compiler removed are silently ignored.
 class ShaderProgram {
   public:
-    ShaderProgram() = default;
-    /// Throws GlError.
+    ShaderProgram();
+    ~ShaderProgram();
+    ShaderProgram(ShaderProgram&&) noexcept;
+    ShaderProgram& operator=(ShaderProgram&&) noexcept;
+    /// Asks the driver to compile it; whatever uses it first waits until that is done, and throws GlError if
+    /// the shaders are wrong. Throws GlError when a file is missing.
     ShaderProgram(const std::string& folder, const std::string& vertexFile, const std::string& fragmentFile,
                   const std::vector<std::string>& defines = {}, GlslFlavor flavor = GlslFlavor::desktop);
 
-    void use() const { glUseProgram(program_.name()); }
+    /// Whether using it would not wait; true where the driver does not say.
+    bool isReady() const;
+    void use() const;
+    /// 0: none was made.
     GLuint name() const { return program_.name(); }
 
     void set(const char* uniform, int value) const;
@@ -51,9 +62,14 @@ class ShaderProgram {
     void bind(const char* uniform, int unit, GLuint texture, GLuint sampler = 0) const;
 
   private:
+    struct Stages;
+    /// Waits for the driver, the first time. What it keeps is no part of what the program is.
+    void finish() const;
     GLint location(const char* uniform) const;
+
     GlProgram program_;
-    std::unordered_map<std::string, GLint> locations_;
+    mutable std::unique_ptr<Stages> stages_;  // until it is finished
+    mutable std::unordered_map<std::string, GLint> locations_;
 };
 
 }  // namespace phat

@@ -3,6 +3,26 @@
 #include "gl/draw_order.h"
 
 namespace phat {
+namespace {
+
+// `draw`: of a surface, with the state that all opaque surfaces have.
+template <class Draw>
+void forEachOpaque(const ShaderProgram& program, const DisplayInput& input, const Draw& draw) {
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_EQUAL);
+    glDepthMask(GL_FALSE);
+    glBindVertexArray(input.scene.vertexArray.name());
+    program.use();
+    for (size_t i = 0; i < input.scene.drawRanges.size(); ++i) {
+        const DrawRange& range = input.scene.drawRanges[i];
+        if (isSeenThrough(input.materials, range)) continue;
+        setCulling(input.materials.of(range));
+        program.set("surfaceIndex", int(i));
+        draw(range);
+    }
+}
+
+}  // namespace
 
 void bindCamera(const ShaderProgram& program, const CameraMatrices& matrices, const Camera& camera) {
     program.set("clipFromWorld", matrices.clipFromWorld);
@@ -27,6 +47,17 @@ glm::vec3 shownParts(Component component) {
     return glm::vec3(1);
 }
 
+void bindDiffuse(const ShaderProgram& program, const DisplayInput& input, const CameraMatrices& matrices,
+                 const FrameSettings& settings) {
+    program.bind("tileTable", 2, input.atlas.tileTable.name());
+    program.bind("irradiance", 3, input.atlas.irradiance.name());
+    program.bind("lightTable", 5, input.shadows.lightTable.name());
+    program.bind("shadowMaps", 6, input.shadows.depth.name());
+    program.set("lightCount", input.shadows.lightCount);
+    program.set("show", shownParts(settings.component));
+    bindCamera(program, matrices, settings.camera);
+}
+
 void bindShared(const ShaderProgram& program, const DisplayInput& input, const CameraMatrices& matrices,
                 const FrameSettings& settings, const LookupTargets* looked, bool traced) {
     if (looked) {
@@ -37,16 +68,10 @@ void bindShared(const ShaderProgram& program, const DisplayInput& input, const C
         program.bind("relit", 0, input.relit->lobes.name());
         program.bind("radii", 1, input.relit->radii.name());
     }
-    program.bind("tileTable", 2, input.atlas.tileTable.name());
-    program.bind("irradiance", 3, input.atlas.irradiance.name());
     program.bind("splitSumTable", 4, input.scene.splitSum.name());
-    program.bind("lightTable", 5, input.shadows.lightTable.name());
-    program.bind("shadowMaps", 6, input.shadows.depth.name());
+    bindDiffuse(program, input, matrices, settings);
     if (input.shadows.tints) program.bind("shadowTints", kTintUnit, input.shadows.tints.name());
     if (input.shadows.depthValues) program.bind("shadowDepths", kDepthUnit, input.shadows.depthValues.name());
-    program.set("lightCount", input.shadows.lightCount);
-    program.set("show", shownParts(settings.component));
-    bindCamera(program, matrices, settings.camera);
     program.use();
 }
 
@@ -69,18 +94,13 @@ void drawSurface(const ShaderProgram& program, const DisplayInput& input, const 
 }
 
 void drawOpaque(const ShaderProgram& program, const DisplayInput& input) {
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_EQUAL);
-    glDepthMask(GL_FALSE);
-    glBindVertexArray(input.scene.vertexArray.name());
-    program.use();
-    for (size_t i = 0; i < input.scene.drawRanges.size(); ++i) {
-        const DrawRange& draw = input.scene.drawRanges[i];
-        if (isSeenThrough(input.materials, draw)) continue;
-        setCulling(input.materials.of(draw));
-        program.set("surfaceIndex", int(i));
-        drawSurface(program, input, draw);
-    }
+    forEachOpaque(program, input, [&](const DrawRange& draw) { drawSurface(program, input, draw); });
+}
+
+void drawOpaqueShapes(const ShaderProgram& program, const DisplayInput& input) {
+    forEachOpaque(program, input, [](const DrawRange& draw) {
+        glDrawArrays(GL_TRIANGLES, draw.firstVertex, draw.vertexCount);
+    });
 }
 
 }  // namespace phat

@@ -22,6 +22,8 @@ inline constexpr int kTintUnit = kFirstMaterialUnit + kSlotCount, kPanesUnit = k
 // And one where a light is a disc.
 inline constexpr int kDepthUnit = kGlassUnits;
 
+struct DisplayPass;
+
 /// What the passes of a frame read.
 struct DisplayInput {
     const GpuScene& scene;
@@ -30,6 +32,7 @@ struct DisplayInput {
     const GpuLookup& lookup;
     const DrawnMaterials materials;
     // Null where the picture does not need them.
+    const DisplayPass* display;
     const RelightPass* relit;
     const LookupPass* lookupPass;
     const ReflectionPass* reflectionPass;
@@ -43,6 +46,9 @@ void bindCamera(const ShaderProgram& program, const CameraMatrices& matrices, co
 /// Direct, glossy indirect and diffuse indirect light: 1 for those that are shown.
 glm::vec3 shownParts(Component component);
 
+/// Binds the view, what is shown of the light, and what a program needs for light that is not glossy.
+void bindDiffuse(const ShaderProgram& program, const DisplayInput& input, const CameraMatrices& matrices,
+                 const FrameSettings& settings);
 /// Binds a display program's tables, and where its glossy light is: pictures that were looked up, with the
 /// layers of rays if `traced`, or the pyramid.
 void bindShared(const ShaderProgram& program, const DisplayInput& input, const CameraMatrices& matrices,
@@ -53,5 +59,7 @@ void setCulling(const Material& material);
 void drawSurface(const ShaderProgram& program, const DisplayInput& input, const DrawRange& draw);
 /// All opaque surfaces, where their depth is in the target already.
 void drawOpaque(const ShaderProgram& program, const DisplayInput& input);
+/// The same by a program that reads no material.
+void drawOpaqueShapes(const ShaderProgram& program, const DisplayInput& input);
 
 }  // namespace phat

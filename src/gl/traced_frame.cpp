@@ -21,6 +21,7 @@ ReflectionCost drawFrame(Renderer& renderer, const FrameSettings& settings, cons
         };
         const TracedIncident incident{trace(sample.surfaces), trace(sample.panes)};
         renderer.finishSample(sample, incident, sum);
+        if (sum.preview) break;
     }
     return cost;
 }

@@ -91,6 +91,7 @@ void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 
     settings.height = int(size.y);
     settings.samplesPerPixel = samplesPerPixel;
     settings.samplesPerDraw = 1;
+    settings.mayPreview = true;
     const TracedReflections* traced =
         rays ? &reflections(state, sum.samples == 0 ? kRaySeconds : 0) : nullptr;
     side.wanted = samplesPerPixel;
@@ -105,6 +106,7 @@ void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 
         sum.samples = 0;
         return draw(state, side, sum, size, samplesPerPixel, false);
     }
+    if (sum.preview) return;  // its times tell nothing of the next picture's
     frameTimes_ = state.renderer->lastFrameTimes();
     secondsPerPixel_ = frameTimes_.gpu() / (double(size.x) * double(size.y));
     coarseness_ = int(std::max(1u, size_.x / size.x));
@@ -158,7 +160,7 @@ bool Pictures::refine(ViewerState& state, glm::uvec2 size, std::chrono::steady_c
     bool tracing = false, more = false;
     for (size_t i = 0; i < shown; ++i) {
         Side& side = sides_[i];
-        const bool current = side.version == state.version;
+        const bool current = side.version == state.version && !side.drawn.preview;
         if (side.source == Source::pathTracer) {
             tracing = true;
             if (!current && settled) askPathTracer(state, side, size);

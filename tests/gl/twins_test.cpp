@@ -220,14 +220,16 @@ TEST_P(Twins, InterfaceTransmittance) {
 TEST_P(Twins, BrdfLobes) {
     const GlTexture table = splitSumTexture();
     const auto rows = randomRows(5);
-    const auto diffuse =
-        run("lib/brdf.glsl", kBrdfCase + "result = vec4(evaluateLobes(brdf, eye, light).diffuse, 0);", rows,
-            table.name());
+    const auto diffuse = run(
+        "lib/brdf.glsl", kBrdfCase + "result = vec4(evaluateLobes(viewedBrdf(brdf, eye), light).diffuse, 0);",
+        rows, table.name());
     const auto specular =
-        run("lib/brdf.glsl", kBrdfCase + "result = vec4(evaluateLobes(brdf, eye, light).specular, 0);", rows,
+        run("lib/brdf.glsl",
+            kBrdfCase + "result = vec4(evaluateLobes(viewedBrdf(brdf, eye), light).specular, 0);", rows,
             table.name());
-    const auto sum = run("lib/brdf.glsl", kBrdfCase + "result = vec4(evaluateBrdf(brdf, eye, light), 0);",
-                         rows, table.name());
+    const auto sum =
+        run("lib/brdf.glsl", kBrdfCase + "result = vec4(evaluateBrdf(viewedBrdf(brdf, eye), light), 0);",
+            rows, table.name());
     for (int i = 0; i < kRows; ++i) {
         const BrdfCase made = caseOf(rows[i]);
         const LobeValues want = evaluateLobes(made.brdf, made.towardEye, made.towardLight);

@@ -51,6 +51,8 @@ export class BakedLight {
         this.quality = 'default';
         this.seed = 0;
         this.wipe = 1;
+        this.waitsForPrograms = true;
+        this.isWhole = true;
         this.progress = 0;
         this.onProgress = null;
         this.bake = bake;

@@ -50,6 +50,13 @@ export class ShaderProgram {
         this.uniforms = null;
     }
 
+    // Whether using it would not wait; true where the browser does not say.
+    isReady() {
+        if (this.uniforms) return true;
+        const extension = this.gl.getExtension('KHR_parallel_shader_compile');
+        return !extension || this.gl.getProgramParameter(this.program, extension.COMPLETION_STATUS_KHR);
+    }
+
     // Drivers compile in the background; asking for the result earlier would wait.
     use() {
         const { gl, program } = this;

@@ -30,6 +30,13 @@ export class BakedLight {
     seed: number;
     /** Left of this fraction of the picture all light is drawn, to the right only direct light. 1: all. */
     wipe: number;
+    /**
+     * Whether a picture waits until all programs are compiled. If not, the first pictures show base colours by diffuse light,
+     * and those that follow more, as soon as the browser has compiled what they need. Default: true.
+     */
+    waitsForPrograms: boolean;
+    /** Whether the last picture showed all that is loaded; false only where pictures do not wait: draw again then. */
+    readonly isWhole: boolean;
     /** A length of about a metre in a room, in the file's metres: files in millimetres have one of about 1000. */
     readonly unitMeters: number;
     /** The object that the light belongs to. */

@@ -1,8 +1,10 @@
-// The passes before three.js draws: depth, lookup, pool, display. Their picture is the light that a bake adds
+// The passes before three.js draws: depth, lobes, lookup, pool, display. Their picture is the light that a bake adds
 // to every pixel: all indirect light, and direct light of area lights. One picture is of the opaque
-// surfaces; where there are blended ones, another is of the nearest of these.
+// surfaces; where there are blended ones, another is of the nearest of these. Until the programs of all passes are there,
+// a picture may be of fewer: see programs.js.
 // twin: src/gl/lookup_pass.cpp, src/gl/display_pass.cpp.
-import { ShaderProgram, createTextureArray } from './gl.js';
+import { createTextureArray } from './gl.js';
+import { Programs, kPreview, kWhole } from './programs.js';
 import { sampleNumberTables } from './sample_numbers.js';
 import { drawSplitSum, resetState, whiteTexture } from './fixed.js';
 import {
@@ -80,10 +82,9 @@ export class Passes {
             atlas.height,
             lookup.layers.map((layer) => layer.texels),
         );
-        const hadScrambles = Boolean(this.scrambles);
         this.scrambles =
             lookup.layers.length > 1 ? uploadScrambles(gl, lookup.layers, atlas.blockCount) : null;
-        if (!this.lookupProgram || hadScrambles !== Boolean(this.scrambles)) this.createLookupProgram();
+        this.programs.setScrambles(Boolean(this.scrambles));
     }
 
     freeLookup() {
@@ -92,25 +93,11 @@ export class Passes {
     }
 
     createPrograms(clearcoat) {
-        const { gl, bake } = this,
-            hasArea = Boolean(bake.atlas.areaIrradiance);
+        const area = Boolean(this.bake.atlas.areaIrradiance);
         this.clearcoat = clearcoat;
-        this.defines = [...(clearcoat ? ['CLEARCOAT'] : []), ...(hasArea ? ['AREA'] : [])];
-        this.layers = (clearcoat ? 2 : 1) * (hasArea ? 2 : 1);
-        this.depthProgram = new ShaderProgram(gl, 'surface.vert', 'depth.frag');
-        this.displayProgram = new ShaderProgram(gl, 'surface.vert', 'display.frag', [
-            ...this.defines,
-            'LOOKUP',
-            'WITHOUT_PUNCTUAL_LIGHTS',
-            'TRANSMISSION_TEXTURE',
-        ]);
-        this.poolProgram = new ShaderProgram(gl, 'fullscreen.vert', 'pool.frag', this.defines);
-    }
-
-    createLookupProgram() {
-        this.lookupProgram?.dispose();
-        const defines = this.scrambles ? [...this.defines, 'SCRAMBLES'] : this.defines;
-        this.lookupProgram = new ShaderProgram(this.gl, 'surface.vert', 'lookup.frag', defines);
+        this.layers = (clearcoat ? 2 : 1) * (area ? 2 : 1);
+        this.programs = new Programs(this.gl, { clearcoat, area });
+        this.programs.setScrambles(Boolean(this.scrambles));
     }
 
     // Pictures of a view's size. Views of two sizes may be drawn in turn; what is not used any more is freed.
@@ -118,7 +105,10 @@ export class Passes {
         const { gl } = this,
             hasBlended = this.hasBlended(),
             fits = (t) => t.width === width && t.height === height && Boolean(t.blended) === hasBlended;
-        const targets = this.targets.find(fits) ?? createTargets(gl, width, height, this.layers, hasBlended);
+        const lobeCount = this.clearcoat ? 2 : 1,
+            { layers } = this;
+        const targets =
+            this.targets.find(fits) ?? createTargets(gl, { width, height, layers, lobeCount, hasBlended });
         targets.lastUse = ++this.frameCount;
         const all = [targets, ...this.targets.filter((t) => t !== targets)];
         const isKept = (t, i) => i < kKeptSizes && this.frameCount - t.lastUse < kKeptFrames;
@@ -136,7 +126,7 @@ export class Passes {
         return this.bake.surfaces.drawRanges.some(({ mesh }) => isBlended(mesh.material));
     }
 
-    // `slotCount`: how many of the slots the program reads.
+    // `slotCount`: how many of the slots the program reads; 0: nothing of the material.
     bindMaterial(program, material, slotCount) {
         const { gl, renderer } = this;
         packMaterial(material, this.rows);
@@ -170,7 +160,7 @@ export class Passes {
             if (mesh.material.side === 2) gl.disable(gl.CULL_FACE);
             else gl.enable(gl.CULL_FACE);
             program.offer('surfaceIndex', i);
-            this.bindMaterial(program, mesh.material, slotCount);
+            if (slotCount > 0) this.bindMaterial(program, mesh.material, slotCount);
             gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
         });
     }
@@ -184,15 +174,28 @@ export class Passes {
         gl.enable(gl.DEPTH_TEST);
         gl.depthFunc(gl.LESS);
         gl.colorMask(false, false, false, false);
-        this.depthProgram.use();
-        this.drawSurfaces(this.depthProgram, view, 1);
+        const { depth: program } = this.programs;
+        program.use();
+        this.drawSurfaces(program, view, 1);
         gl.colorMask(true, true, true, true);
         gl.depthFunc(gl.EQUAL);
         gl.depthMask(false);
     }
 
+    drawLobes(view, target) {
+        const { gl } = this,
+            { lobes: program } = this.programs;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, target.lobesTarget);
+        gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]); // no surface
+        program.use();
+        this.drawSurfaces(program, view, kOpaqueSlots);
+    }
+
     lookUp(view, shared, target, quality, seed) {
-        const { gl, atlas, lookup, lookupProgram: program } = this;
+        const { gl, atlas } = this,
+            { lookup: program } = this.programs,
+            lookup = this.programs.stage === kWhole ? this.lookup : null;
+        if (lookup) this.drawLobes(view, target);
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.incidentTarget);
         // A lobe without samples shows the mean over the hemisphere (display.frag). Of area lights that would
         // be far too much nearly everywhere: until their PHATexels are there, they are black, with a weight
@@ -208,7 +211,9 @@ export class Passes {
         program.bind('probes', 3, gl.TEXTURE_2D, this.probes);
         program.bind('charts', 4, gl.TEXTURE_2D, atlas.charts);
         if (this.scrambles) program.bind('scrambles', 5, gl.TEXTURE_2D, this.scrambles);
-        program.bind('splitSumTable', 6, gl.TEXTURE_2D, this.splitSum);
+        program.bind('reflectances', 6, gl.TEXTURE_2D, shared.reflectances);
+        program.bind('baseLobes', 7, gl.TEXTURE_2D, shared.baseLobes);
+        if (shared.coatLobes) program.bind('coatLobes', 8, gl.TEXTURE_2D, shared.coatLobes);
         program.set('unitMeters', this.bake.atlas.unitMeters);
         program.set('guideCount', lookup.guideCount);
         program.set('layerCount', lookup.layerCount);
@@ -219,12 +224,13 @@ export class Passes {
         program.set('ranks', ranks);
         program.set('sampleCount', sampleCount);
         program.set('lightBits', lightBits);
-        this.drawSurfaces(program, view, kOpaqueSlots);
+        this.drawSurfaces(program, view, 0);
         this.poolSums(shared, target);
     }
 
     poolSums(shared, target) {
-        const { gl, poolProgram: program } = this;
+        const { gl } = this,
+            { pool: program } = this.programs;
         gl.disable(gl.DEPTH_TEST);
         gl.disable(gl.CULL_FACE);
         gl.bindVertexArray(this.noVertices);
@@ -241,8 +247,20 @@ export class Passes {
         gl.enable(gl.DEPTH_TEST);
     }
 
+    preview(view, target, show) {
+        const { gl, atlas } = this,
+            { preview: program } = this.programs;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, target.lightTarget);
+        program.use();
+        program.bind('tileTable', 2, gl.TEXTURE_2D, atlas.tileTable);
+        program.bind('irradiance', 3, gl.TEXTURE_2D_ARRAY, atlas.irradiance);
+        program.set('show', show);
+        this.drawSurfaces(program, view, 1);
+    }
+
     display(view, shared, target, show) {
-        const { gl, atlas, displayProgram: program } = this;
+        const { gl, atlas } = this,
+            { display: program } = this.programs;
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.lightTarget);
         program.use();
         program.bind('incident', 0, gl.TEXTURE_2D_ARRAY, shared.incident);
@@ -257,16 +275,16 @@ export class Passes {
 
     // `view`: { width, height, clipFromWorld, eye, eyeAtInfinity, isVisible(mesh) }; the rest: see
     // BakedLight. Returns the view's targets. Leaves WebGL's state to the caller.
-    draw(view, { quality, seed, wipe }) {
+    draw(view, { quality, seed, wipe, waitsForPrograms }) {
         this.uploadMaps();
         const coatAppears =
             !this.clearcoat && this.bake.surfaces.drawRanges.some(({ mesh }) => hasClearcoat(mesh.material));
         if (coatAppears) {
-            this.disposePrograms();
+            this.programs.dispose();
             this.createPrograms(true);
-            if (this.lookup) this.createLookupProgram();
             this.freeTargets();
         }
+        this.programs.choose(Boolean(this.lookup), waitsForPrograms);
         const targets = this.targetsFor(view);
         for (const kind of ['opaque', 'blended'])
             if (targets[kind])
@@ -286,7 +304,7 @@ export class Passes {
         resetState(gl, view.width, view.height);
         gl.bindVertexArray(this.vertices.vertexArray);
         this.drawDepth(view, target);
-        this.lookUp(view, shared, target, quality, seed);
+        if (this.programs.stage > kPreview) this.lookUp(view, shared, target, quality, seed);
         const left = Math.round(wipe * view.width);
         gl.enable(gl.SCISSOR_TEST);
         for (const [x, width, show] of [
@@ -294,22 +312,18 @@ export class Passes {
             [left, view.width - left, [1, 0, 0]],
         ]) {
             gl.scissor(x, 0, width, view.height);
-            if (width > 0) this.display(view, shared, target, show);
+            if (width <= 0) continue;
+            if (this.programs.stage > kPreview) this.display(view, shared, target, show);
+            else this.preview(view, target, show);
         }
         gl.disable(gl.SCISSOR_TEST);
         gl.bindVertexArray(null);
     }
 
-    disposePrograms() {
-        for (const program of [this.depthProgram, this.lookupProgram, this.poolProgram, this.displayProgram])
-            program?.dispose();
-        this.lookupProgram = null;
-    }
-
     dispose() {
         const { gl } = this;
         this.freeTargets();
-        this.disposePrograms();
+        this.programs.dispose();
         this.freeLookup();
         for (const texture of [...Object.values(this.atlas), this.white, this.splitSum])
             gl.deleteTexture(texture);

@@ -65,6 +65,7 @@ export class Rendering {
                 { ...viewOf(light.root, camera), width, height, isVisible: isDrawn },
                 light,
             );
+            light.isWhole = this.passes.programs.isWhole();
             this.drawnFor = { frame, camera, target, shown: { targets, corner: [x, y] } };
         } finally {
             renderer.resetState();

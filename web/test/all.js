@@ -3,5 +3,6 @@ import './compositions.test.js';
 import './package.test.js';
 import './pictures.test.js';
 import './plugin.test.js';
+import './programs.test.js';
 import './rooms.test.js';
 import './site.test.js';

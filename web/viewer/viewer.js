@@ -100,6 +100,8 @@ class Viewer {
         this.scale = 0.5; // of the sides; until the device is known
         this.secondsPerPixel = 0; // 'fast'; 0: not known yet
         this.pending = null;
+        this.isWhole = false; // whether the last picture showed all that is loaded
+        if (this.light) this.light.waitsForPrograms = false;
         this.navigation = new Navigation(this.camera, canvas, gltf.scene, () => this.viewChanged());
         const materials = new Set(),
             cameras = [];
@@ -182,11 +184,11 @@ class Viewer {
     // Whether the GPU has caught up. At most one frame is queued, so that the page stays responsive.
     isIdle(gl, now) {
         if (!this.pending) return true;
-        const { fence, since, cost } = this.pending;
+        const { fence, since, pixels } = this.pending;
         if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
         gl.deleteSync(fence);
         this.pending = null;
-        this.secondsPerPixel = (now - since) / 1000 / cost;
+        if (pixels) this.secondsPerPixel = (now - since) / 1000 / pixels;
         return true;
     }
 
@@ -205,6 +207,8 @@ class Viewer {
         const gl = this.renderer.getContext();
         if (gl.isContextLost() || !this.isIdle(gl, now)) return;
         const moving = now - this.lastMove < 150 || !this.secondsPerPixel;
+        const wasWhole = this.isWhole;
+        if (!wasWhole) this.changed();
         if (!moving && this.picture.samples >= kSamples) return;
         const quality = moving ? 'fast' : this.quality;
         if (moving) this.settle();
@@ -216,7 +220,8 @@ class Viewer {
         this.pending = {
             fence: gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0),
             since: now,
-            cost: width * height * kRelativeCost[quality],
+            // Of 'fast'. Time in which programs are compiled says nothing.
+            pixels: wasWhole && this.isWhole ? width * height * kRelativeCost[quality] : 0,
         };
         gl.flush();
         element('poster').hidden = true;
@@ -236,6 +241,7 @@ class Viewer {
         camera.setViewOffset(width, height, -x, y, width, height);
         if (light) this.scene.background = light.environment;
         picture.add(this.scene, camera);
+        this.isWhole = light?.isWhole ?? true;
     }
 
     present() {
@@ -246,7 +252,9 @@ class Viewer {
     render(count, quality = this.quality) {
         this.setScale(1);
         this.changed();
+        if (this.light) this.light.waitsForPrograms = true;
         for (let i = 0; i < count; ++i) this.addSample(quality, count);
+        if (this.light) this.light.waitsForPrograms = false;
         return this.picture.read();
     }
 }
