@@ -3,6 +3,7 @@
 #include <cassert>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <tuple>
 
@@ -18,6 +19,18 @@
 
 namespace phat {
 namespace {
+
+// The flat pieces with what their charts are chosen by.
+struct Pieces {
+    std::vector<FlatChart> flats;
+    std::vector<Sides> sides;     // per piece
+    std::vector<double> density;  // per piece
+    double aboutTexelSizeMeters = 0;
+
+    uint32_t surface(const Scene& scene, uint32_t piece) const {
+        return scene.triangleSurface[flats[piece].triangles[0]];
+    }
+};
 
 // A chart before it is packed.
 struct ChartPlan {
@@ -46,30 +59,27 @@ double litArea(const FlatChart& flat, Sides sides) {
 }
 
 // Per flat piece.
-std::vector<double> chooseDensities(const Scene& scene, const std::vector<FlatChart>& flats,
-                                    const std::vector<Sides>& sides, const AtlasSettings& settings) {
+std::vector<double> chooseDensities(const Scene& scene, const Pieces& pieces, const AtlasSettings& settings) {
     const std::vector<float> ofSurface = glossyDensities(scene, settings.glossyDensity);
     std::vector<double> area, density;
-    for (size_t f = 0; f < flats.size(); ++f) {
-        area.push_back(litArea(flats[f], sides[f]));
-        density.push_back(double(ofSurface[scene.triangleSurface[flats[f].triangles[0]]]));
+    for (uint32_t f = 0; f < pieces.flats.size(); ++f) {
+        area.push_back(litArea(pieces.flats[f], pieces.sides[f]));
+        density.push_back(double(ofSurface[pieces.surface(scene, f)]));
     }
     if (settings.texelSizeMeters > 0) return density;
     keepBudget(area, density);
-    const std::vector<double> ofFar = farDensities(scene, flats, area);
-    for (size_t f = 0; f < flats.size(); ++f) density[f] *= ofFar[f];
+    const std::vector<double> ofFar = farDensities(scene, pieces.flats, area);
+    for (size_t f = 0; f < density.size(); ++f) density[f] *= ofFar[f];
     return density;
 }
 
-std::vector<PieceClass> classesOf(const Scene& scene, const std::vector<FlatChart>& flats,
-                                  const std::vector<Sides>& sides, const std::vector<double>& density,
-                                  double texelSizeMeters) {
+std::vector<PieceClass> classesOf(const Scene& scene, const Pieces& pieces) {
     std::map<std::tuple<uint32_t, Sides, double>, uint32_t> kinds;
     std::vector<PieceClass> classes;
-    for (size_t f = 0; f < flats.size(); ++f) {
-        const auto key = std::make_tuple(scene.triangleSurface[flats[f].triangles[0]], sides[f], density[f]);
+    for (uint32_t f = 0; f < pieces.flats.size(); ++f) {
+        const auto key = std::make_tuple(pieces.surface(scene, f), pieces.sides[f], pieces.density[f]);
         const uint32_t kind = kinds.try_emplace(key, uint32_t(kinds.size())).first->second;
-        classes.push_back({kind, texelSizeMeters / density[f]});
+        classes.push_back({kind, pieces.aboutTexelSizeMeters / pieces.density[f]});
     }
     return classes;
 }
@@ -88,16 +98,18 @@ std::vector<ChartPlan> planCharts(std::vector<PieceGroup> groups, const std::vec
     return plans;
 }
 
-// `texelSizeMeters`: about that of rough surfaces, which says what is small; 0: nothing is.
+// `classes`: empty: nothing is small.
 std::vector<PackBox> boxesOf(const std::vector<FlatChart>& flats, const std::vector<ChartPlan>& plans,
-                             double texelSizeMeters) {
+                             const std::vector<PieceClass>& classes) {
     std::vector<PackBox> boxes;
     for (const ChartPlan& plan : plans) {
         PackBox box;
         box.twin = plan.twin;
-        const glm::dvec2 first = plan.density * flats[plan.pieces[0].flat].sizeMeters;
-        if (plan.pieces.size() == 1 && (texelSizeMeters == 0 || isLargePiece(first / texelSizeMeters)))
-            box.sizeMeters = first;
+        const uint32_t first = plan.pieces[0].flat;
+        const glm::dvec2 size = flats[first].sizeMeters;
+        const bool large = classes.empty() || isLargePiece(size / classes[first].texelSizeMeters);
+        if (plan.pieces.size() == 1 && large)
+            box.sizeMeters = plan.density * size;
         else
             for (const LaidPiece& piece : plan.pieces)
                 box.pieces.push_back(plan.density * turnedSize(flats[piece.flat].sizeMeters, piece.turns));
@@ -113,31 +125,33 @@ double offsetOf(double sizeTexels, uint32_t roomTexels) {
     return sizeTexels < 1 ? offset + 0.5 - 0.5 * sizeTexels : offset;
 }
 
-// Where a piece has its place in a chart.
-struct TexelRect {
-    glm::uvec2 origin, size;
-    bool grouped = false;
+struct PiecePlace {
+    glm::uvec2 origin, size;          // texels
+    std::optional<glm::dvec2> drawn;  // its size there, texels; as in the world if it is alone
 };
 
-// Where piece `i` of a chart has its place, ring or gutter included.
-TexelRect placeOfPiece(const Chart& chart, const GroupLayout& layout, size_t i, bool turned) {
-    if (layout.origin.empty()) return {chart.originTexel(), chart.sizeTexels()};
+// Where piece `i` of a chart has its place, gutter included.
+PiecePlace placeOfPiece(const Chart& chart, const GroupLayout& layout, size_t i, bool turned) {
+    if (layout.origin.empty()) return {chart.originTexel(), chart.sizeTexels(), {}};
     const glm::uvec2 origin = layout.origin[i], size = layout.size[i];
-    if (!turned) return {chart.originTexel() + origin, size, true};
+    const glm::dvec2 drawn = layout.drawn[i];
+    if (!turned) return {chart.originTexel() + origin, size, drawn};
     const uint32_t height = layout.sizeTiles.y * kTileSize;
-    return {chart.originTexel() + glm::uvec2(height - origin.y - size.y, origin.x), {size.y, size.x}, true};
+    return {chart.originTexel() + glm::uvec2(height - origin.y - size.y, origin.x),
+            {size.y, size.x},
+            glm::dvec2(drawn.y, drawn.x)};
 }
 
-void placePiece(Atlas& atlas, const FlatChart& flat, uint32_t chartIndex, uint32_t turns, TexelRect place) {
+void placePiece(Atlas& atlas, const FlatChart& flat, uint32_t chartIndex, uint32_t turns,
+                const PiecePlace& place) {
     glm::dvec2 scale(1.0 / atlas.charts[chartIndex].texelSizeMeters);
-    glm::dvec2 size = scale * turnedSize(flat.sizeMeters, turns);
-    for (int axis = 0; axis < 2 && place.grouped; ++axis)
-        if (isNarrow(size[axis]) && size[axis] > kNarrowTexels) {
-            scale[axis] *= kNarrowTexels / size[axis];
-            size[axis] = kNarrowTexels;
-        }
-    const glm::dvec2 low =
-        glm::dvec2(place.origin) + glm::dvec2(offsetOf(size.x, place.size.x), offsetOf(size.y, place.size.y));
+    const glm::dvec2 size = scale * turnedSize(flat.sizeMeters, turns);
+    glm::dvec2 low(offsetOf(size.x, place.size.x), offsetOf(size.y, place.size.y));
+    if (place.drawn) {
+        scale *= *place.drawn / glm::max(size, 1e-300);
+        low = drawnOrigin(*place.drawn, place.size);
+    }
+    low += glm::dvec2(place.origin);
     for (size_t t = 0; t < flat.triangles.size(); ++t) {
         atlas.triangleChart[flat.triangles[t]] = chartIndex;
         for (int corner = 0; corner < 3; ++corner)
@@ -225,18 +239,9 @@ uint32_t checkResolutionFor(const MeshTopology& topology, double texelSizeMeters
     return uint32_t(std::clamp(std::sqrt(area) / std::max(texelSizeMeters, 1e-30), 512.0, 8192.0));
 }
 
-// The flat pieces with what their charts are chosen by.
-struct Pieces {
-    std::vector<FlatChart> flats;
-    std::vector<Sides> sides;     // per piece
-    std::vector<double> density;  // per piece
-    double aboutTexelSizeMeters = 0;
-};
-
-void takeJoined(Pieces& pieces, const Scene& scene, const MeshTopology& topology) {
-    const auto classes =
-        classesOf(scene, pieces.flats, pieces.sides, pieces.density, pieces.aboutTexelSizeMeters);
-    JoinedPieces joined = joinCoplanar(scene, topology, std::move(pieces.flats), classes);
+void takeJoined(Pieces& pieces, const Scene& scene, const MeshTopology& topology, uint32_t gutterTexels) {
+    const std::vector<PieceClass> classes = classesOf(scene, pieces);
+    JoinedPieces joined = joinCoplanar(scene, topology, std::move(pieces.flats), classes, gutterTexels);
     pieces.flats = std::move(joined.flats);
     pieces.sides = ofMembers(pieces.sides, joined.member);
     pieces.density = ofMembers(pieces.density, joined.member);
@@ -257,11 +262,11 @@ Pieces makePieces(const AtlasOrder& order, const MeshTopology& topology, Progres
     pieces.flats = settings.useUvSet >= 0 ? chartsFromUvSet(scene, topology, settings.useUvSet,
                                                             checkResolutionFor(topology, texelSize), progress)
                                           : unwrapScene(scene, topology, settings.maxNormalConeDegrees,
-                                                        settings.gutterTexels * texelSize, progress);
+                                                        {texelSize, settings.gutterTexels}, progress);
     pieces.sides = chooseSides(scene, pieces.flats, componentSides);
-    pieces.density = chooseDensities(scene, pieces.flats, pieces.sides, settings);
+    pieces.density = chooseDensities(scene, pieces, settings);
     pieces.aboutTexelSizeMeters = aboutTexelSize(pieces.flats, pieces.sides, pieces.density, settings);
-    if (settings.useUvSet < 0) takeJoined(pieces, scene, topology);
+    if (settings.useUvSet < 0) takeJoined(pieces, scene, topology, settings.gutterTexels);
     if (!rays || settings.texelSizeMeters > 0) return pieces;
     const std::vector<uint32_t> component =
         componentSides.empty() ? std::vector<uint32_t>() : connectedComponents(scene);
@@ -285,15 +290,14 @@ Atlas buildAtlasOf(const AtlasOrder& order, Progress& progress, AtlasStats* stat
     Packing packing;
     // Which pieces are small depends on the texels' size, which depends on how many are.
     for (int round = 0; round < 3; ++round) {
-        const auto classes =
-            classesOf(scene, pieces.flats, pieces.sides, pieces.density, pieces.aboutTexelSizeMeters);
-        plans = planCharts(settings.useUvSet >= 0 ? alone(pieces.flats.size())
-                                                  : groupPieces(scene, topology, pieces.flats, classes,
-                                                                settings.gutterTexels, progress),
-                           pieces.sides, pieces.density);
-        packing =
-            packCharts(boxesOf(pieces.flats, plans, settings.useUvSet >= 0 ? 0 : pieces.aboutTexelSizeMeters),
-                       settings, progress);
+        const std::vector<PieceClass> classes = classesOf(scene, pieces);
+        const bool given = settings.useUvSet >= 0;  // islands of a UV set stay as they are
+        plans = planCharts(
+            given ? alone(pieces.flats.size())
+                  : groupPieces(scene, topology, pieces.flats, classes, settings.gutterTexels, progress),
+            pieces.sides, pieces.density);
+        packing = packCharts(boxesOf(pieces.flats, plans, given ? std::vector<PieceClass>() : classes),
+                             settings, progress);
         const double off = packing.texelSizeMeters / pieces.aboutTexelSizeMeters;
         if (settings.texelSizeMeters > 0 || plans.empty() || (off < kSameSize && off > 1 / kSameSize)) break;
         pieces.aboutTexelSizeMeters = packing.texelSizeMeters;

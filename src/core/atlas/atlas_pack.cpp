@@ -63,7 +63,8 @@ std::vector<Fit> fitsOf(std::span<const PackBox> boxes, double texelSizeMeters, 
         if (boxes[i].pieces.empty()) {
             fits[i] = bestFitOf(boxes[i].sizeMeters / texelSizeMeters, gutter, freedom);
         } else {
-            fits[i].layout = layOutGroup(pieceTexels(boxes[i], texelSizeMeters));
+            fits[i].layout =
+                layOutGroup(pieceTexels(boxes[i], texelSizeMeters), freedom > 1 ? kPieceFreedom : 1.0);
             fits[i].tiles = fits[i].layout.sizeTiles;
         }
     });

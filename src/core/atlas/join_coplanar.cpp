@@ -7,7 +7,7 @@
 #include <optional>
 #include <tuple>
 
-#include "core/atlas/piece_group.h"
+#include "core/atlas/piece_place.h"
 #include "core/base/disjoint_sets.h"
 
 namespace phat {
@@ -115,6 +115,7 @@ std::vector<std::vector<Part>> touching(std::vector<Part> parts, double texelSiz
 struct Joiner {
     const std::vector<FlatChart>& flats;
     double texelSizeMeters;
+    uint32_t gutterTexels;
     JoinedPieces& joined;
 
     /// Keeps the parts as one piece, or halves of them, whatever takes fewer texels.
@@ -130,8 +131,7 @@ struct Joiner {
     Division divided(std::vector<Part> parts) const {
         const auto [low, high] = boundsOf(parts);
         const glm::dvec2 size = high - low;
-        const glm::dvec2 places = glm::ceil(size / texelSizeMeters) + 2.0 * kPieceGutter;
-        Division whole{{}, places.x * places.y};
+        Division whole{{}, texelsTaken(size / texelSizeMeters, gutterTexels)};
         double area = 0;
         for (const Part& part : parts) area += flats[part.flat].area;
         if (parts.size() == 1 || area >= kFullBox * size.x * size.y) {
@@ -201,7 +201,7 @@ struct Joiner {
 }  // namespace
 
 JoinedPieces joinCoplanar(const Scene& scene, const MeshTopology& topology, std::vector<FlatChart> flats,
-                          std::span<const PieceClass> classes) {
+                          std::span<const PieceClass> classes, uint32_t gutterTexels) {
     std::map<PlaneKey, std::vector<uint32_t>> planes;
     std::vector<PiecePose> poses(flats.size());
     JoinedPieces joined;
@@ -211,7 +211,7 @@ JoinedPieces joinCoplanar(const Scene& scene, const MeshTopology& topology, std:
         if (isPlanar(scene, flats[f], poses[f], tolerance))
             planes[keyOf(poses[f], classes[f])].push_back(f);
         else
-            Joiner{flats, 0, joined}.keep({{f, 0, {}, {}}});
+            Joiner{flats, 0, 0, joined}.keep({{f, 0, {}, {}}});
     }
     for (const auto& [key, members] : planes) {
         const PiecePose& first = poses[members[0]];
@@ -220,7 +220,7 @@ JoinedPieces joinCoplanar(const Scene& scene, const MeshTopology& topology, std:
         for (const uint32_t f : members) parts.push_back(partOf(scene, flats, f, poses[f], plane));
         const double texelSize = classes[members[0]].texelSizeMeters;
         for (std::vector<Part>& set : touching(std::move(parts), texelSize))
-            Joiner{flats, texelSize, joined}.join(std::move(set));
+            Joiner{flats, texelSize, gutterTexels, joined}.join(std::move(set));
     }
     std::vector<uint32_t> order(joined.flats.size());
     std::iota(order.begin(), order.end(), 0u);

@@ -17,6 +17,6 @@ struct JoinedPieces {
 /// places beside each other in one flat piece, where that takes fewer texels. Light goes on across such
 /// joints, so that interpolation may. Ordered by first triangle.
 JoinedPieces joinCoplanar(const Scene& scene, const MeshTopology& topology, std::vector<FlatChart> flats,
-                          std::span<const PieceClass> classes);
+                          std::span<const PieceClass> classes, uint32_t gutterTexels);
 
 }  // namespace phat

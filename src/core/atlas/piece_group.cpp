@@ -26,28 +26,6 @@ constexpr double kWideReachTexels = 128;
 constexpr double kGroupConeDegrees = 44;
 // Share of a group's texels that the skyline packer leaves to its pieces; measured on tools/make_house.py.
 constexpr double kUsualFill = 0.9;
-// A width that is a whole number of texels but for rounding must not take another one.
-constexpr double kSlackTexels = 1e-4;
-
-glm::uvec2 placeOf(glm::dvec2 sizeTexels) {
-    glm::uvec2 place;
-    for (int axis = 0; axis < 2; ++axis)
-        place[axis] = isNarrow(sizeTexels[axis])
-                          ? 1
-                          : uint32_t(std::ceil(sizeTexels[axis] - kSlackTexels)) + 2 * kPieceGutter;
-    return place;
-}
-
-double texelsOf(glm::uvec2 size) {
-    return double(size.x) * double(size.y);
-}
-
-double texelsAlone(glm::dvec2 sizeTexels, uint32_t gutter) {
-    // As the packer does, a chart may be a little coarser to end where a tile does.
-    const glm::dvec2 tiles =
-        glm::ceil((sizeTexels / kFillFreedom + 2.0 * gutter - kSlackTexels) / double(kTileSize));
-    return std::max(tiles.x, 1.0) * std::max(tiles.y, 1.0) * kTileSize * kTileSize;
-}
 
 /// Pieces of one kind in a uniform grid, whose cells are as large as a group reaches.
 class PieceGrid {
@@ -141,7 +119,7 @@ std::vector<PieceGroup> groupPieces(const Scene& scene, const MeshTopology& topo
     std::vector<Cluster> single, small;
     for (uint32_t f = 0; f < flats.size(); ++f) {
         const glm::dvec2 size = flats[f].sizeMeters / classes[f].texelSizeMeters;
-        const double place = texelsOf(placeOf(size));
+        const double place = texelsOf(placeOf(size, kPieceFreedom));
         const bool fills = isLargePiece(size) || texelsAlone(size, gutterTexels) <= kMaxOwnTexels * place;
         (fills ? single : small).push_back({{f}, place});
         if (!fills) poses[f] = poseOf(scene, topology, flats[f]);
@@ -173,16 +151,17 @@ std::vector<PieceGroup> alone(size_t pieceCount) {
 
 double estimateGroupTiles(std::span<const glm::dvec2> sizesTexels) {
     double texels = 0;
-    for (const glm::dvec2& size : sizesTexels) texels += texelsOf(placeOf(size));
+    for (const glm::dvec2& size : sizesTexels) texels += texelsOf(placeOf(size, kPieceFreedom));
     return std::ceil(texels / (kUsualFill * kTileSize * kTileSize));
 }
 
-GroupLayout layOutGroup(std::span<const glm::dvec2> sizesTexels) {
+GroupLayout layOutGroup(std::span<const glm::dvec2> sizesTexels, double freedom) {
     GroupLayout layout;
     double texels = 0;
     glm::uvec2 largest(0);
     for (const glm::dvec2& size : sizesTexels) {
-        layout.size.push_back(placeOf(size));
+        layout.size.push_back(placeOf(size, freedom));
+        layout.drawn.push_back(drawnSize(size, layout.size.back(), freedom));
         texels += texelsOf(layout.size.back());
         largest = glm::max(largest, layout.size.back());
     }

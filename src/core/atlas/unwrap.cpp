@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/atlas/box_parts.h"
 #include "core/atlas/chart_mesh.h"
+#include "core/atlas/piece_place.h"
 #include "core/atlas/unwrap_flatten.h"
 #include "core/atlas/unwrap_grow.h"
 
@@ -32,21 +34,28 @@ FlatChart finishChart(const ChartMesh& mesh, const MeshTopology& topology, std::
 struct Flattener {
     const Scene& scene;
     const MeshTopology& topology;
-    double gutterMeters;
+    ChartCost cost;
     const Progress& progress;
 
-    double boxArea(const std::vector<FlatChart>& charts) const {
-        double area = 0;
+    double texelsOf(const std::vector<FlatChart>& charts) const {
+        double texels = 0;
         for (const FlatChart& chart : charts)
-            area += (chart.sizeMeters.x + 2 * gutterMeters) * (chart.sizeMeters.y + 2 * gutterMeters);
-        return area;
+            texels += texelsTaken(chart.sizeMeters / cost.texelSizeMeters, cost.gutterTexels);
+        return texels;
     }
 
-    std::vector<FlatChart> splitAndFlatten(const std::vector<uint32_t>& triangles, int trials) const {
+    std::vector<FlatChart> flattenAll(std::vector<std::vector<uint32_t>> pieces, int trials) const {
         std::vector<FlatChart> charts;
-        for (std::vector<uint32_t>& half : bisectChart(topology, triangles))
-            for (FlatChart& chart : flatten(std::move(half), trials)) charts.push_back(std::move(chart));
+        for (std::vector<uint32_t>& piece : pieces)
+            for (FlatChart& chart : flatten(std::move(piece), trials)) charts.push_back(std::move(chart));
         return charts;
+    }
+
+    std::vector<std::vector<uint32_t>> partsOf(const FlatChart& chart) const {
+        // Limits the time that large charts take; their halves may have fewer.
+        constexpr size_t kMostTriangles = 1000;
+        if (chart.triangles.size() > kMostTriangles) return bisectChart(topology, chart.triangles);
+        return partsWithSmallBoxes(topology, chart, cost.texelSizeMeters);
     }
 
     // `trials`: how often a sound chart may still be halved for the sake of a smaller box.
@@ -67,11 +76,13 @@ struct Flattener {
         }
         if (triangles.size() == 1) return whole;  // exact
         if (whole.empty() || whole[0].areaWithinStretch15 < kMinGoodArea)
-            return splitAndFlatten(triangles, trials);
+            return flattenAll(bisectChart(topology, triangles), trials);
         const double fill = whole[0].area / (whole[0].sizeMeters.x * whole[0].sizeMeters.y);
         if (trials == 0 || fill >= kMinFill) return whole;
-        std::vector<FlatChart> halves = splitAndFlatten(triangles, trials - 1);
-        return boxArea(halves) < kMinGain * boxArea(whole) ? halves : whole;
+        std::vector<std::vector<uint32_t>> parts = partsOf(whole[0]);
+        if (parts.size() < 2) return whole;
+        std::vector<FlatChart> cut = flattenAll(std::move(parts), trials - 1);
+        return texelsOf(cut) < kMinGain * texelsOf(whole) ? cut : whole;
     }
 };
 
@@ -85,7 +96,7 @@ std::vector<uint32_t> usableTriangles(const MeshTopology& topology) {
 }  // namespace
 
 std::vector<FlatChart> unwrapScene(const Scene& scene, const MeshTopology& topology,
-                                   float maxNormalConeDegrees, double gutterMeters, Progress& progress) {
+                                   float maxNormalConeDegrees, const ChartCost& cost, Progress& progress) {
     // A ring needs two cuts before its boxes shrink; three make quarters of long arcs.
     constexpr int kBoxTrials = 3;
 
@@ -100,7 +111,7 @@ std::vector<FlatChart> unwrapScene(const Scene& scene, const MeshTopology& topol
     for (auto& list : grown)
         for (auto& piece : list) pieces.push_back(std::move(piece));
 
-    const Flattener flattener{scene, topology, gutterMeters, progress};
+    const Flattener flattener{scene, topology, cost, progress};
     std::vector<std::vector<FlatChart>> flattened(pieces.size());
     tbb::parallel_for(size_t(0), pieces.size(), [&](size_t i) {
         const size_t count = pieces[i].size();

@@ -21,11 +21,16 @@ struct FlatChart {
     double areaWithinStretch15 = 0;                   // fraction of it
 };
 
+/// What decides whether rings and arcs are worth cutting.
+struct ChartCost {
+    double texelSizeMeters = 0;  // about
+    uint32_t gutterTexels = 0;   // around large charts
+};
+
 /// Cuts every surface into connected, near-isometric charts without overlaps. All triangles but the
-/// degenerate are in exactly one chart. Ordered by first triangle. `gutterMeters`: about what every chart
-/// will be surrounded with; decides whether rings and arcs are worth cutting.
+/// degenerate are in exactly one chart. Ordered by first triangle.
 std::vector<FlatChart> unwrapScene(const Scene& scene, const MeshTopology& topology,
-                                   float maxNormalConeDegrees, double gutterMeters, Progress& progress);
+                                   float maxNormalConeDegrees, const ChartCost& cost, Progress& progress);
 
 /// Takes the islands of UV set 0 or 1 as charts, each scaled to its surface's area, otherwise in its own
 /// shape; mirrored islands are mirrored back. Throws std::runtime_error with the reason if the set is

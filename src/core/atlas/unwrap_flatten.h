@@ -14,6 +14,10 @@ namespace phat {
 /// source: Liu et al. 2008, "A Local/Global Approach to Mesh Parameterization".
 std::vector<glm::dvec2> flattenChart(const ChartMesh& mesh);
 
+/// Corners of the convex hull, counter-clockwise; the first is the last, too.
+/// source: Andrew 1979, "Another efficient algorithm for convex hulls in two dimensions".
+std::vector<glm::dvec2> convexHull(std::vector<glm::dvec2> points);
+
 /// Turns and shifts the chart so that its smallest bounding box is [0, w] x [0, h] with w >= h; returns (w,
 /// h).
 glm::dvec2 alignToBox(std::vector<glm::dvec2>& uv);

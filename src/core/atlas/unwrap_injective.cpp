@@ -109,9 +109,7 @@ bool isInjective(const ChartMesh& mesh, const std::vector<glm::dvec2>& uv) {
     return true;
 }
 
-glm::dvec2 alignToBox(std::vector<glm::dvec2>& uv) {
-    // Convex hull. source: Andrew 1979, "Another efficient algorithm for convex hulls in two dimensions".
-    std::vector<glm::dvec2> sorted = uv;
+std::vector<glm::dvec2> convexHull(std::vector<glm::dvec2> sorted) {
     std::sort(sorted.begin(), sorted.end(),
               [](glm::dvec2 a, glm::dvec2 b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
     std::vector<glm::dvec2> hull(2 * sorted.size());
@@ -124,7 +122,11 @@ glm::dvec2 alignToBox(std::vector<glm::dvec2>& uv) {
     const size_t keep = count + 1;
     for (size_t i = sorted.size() - 1; i-- > 0;) append(sorted[i], keep);
     hull.resize(count);
+    return hull;
+}
 
+glm::dvec2 alignToBox(std::vector<glm::dvec2>& uv) {
+    const std::vector<glm::dvec2> hull = convexHull(uv);
     // The smallest box has a side along a hull edge. source: Freeman and Shapira 1975. The hull's corner that
     // is farthest along each axis only moves forward with the edge, but hulls are small.
     double bestArea = INFINITY;

@@ -51,6 +51,16 @@ inline void addGrid(Scene& scene, uint32_t columns, uint32_t rows,
     add(scene, positions, triangles);
 }
 
+/// All triangles as one surface, as modelling programs join them by material.
+inline Scene joined(Scene scene) {
+    Surface all = scene.surfaces[0];
+    all.triangleCount = uint32_t(scene.triangles.size());
+    all.vertexCount = uint32_t(scene.positions.size());
+    scene.surfaces = {all};
+    scene.triangleSurface.assign(scene.triangles.size(), 0);
+    return scene;
+}
+
 inline Scene plane(float width, float height, uint32_t cells = 1) {
     Scene scene;
     addGrid(scene, cells, cells, [&](float u, float v) { return glm::vec3(u * width, v * height, 0.25f); });

@@ -121,6 +121,41 @@ TEST(AtlasUnwrap, RingsAreCutIntoArcs) {
     EXPECT_GT(stats.coverage, kPi * (1 - 0.64f) / 4);
 }
 
+// The floor around a room: its triangles reach from corner to corner, and its box is mostly the room.
+TEST(AtlasUnwrap, FramesAreCutIntoBars) {
+    Scene scene;
+    const float a = 0.4f, b = 5.6f;
+    shapes::add(scene,
+                {{0, 0, 0}, {6, 0, 0}, {6, 6, 0}, {0, 6, 0}, {a, a, 0}, {b, a, 0}, {b, b, 0}, {a, b, 0}},
+                {{0, 1, 4}, {1, 5, 4}, {1, 2, 5}, {2, 6, 5}, {2, 3, 6}, {3, 7, 6}, {3, 0, 7}, {0, 4, 7}});
+    SilentProgress progress;
+    AtlasStats stats;
+    const Atlas atlas = buildAtlas(scene, {}, AtlasSettings{}, progress, &stats);
+    expectSoundAtlas(scene, atlas, AtlasSettings{});
+    EXPECT_EQ(atlas.charts.size(), 4u);
+    EXPECT_GT(stats.coverage, 0.75f);  // of the frame's box it fills a quarter
+}
+
+// Strips along bent tubes, narrower than a texel: their boxes are some hundred times their area.
+TEST(AtlasUnwrap, BentTubesTakeFewTexels) {
+    Scene scene = shapes::plane(4, 4);
+    for (int i = 0; i < 50; ++i)
+        shapes::addGrid(scene, 48, 8, [i](float u, float v) {
+            const float along = kPi * u, around = v == 1 ? 0 : 2 * kPi * v,
+                        r = 0.4f + 0.004f * std::cos(around);
+            return glm::vec3(r * std::cos(along) + float(i % 10), 0.004f * std::sin(around) + float(i / 10),
+                             1 + r * std::sin(along));
+        });
+    scene = shapes::joined(std::move(scene));
+    AtlasSettings settings;
+    settings.texelBudget = 40'000;
+    SilentProgress progress;
+    const Atlas atlas = buildAtlas(scene, {}, settings, progress);
+    expectSoundAtlas(scene, atlas, settings);
+    EXPECT_LT(double(atlas.texelSizeMeters),
+              1.6 * std::sqrt(surfaceArea(scene) / double(settings.texelBudget)));
+}
+
 // Each chart needs 2 x 2 tiles for its gutters, whatever the texel size: the budget has to give way, but not
 // the triangles' texels.
 TEST(AtlasUnwrap, ManySmallChartsExceedTheBudgetByTheirGuttersOnly) {
