@@ -1,9 +1,10 @@
-// Orbit by pointer and touch, fly by keys.
+// Orbit or look around by pointer and touch, fly by keys.
 import { Box3, MathUtils, PerspectiveCamera, Raycaster, Sphere, Vector2, Vector3 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
 const kTurnPerSecond = 1.2; // radians
 const kRadiiPerSecond = 0.4; // of the scene's sphere
+const kHeadRadii = 1e-4; // from the eye to the centre of a turning head
 
 export function sphereOf(root) {
     const sphere = new Box3().setFromObject(root).getBoundingSphere(new Sphere());
@@ -22,6 +23,20 @@ export function defaultCamera(numbers) {
     return camera;
 }
 
+// Whether surfaces close around a place on nearly all sides, as a room does.
+function encloses(root, place) {
+    const ray = new Raycaster(),
+        directions = Array.from({ length: 8 }, (_, i) =>
+            new Vector3().setFromSphericalCoords(1, Math.PI / 2 + (i % 2 ? 0.3 : -0.3), (i * Math.PI) / 4),
+        );
+    return (
+        directions.filter((direction) => {
+            ray.set(place, direction);
+            return ray.intersectObject(root, true).length > 0;
+        }).length >= 7
+    );
+}
+
 export class Navigation {
     // `changed` is called when the view is another one.
     constructor(camera, canvas, root, changed) {
@@ -29,7 +44,10 @@ export class Navigation {
         this.radius = sphereOf(root).radius;
         this.metersPerSecond = kRadiiPerSecond * this.radius;
         this.controls = new OrbitControls(camera, canvas);
-        this.controls.addEventListener('change', changed);
+        this.controls.addEventListener('change', () => {
+            if (this.inside) this.walk();
+            changed();
+        });
         this.pressed = new Set();
         canvas.addEventListener('keydown', (event) => {
             if (event.ctrlKey || event.metaKey || event.altKey) return;
@@ -46,7 +64,8 @@ export class Navigation {
         canvas.addEventListener('blur', () => this.pressed.clear());
     }
 
-    // From a camera of the file. The point in the middle of the image is the centre of orbiting.
+    // From a camera of the file. The point in the middle of the image is the centre of orbiting; in a room, where an
+    // orbit would lead through the walls, the head turns instead.
     goTo(view) {
         this.first = view;
         const { camera, controls } = this;
@@ -56,9 +75,25 @@ export class Navigation {
         const ray = new Raycaster();
         ray.setFromCamera(new Vector2(), camera);
         const [hit] = ray.intersectObject(this.root, true);
-        controls.target.copy(camera.position).addScaledVector(ray.ray.direction, hit?.distance ?? this.radius);
+        this.ahead = hit?.distance ?? this.radius;
+        this.inside = encloses(this.root, camera.position);
+        const distance = this.inside ? kHeadRadii * this.radius : this.ahead;
+        controls.target.copy(camera.position).addScaledVector(ray.ray.direction, distance);
+        // What is under the pointer stays there.
+        controls.rotateSpeed = this.inside ? camera.fov / 360 : 1;
+        controls.panSpeed = this.ahead / distance;
         controls.update();
         this.changed();
+    }
+
+    // What would change the distance to the centre of the head moves the eye along the view.
+    walk() {
+        const { camera, controls } = this,
+            head = kHeadRadii * this.radius,
+            toward = controls.target.clone().sub(camera.position),
+            distance = toward.length();
+        camera.position.addScaledVector(toward, ((1 - distance / head) * this.ahead) / distance);
+        controls.target.copy(camera.position).addScaledVector(toward, head / distance);
     }
 
     // A tall picture shows from side to side what a wide one shows from top to bottom.

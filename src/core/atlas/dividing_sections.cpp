@@ -9,7 +9,7 @@ namespace phat {
 namespace {
 
 constexpr double kOnBorderTexels = 0.01;
-constexpr size_t kAlwaysAllowed = 1000;
+constexpr size_t kMaxSections = 1000;
 constexpr double kMinTexelsPerSection = 16;
 
 bool isBorder(const MeshTopology& topology, uint32_t triangle, int edge) {
@@ -57,7 +57,7 @@ std::vector<WallSection> dividingSections(std::vector<WallSection> sections, con
     for (const WallSection& section : sections) ++count[faces.find(section.triangle)];
     std::erase_if(sections, [&](const WallSection& section) {
         const uint32_t face = faces.find(section.triangle);
-        return count[face] > kAlwaysAllowed && texels[face] < kMinTexelsPerSection * double(count[face]);
+        return count[face] > kMaxSections && texels[face] < kMinTexelsPerSection * double(count[face]);
     });
     return sections;
 }
