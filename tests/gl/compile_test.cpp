@@ -21,7 +21,8 @@ std::vector<std::vector<std::string>> variants() {
             {"LOOKUP", "AREA", "CLEARCOAT"},
             {"LOOKUP", "SUN_DISC"},
             {"SCRAMBLES", "CLEARCOAT"},
-            {"PAPER", "AREA", "CLEARCOAT"}};
+            {"PAPER", "AREA", "CLEARCOAT"},
+            {"BVH_OPACITY", "ANY_HIT"}};
 }
 
 TEST(Shaders, CompileInBothFlavors) {
@@ -65,6 +66,7 @@ TEST(Shaders, UseAtMostSixteenSamplers) {
                                 {"fullscreen.vert", "relight.frag", {"AREA", "CLEARCOAT"}},
                                 {"fullscreen.vert", "relight_paper.frag", {"CLEARCOAT"}},
                                 {"fullscreen.vert", "radius.frag", {"AREA", "CLEARCOAT"}},
+                                {"fullscreen.vert", "trace_rays.frag", {"BVH_OPACITY"}},
                                 {"surface.vert", "depth.frag", {}}};
     for (const auto& [vertex, fragment, defines] : programs) {
         const ShaderProgram program(kShaderFolder, vertex, fragment, defines);
