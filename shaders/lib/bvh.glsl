@@ -21,6 +21,7 @@ struct BvhHit {
 
 const int kBvhStackWords = 32;         // twin: src/core/bvh/scene_bvh.h
 const int kMaxVisits = 65536;          // twin: src/core/bvh/bvh_rays.cpp
+const int kMaxSteps = 17;               // for a node: four leaves of four triangles each, and the end
 const uint kInstance = 255u;           // twin: src/core/bvh/bvh_node.h
 const float kMinComponent = 5.421011e-20;    // 2^-64
 const float kSlabRounding = 4.7683716e-7;    // 2^-21
@@ -157,18 +158,24 @@ BvhHit traceBvh(vec3 origin, vec3 direction, float maxDistance, bool stopAtFirst
         uvec4 c = nodeTexel(node, 2);
         uvec4 keys = childKeys(a, nodeTexel(node, 1), c, ray, nearest.distance);
         uint inner = 0u, innerCount = 0u;  // ranks of inner children, nearest in the lowest bits
-        for (int i = 0; i < 4; ++i) {
-            uint key = keys.x;
-            keys = uvec4(keys.yzw, kMissed);
-            if (key == kMissed || (key & ~3u) > floatBitsToUint(nearest.distance)) break;
-            uint child = key & 3u;
-            if (child < innerChildren) {
-                inner |= child << (2u * innerCount);
-                ++innerCount;
-                continue;
+        // A step is an inner child or a triangle, so that rays that are traced together wait little for each other.
+        int triangle = 0, last = -1;
+        for (int i = 0; i < kMaxSteps; ++i) {
+            if (triangle > last) {
+                uint key = keys.x;
+                keys = uvec4(keys.yzw, kMissed);
+                if (key == kMissed || (key & ~3u) > floatBitsToUint(nearest.distance)) break;
+                uint child = key & 3u;
+                if (child < innerChildren) {
+                    inner |= child << (2u * innerCount);
+                    ++innerCount;
+                    continue;
+                }
+                triangle = firstTriangle(c, child, innerChildren);
+                last = triangle + int((c.z >> (2u * child)) & 3u);
             }
-            int first = firstTriangle(c, child, innerChildren), last = first + int((c.z >> (2u * child)) & 3u);
-            for (int t = first; t <= last; ++t) testTriangle(t, ray, origin, direction, nearest);
+            testTriangle(triangle, ray, origin, direction, nearest);
+            ++triangle;
         }
         if (stopAtFirst && nearest.triangle >= 0) break;
         if (innerCount > 0u) {

@@ -66,7 +66,7 @@ std::vector<char> fixture() {
     PosedScene posed(fixtureScene());
     const SceneBvh bvh = buildSceneBvh(posed.rest());
     std::vector<glm::mat4> moved(5, glm::mat4(1));
-    moved[4] = glm::mat4(0, 0, 1, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0.125f, 2, -0.125f, 1);  // turned and mirrored
+    moved[4] = glm::mat4(0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0.125f, 0, -0.125f, 1);  // turned and mirrored
     const PosedBvh top = poseBvh(bvh, moved);
     posed.setState({moved, {}, {}, 0});
     const OpacityTables opacity = opacityTables(posed.scene(), bvh);

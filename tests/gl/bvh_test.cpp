@@ -136,6 +136,35 @@ TEST_P(BvhShader, HitsWhatItsTwinHitsAmongManyTriangles) {
     expectLikeTwin(sphere(glm::vec3(0), 1, 160), 76, 20);
 }
 
+TEST_P(BvhShader, NoneEscapesAClosedMesh) {
+    const auto escapes = [&](Scene scene, glm::vec3 center, float extent) {
+        const World world(std::move(scene));
+        GpuBvh gpu = uploadBvh(world.scene(), world.bvh);
+        moveBvh(gpu, world.top);
+        const auto hits = closest(world, gpu, raysAtEdges(world.scene(), center, extent, 1000 * int(kWidth)));
+        return std::count_if(hits.begin(), hits.end(), [](const Hit& hit) { return !hit; });
+    };
+    EXPECT_EQ(escapes(sphere({100, -50, 3}, 1, 64), {100, -50, 3}, 0.5f), 0);
+    EXPECT_EQ(escapes(tiledRoom(), {1.9f, 1.6f, 2.0f}, 1.2f), 0);
+}
+
+// Of a small scene with something far away the lower bits of the corners say where they are.
+TEST_P(BvhShader, ReadsAllBitsOfCorners) {
+    Scene scene = triangleSoup(1000, 0.2f);
+    transform(scene, glm::vec3(0x1p-12f), glm::vec3(0));
+    const double tolerance = 2 * roundingOf(scene);
+    const auto rays = randomRays(scene, 32 * int(kWidth), 1.1f, 81);
+    addTriangle(scene, std::array{glm::vec3(1), glm::vec3(1, 1, 0.9f), glm::vec3(1, 0.9f, 1)}, kNoUvs);
+    const World world(std::move(scene));
+    GpuBvh gpu = uploadBvh(world.scene(), world.bvh);
+    moveBvh(gpu, world.top);
+    const std::vector<Hit> hits = closest(world, gpu, rays);
+    Comparison result(world.scene(), tolerance);
+    for (size_t i = 0; i < rays.size(); ++i) result.add(rays[i], hits[i], world.rays().closestHit(rays[i]));
+    EXPECT_EQ(result.wrong(), 0) << result.firstWrong();
+    EXPECT_LE(result.ties(), 10);
+}
+
 TEST_P(BvhShader, PassesWhatIsTransparentAsItsTwin) {
     const World world(roomOfSpheres(12));
     ASSERT_EQ(bvhDefines(world.bvh).size(), 1u);

@@ -163,4 +163,45 @@ inline std::vector<Ray> randomRays(const Scene& scene, int count, float extent, 
     return rays;
 }
 
+/// Half of the rays go straight for an edge, the others anywhere.
+inline std::vector<Ray> raysAtEdges(const Scene& scene, glm::vec3 center, float extent, int count) {
+    Rng rng(54);
+    std::vector<Ray> rays;
+    for (int i = 0; i < count; ++i) {
+        const glm::vec3 origin = center + extent * randomPoint(rng);
+        glm::vec3 direction = randomDirection(rng);
+        if (i % 2) {
+            const glm::uvec3 t = scene.triangles[rng.bits() % scene.triangles.size()];
+            direction =
+                glm::normalize(glm::mix(scene.positions[t.x], scene.positions[t.y], rng.uniform()) - origin);
+        }
+        rays.push_back({origin, direction});
+    }
+    return rays;
+}
+
+/// A closed room around (1.9, 1.6, 2) of flat tiles, each wall a node.
+inline Scene tiledRoom() {
+    constexpr int kTiles = 24;
+    Scene walls;
+    for (int axis = 0; axis < 3; ++axis) {
+        for (const float far : {0.0f, 1.0f}) {
+            addSurface(walls, lambert(0.5f));
+            walls.surfaces.back().node = uint32_t(walls.surfaces.size());
+            for (int i = 0; i < kTiles * kTiles; ++i) {
+                const auto at = [&](int x, int y) {
+                    glm::vec3 p(0.37f, 0.11f, 0.53f);
+                    p[axis] += 3.1f * far;
+                    p[(axis + 1) % 3] += 3.1f * (float(i % kTiles + x) / kTiles);
+                    p[(axis + 2) % 3] += 3.1f * (float(i / kTiles + y) / kTiles);
+                    return p;
+                };
+                addTriangle(walls, std::array{at(0, 0), at(1, 0), at(1, 1)}, kNoUvs);
+                addTriangle(walls, std::array{at(0, 0), at(1, 1), at(0, 1)}, kNoUvs);
+            }
+        }
+    }
+    return walls;
+}
+
 }  // namespace phat::test

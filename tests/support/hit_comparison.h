@@ -49,7 +49,8 @@ class Comparison {
                        std::min(cosine(is, ray), cosine(want, ray)) <=
                    tolerance_;
         if (same && near) return;
-        if (near || isDoubtful(is, ray) || isDoubtful(want, ray)) {
+        const bool otherSide = is && is.triangle == want.triangle && is.backFace != want.backFace;
+        if ((near && !otherSide) || isDoubtful(is, ray) || isDoubtful(want, ray)) {
             ++ties_;
             return;
         }

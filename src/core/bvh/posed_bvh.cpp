@@ -1,7 +1,6 @@
 #include "core/bvh/posed_bvh.h"
 
 #include <algorithm>
-#include <bit>
 #include <glm/gtc/matrix_inverse.hpp>
 #include <stdexcept>
 
@@ -135,17 +134,11 @@ PosedBvh poseBvh(const SceneBvh& bvh, std::span<const glm::mat4> worldFromRest) 
     }
     // A group costs a visit of its root, whether it is a leaf here or not.
     const WideCosts costs{.primitive = WideCosts{}.node, .maxLeaf = 1};
-    const auto fits = [&](const std::vector<WideNode>& tree) {
-        return groupWords + stackWords(tree, LeafVisits::later) <= kBvhStackWords;
-    };
-    BinaryTree binary = buildBinaryTree(boxes, kMaxTreeDepth);
-    std::vector<WideNode> wide = makeWideTree(binary, costs);
-    if (!fits(wide)) {
-        binary = buildBinaryTree(boxes, int(std::bit_width(boxes.size() - 1)));
-        wide = makeWideTree(binary, costs);
-    }
-    if (!fits(wide)) throw std::length_error("the scene has too many nodes for rays on the GPU");
-    return Packer(bvh, placed).pack(binary, wide);
+    const int wordsLeft = kBvhStackWords - groupWords;
+    const BoxTree tree = buildBoxTree(boxes, costs, LeafVisits::later, wordsLeft);
+    if (tree.stackWords > wordsLeft)
+        throw std::length_error("the scene has too many nodes for rays on the GPU");
+    return Packer(bvh, placed).pack(tree.binary, tree.wide);
 }
 
 }  // namespace phat

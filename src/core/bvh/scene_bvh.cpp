@@ -62,7 +62,8 @@ std::vector<Bounds> boxesOf(const Scene& scene, const BvhGrid& grid, const Part&
     return boxes;
 }
 
-void packTree(const BinaryTree& binary, const std::vector<WideNode>& wide, PartTree& tree) {
+void packTree(const BoxTree& built, PartTree& tree) {
+    const auto& [binary, wide, words] = built;
     tree.nodes.reserve(wide.size());
     tree.order.reserve(binary.order.size());
     for (const WideNode& node : wide) {
@@ -83,16 +84,11 @@ void packTree(const BinaryTree& binary, const std::vector<WideNode>& wide, PartT
 
 PartTree treeOf(std::span<const Bounds> boxes) {
     const WideCosts costs{.maxLeaf = kMaxLeafTriangles};
+    const BoxTree built = buildBoxTree(boxes, costs, LeafVisits::none, kGroupStackWords);
     PartTree tree;
-    BinaryTree binary = buildBinaryTree(boxes, kMaxTreeDepth);
-    std::vector<WideNode> wide = makeWideTree(binary, costs);
-    if (stackWords(wide, LeafVisits::none) > kGroupStackWords) {
-        binary = buildBinaryTree(boxes, kGroupStackWords);
-        wide = makeWideTree(binary, costs);
-    }
-    packTree(binary, wide, tree);
-    tree.stackWords = stackWords(wide, LeafVisits::none);
-    tree.bounds = binary.nodes[0].bounds;
+    packTree(built, tree);
+    tree.stackWords = built.stackWords;
+    tree.bounds = built.binary.nodes[0].bounds;
     return tree;
 }
 

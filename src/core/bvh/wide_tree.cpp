@@ -1,6 +1,7 @@
 #include "core/bvh/wide_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 
 namespace phat {
@@ -120,6 +121,18 @@ int stackWords(const std::vector<WideNode>& tree, LeafVisits leaves) {
         words[i] += (leaves == LeafVisits::none ? node.innerCount : node.childCount) > 1;
     }
     return words.empty() ? 0 : words[0];
+}
+
+BoxTree buildBoxTree(std::span<const Bounds> boxes, const WideCosts& costs, LeafVisits leaves,
+                     int maxStackWords) {
+    BoxTree tree;
+    for (const int maxDepth : {kMaxTreeDepth, int(std::bit_width(boxes.size() - 1))}) {
+        tree.binary = buildBinaryTree(boxes, maxDepth);
+        tree.wide = makeWideTree(tree.binary, costs);
+        tree.stackWords = stackWords(tree.wide, leaves);
+        if (tree.stackWords <= maxStackWords) break;
+    }
+    return tree;
 }
 
 }  // namespace phat

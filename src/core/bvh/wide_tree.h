@@ -40,4 +40,16 @@ enum class LeafVisits : uint8_t { none, later };
 /// child can be left to visit.
 int stackWords(const std::vector<WideNode>& tree, LeafVisits leaves);
 
+/// A wide tree with the binary one that it was cut out of.
+struct BoxTree {
+    BinaryTree binary;
+    std::vector<WideNode> wide;
+    int stackWords = 0;
+};
+
+/// The best tree or, where that needs more than `maxStackWords`, a balanced one, which needs no more than the
+/// logarithm of the number of boxes to base 2. pre: as of buildBinaryTree.
+BoxTree buildBoxTree(std::span<const Bounds> boxes, const WideCosts& costs, LeafVisits leaves,
+                     int maxStackWords);
+
 }  // namespace phat

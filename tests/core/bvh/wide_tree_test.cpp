@@ -143,6 +143,25 @@ TEST(WideTree, HoldsEachBoxOnceAndCostsLessThanAGreedyOne) {
     }
 }
 
+// Clumps each of which is far larger than all before: in the best tree each level has one, and the rest.
+TEST(WideTree, OfAnyShapeStaysWithinTheStack) {
+    std::vector<Bounds> boxes;
+    Rng rng(43);
+    for (int clump = 0; clump < 40; ++clump) {
+        const float size = std::exp2(float(clump) - 20);
+        for (int i = 0; i < 12; ++i) {
+            const glm::vec3 at = size * (1.0f + 0.3f * randomPoint(rng));
+            boxes.push_back({at, at + 0.1f * size});
+        }
+    }
+    const BoxTree best = buildBoxTree(boxes, {}, LeafVisits::none, 100);
+    const BoxTree within = buildBoxTree(boxes, {}, LeafVisits::none, 9);
+    EXPECT_GT(best.stackWords, 9);
+    EXPECT_LE(within.stackWords, 9);  // 480 boxes
+    EXPECT_EQ(within.stackWords, stackWords(within.wide, LeafVisits::none));
+    expectIsTree(within.binary, boxes);
+}
+
 TEST(WideTree, OfOneBoxIsOneNode) {
     const std::vector<Bounds> one{Bounds{glm::vec3(0), glm::vec3(1)}};
     const auto wide = makeWideTree(buildBinaryTree(one, 0), {});
@@ -153,13 +172,14 @@ TEST(WideTree, OfOneBoxIsOneNode) {
 }
 
 TEST(WideTree, StackWordsAreThoseOfTheDeepestPath) {
-    // A root with two inner nodes, one of which has two inner ones with leaves below.
-    std::vector<WideNode> tree(5);
+    // A root with two inner nodes; the first has two, of which one has one, with leaves below.
+    std::vector<WideNode> tree(6);
     tree[0] = {{}, 2, 3, 1};
     tree[1] = {{}, 2, 2, 3};
     tree[2] = {{}, 0, 4, 0};
-    tree[3] = {{}, 0, 4, 0};
+    tree[3] = {{}, 1, 1, 5};
     tree[4] = {{}, 0, 1, 0};
+    tree[5] = {{}, 0, 4, 0};
     EXPECT_EQ(stackWords(tree, LeafVisits::none), 2);
     EXPECT_EQ(stackWords(tree, LeafVisits::later), 3);
 }
