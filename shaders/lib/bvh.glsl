@@ -21,7 +21,7 @@ struct BvhHit {
 
 const int kBvhStackWords = 32;         // twin: src/core/bvh/scene_bvh.h
 const int kMaxVisits = 65536;          // twin: src/core/bvh/bvh_rays.cpp
-const int kMaxSteps = 17;               // for a node: four leaves of four triangles each, and the end
+const int kMaxSteps = 16;              // for a node: four leaves of four triangles each
 const uint kInstance = 255u;           // twin: src/core/bvh/bvh_node.h
 const float kMinComponent = 5.421011e-20;    // 2^-64
 const float kSlabRounding = 4.7683716e-7;    // 2^-21
