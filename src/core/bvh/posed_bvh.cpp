@@ -57,14 +57,11 @@ class Packer {
     Packer(const SceneBvh& bvh, const std::vector<Placed>& placed) : bvh_(bvh), placed_(placed) {}
 
     PosedBvh pack(const BinaryTree& binary, const std::vector<WideNode>& wide) {
-        // A wide node's leaves get nodes of their own, after its inner children.
-        if (binary.nodes.size() == 1) {
-            addNodes(1);
+        addNodes(1);
+        if (binary.nodes.size() == 1)
             place(0, binary.order[0]);
-        } else {
-            addNodes(1);
+        else
             packBelow(binary, wide, 0, 0);
-        }
         posed_.root = indexOf(0);
         return std::move(posed_);
     }
@@ -78,6 +75,7 @@ class Packer {
         return first;
     }
 
+    // A wide node's children follow each other, inner nodes first, then groups.
     void packBelow(const BinaryTree& binary, const std::vector<WideNode>& wide, uint32_t wideNode,
                    uint32_t at) {
         const WideNode& node = wide[wideNode];

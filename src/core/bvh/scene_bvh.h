@@ -31,6 +31,9 @@ struct SceneBvh {
 
 /// Words of the stack of a traversal. twin: shaders/lib/bvh.glsl.
 inline constexpr int kBvhStackWords = 32;
+/// No more of them go to one group; the tree over the groups has the rest. A balanced tree of
+/// kMaxBvhTriangles has no more levels.
+inline constexpr int kGroupStackWords = 23;
 inline constexpr uint32_t kMaxBvhTriangles = 1u << 23;
 inline constexpr uint32_t kMaxBvhGroups = 1u << 20;
 
@@ -38,5 +41,7 @@ inline constexpr uint32_t kMaxBvhGroups = 1u << 20;
 /// move. The same bytes on any number of threads. Throws std::length_error before it takes memory where the
 /// scene exceeds the limits.
 SceneBvh buildSceneBvh(const Scene& rest);
+/// Whether it is within the limits.
+bool canHaveBvh(const Scene& scene);
 
 }  // namespace phat
