@@ -24,6 +24,7 @@ LAYERS = {
     "core": {
         "base": set(),
         "scene": {"base"},
+        "bvh": {"base", "scene"},
         "atlas": {"base", "scene"},
         "transport": {"base", "scene"},
         "phatexel": {"base", "scene", "atlas", "transport"},

@@ -23,7 +23,8 @@ std::vector<std::vector<std::string>> variants() {
             {"LOOKUP", "AREA", "CLEARCOAT"},
             {"LOOKUP", "SUN_DISC"},
             {"SCRAMBLES", "CLEARCOAT"},
-            {"PAPER", "AREA", "CLEARCOAT"}};
+            {"PAPER", "AREA", "CLEARCOAT"},
+            {"BVH_OPACITY", "ANY_HIT"}};
 }
 
 TEST(Shaders, CompileInBothFlavors) {

@@ -44,6 +44,7 @@ inline std::vector<ProgramVariant> longestPrograms() {
         {"fullscreen.vert", "radius.frag", coat},
         {"fullscreen.vert", "pyramid.frag", {}},
         {"fullscreen.vert", "texel_material.frag", {}},
+        {"fullscreen.vert", "trace_rays.frag", {"BVH_OPACITY"}},
         {"fullscreen.vert", "split_sum.frag", {}},
         {"fullscreen.vert", "present.frag", {}},
         {"fullscreen.vert", "background.frag", {}},

@@ -1,4 +1,5 @@
 // All tests in one process, so that they share the browsers and the baked rooms. Each file runs alone, too.
+import './bvh.test.js';
 import './compositions.test.js';
 import './package.test.js';
 import './pictures.test.js';

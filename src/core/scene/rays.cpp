@@ -7,28 +7,12 @@
 #include <cassert>
 #include <stdexcept>
 
-#include "core/base/random.h"
 #include "core/scene/length_unit.h"
-#include "core/scene/shading.h"
+#include "core/scene/ray_opacity.h"
 #include "core/scene/transparency.h"
 
 namespace phat {
 namespace {
-
-// Whether the ray goes on through a partly transparent triangle. Blended surfaces decide by a hash of the
-// ray's own bits: the same ray always gets the same answer, on any thread and in any order.
-bool passesThrough(const Scene& scene, uint32_t triangle, const RTCRay& ray, glm::vec2 barycentric) {
-    const float opacity = opacityAt(scene, triangle, barycentric);
-    if (opacity >= 1.0f) return false;
-    if (opacity <= 0.0f) return true;
-    const uint64_t bits =
-        hashOf(hashOf(std::bit_cast<uint32_t>(ray.org_x), std::bit_cast<uint32_t>(ray.org_y),
-                      std::bit_cast<uint32_t>(ray.org_z)),
-               hashOf(std::bit_cast<uint32_t>(ray.dir_x), std::bit_cast<uint32_t>(ray.dir_y),
-                      std::bit_cast<uint32_t>(ray.dir_z)),
-               triangle);
-    return float(bits >> 40) * 0x1p-24f >= opacity;
-}
 
 /// What Embree hands to the filter for one query. The materials come with the query and not with the
 /// acceleration structure, which scenes with different materials share.
@@ -43,7 +27,9 @@ void filterTransparent(const RTCFilterFunctionNArguments* arguments) {
         if (arguments->valid[i] != -1) continue;
         const RTCHit hit = rtcGetHitFromHitN(arguments->hit, arguments->N, i);
         const RTCRay ray = rtcGetRayFromRayN(arguments->ray, arguments->N, i);
-        if (passesThrough(scene, hit.primID, ray, {hit.u, hit.v})) arguments->valid[i] = 0;
+        if (passesThrough(scene, hit.primID, {hit.u, hit.v}, {ray.org_x, ray.org_y, ray.org_z},
+                          {ray.dir_x, ray.dir_y, ray.dir_z}))
+            arguments->valid[i] = 0;
     }
 }
 

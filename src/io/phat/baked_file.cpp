@@ -112,6 +112,15 @@ void addTiles(Payloads& payloads, const Scene& scene, const Bake& bake) {
     add(payloads, "/tiles/brightest", brightest);
 }
 
+// Trees for rays in shaders, which take longer to build than to read.
+void addBvh(Payloads& payloads, const Scene& scene, json& extension) {
+    if (!canHaveBvh(scene)) return;
+    const SceneBvh bvh = buildSceneBvh(scene);
+    extension["bvh"]["nodeCount"] = bvh.nodes.size();
+    add(payloads, "/bvh/nodes", bvh.nodes);
+    add(payloads, "/bvh/order", bvh.order);
+}
+
 void addEnvironment(Payloads& payloads, const Environment& environment, json& extension) {
     constexpr float kLargestRgb9e5 = 65408;
     float largest = 0;
@@ -167,6 +176,7 @@ std::vector<uint8_t> bakedBytes(const GltfSource& source, const Scene& scene, co
     addLayers(payloads, "/area", phatexture.area, phatexture.areaGuides, record.storage, extension);
     if (!phatexture.areaIrradiance.empty()) add(payloads, "/area/irradiance", phatexture.areaIrradiance);
     addTiles(payloads, scene, bake);
+    addBvh(payloads, scene, extension);
     if (scene.environment) addEnvironment(payloads, *scene.environment, extension);
 
     uint64_t byteCount = 0;

@@ -1,10 +1,12 @@
 #pragma once
 // The .phat.glb file: the input scene, an atlas UV set and the PHATexels (docs/format.md).
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/bake/bake.h"
+#include "core/bvh/scene_bvh.h"
 #include "io/base/file_error.h"
 #include "io/gltf/gltf_loader.h"
 
@@ -30,6 +32,7 @@ struct BakedScene {
     Atlas atlas;
     TexelPoints points;  // rebuilt from the atlas, with the stored occluded states
     Phatexture phatexture;
+    std::optional<SceneBvh> bvh;  // where the file has trees, and they are those of the scene
     BakeRecord record;
 };
 

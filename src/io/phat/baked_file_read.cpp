@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "core/bvh/restore_bvh.h"
 #include "io/base/file_error.h"
 #include "io/gltf/gltf_rewrite.h"
 #include "io/phat/bake_record.h"
@@ -184,6 +185,19 @@ Environment readEnvironment(PayloadReader& reader, const json& object) {
     return environment;
 }
 
+// Geometry or materials may have been changed since, by other programs too: then there are none.
+std::optional<SceneBvh> readBvh(PayloadReader& reader, const json& extension, const Scene& scene) {
+    if (!extension.contains("bvh")) return std::nullopt;
+    const json& object = extension["bvh"];
+    const uint64_t nodeCount = wholeNumber(object, "nodeCount");
+    // A node has two children or more, or is a group's root.
+    if (nodeCount > scene.triangles.size() + kMaxBvhGroups)
+        fail("there are more nodes than triangles for them");
+    auto nodes = readPayload<BvhNode>(reader, object, "nodes", nodeCount);
+    return restoreSceneBvh(scene, std::move(nodes),
+                           readPayload<uint32_t>(reader, object, "order", scene.triangles.size()));
+}
+
 BakeRecord readRecord(const json& extension, PhatexelStorage storage) {
     const json record = extension.value("record", json::object());
     return {record.value("generator", ""), record.value("input", ""), record.value("settings", ""),
@@ -256,6 +270,7 @@ void readExtension(const GltfSource& source, BakedScene& baked) {
     baked.atlas = readAtlas(reader, extension, scene);
     baked.points = readTexelPoints(reader, extension.at("atlas"), scene, baked.atlas);
     baked.phatexture = readPhatexture(reader, extension, storage, baked.atlas);
+    baked.bvh = readBvh(reader, extension, scene);
     if (extension.contains("environment"))
         scene.environment = readEnvironment(reader, extension["environment"]);
 }

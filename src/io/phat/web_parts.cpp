@@ -38,6 +38,7 @@ std::vector<Later> laterViews(const json& extension) {
     addSource(extension.at("area"), "lamps");
     addSource(extension.at("indirect"), "reflections");
     if (!parts.empty()) add(parts.front(), extension.at("tiles"), {"distances"});
+    if (!parts.empty() && extension.contains("bvh")) add(parts.front(), extension["bvh"], {"nodes", "order"});
     return parts;
 }
 

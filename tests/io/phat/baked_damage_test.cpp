@@ -151,8 +151,22 @@ TEST_F(BakedDamage, SizesThatDoNotAgreeAreRefused) {
     EXPECT_TRUE(refuses([](auto& e) { e.erase("area"); }));
     EXPECT_TRUE(refuses([](auto& e) { e.erase("tiles"); }));
     EXPECT_TRUE(refuses([](auto& e) { e["tiles"].erase("distances"); }));
+    EXPECT_TRUE(refuses([](auto& e) { e["bvh"]["nodeCount"] = 1e9; }));
+    EXPECT_TRUE(refuses([](auto& e) { e["bvh"]["nodeCount"] = -1; }));
+    EXPECT_TRUE(refuses([](auto& e) { e["bvh"]["order"]["byteLength"] = 0; }));
+    EXPECT_TRUE(refuses([](auto& e) { e["bvh"]["nodes"] = e["bvh"]["order"]; }));
+    EXPECT_TRUE(refuses([](auto& e) { e["bvh"].erase("order"); }));
+    EXPECT_FALSE(refuses([](auto& e) { e.erase("bvh"); }));
     EXPECT_TRUE(refuses([](auto& e) { e["tiles"]["places"] = e["tiles"]["distances"]; }));
     EXPECT_TRUE(refuses([](auto& e) { e["indirect"]["layers"][0]["scrambles"] = e["tiles"]["places"]; }));
+}
+
+TEST_F(BakedDamage, TreesOfGeometryThatWasMovedAreLeftOut) {
+    EXPECT_TRUE(readBakedFile(target).bvh);
+    rewrite([](auto& json) { json["nodes"][0]["translation"] = {0, 3, 0}; });
+    EXPECT_FALSE(readBakedFile(target).bvh);
+    rewrite([](auto& json) { json["extensions"]["PHAT_photon_accumulation_texture"].erase("bvh"); });
+    EXPECT_FALSE(readBakedFile(target).bvh);
 }
 
 TEST_F(BakedDamage, StoragesThatDoNotFitAreRefused) {

@@ -104,6 +104,11 @@ TEST_F(BakedRoundTrip, ReturnsTheBakeBitByBit) {
         expectSame(bake.atlas, read.atlas);
         expectSame(bake.points, read.points);
         expectSame(bake.phatexture, read.phatexture);
+        ASSERT_TRUE(read.bvh);
+        const SceneBvh bvh = buildSceneBvh(loaded.scene);
+        EXPECT_EQ(bvh.nodes, read.bvh->nodes);
+        EXPECT_EQ(bvh.order, read.bvh->order);
+        EXPECT_EQ(bvh.triangles, read.bvh->triangles);
         EXPECT_EQ(read.record.generator, test::someRecord().generator);
         EXPECT_EQ(read.record.source, test::someRecord().source);
         EXPECT_EQ(read.record.settings, test::someRecord().settings);

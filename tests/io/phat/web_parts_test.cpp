@@ -56,6 +56,8 @@ TEST(WebParts, AreTheSameBakeTogether) {
     EXPECT_EQ(bufferOf(extension["indirect"]["irradiance"]), 0);
     EXPECT_EQ(bufferOf(extension["tiles"]["places"]), 0);
     EXPECT_EQ(bufferOf(extension["area"]["layers"][0]["direction"]), 1);
+    EXPECT_EQ(bufferOf(extension["bvh"]["nodes"]), 1);
+    EXPECT_EQ(bufferOf(extension["bvh"]["order"]), 1);
     EXPECT_EQ(bufferOf(extension["indirect"]["guides"]), 2);
     EXPECT_EQ(bufferOf(extension["indirect"]["layers"][0]["radiance"]), 2);
     EXPECT_EQ(bufferOf(extension["indirect"]["layers"][1]["radiance"]), 3);
