@@ -103,18 +103,24 @@ test('is a page by itself, with a title, a poster and labels', async () => {
     await page.close();
 });
 
+const eyeOf = (page) => page.evaluate(() => viewer.camera.position.toArray());
+const forwardOf = (page) =>
+    page.evaluate(() => viewer.camera.getWorldDirection(viewer.camera.position.clone()).toArray());
+const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
+
 test('turns by pointer and flies by keys', async () => {
     const page = await loaded(await open(server.url));
-    const eye = () => page.evaluate(() => viewer.camera.position.toArray());
+    const eye = () => eyeOf(page);
     const pixels = await pixelsOf(page);
-    const first = await eye();
+    const first = await eye(),
+        forward = await forwardOf(page);
     await page.mouse.move(60, 60);
     await page.mouse.down();
     await page.mouse.move(100, 50, { steps: 3 });
     await page.mouse.up();
     const turned = await eye();
-    const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
-    assert.ok(distance(turned, first) > 0.1, 'the eye has moved');
+    assert.ok(distance(turned, first) < 0.01, 'the eye is where it was');
+    assert.ok(distance(await forwardOf(page), forward) > 0.05, 'the view has turned');
     assert.ok(maeOverMean(await pixelsOf(page), pixels) > 0.05, 'the picture is another one');
     await page.focus('#view');
     await page.keyboard.down('w');
@@ -125,37 +131,54 @@ test('turns by pointer and flies by keys', async () => {
     await page.keyboard.up('w');
     await page.keyboard.press('0');
     assert.ok(distance(await eye(), first) < 1e-5, 'back at the first view');
+    await page.evaluate(() => {
+        const far = viewer.camera.clone();
+        far.position.set(0, 0, 10 * viewer.navigation.radius);
+        far.lookAt(0, 0, 0);
+        far.updateMatrixWorld();
+        viewer.navigation.goTo(far);
+    });
+    const outside = await eye();
+    await page.mouse.move(60, 60);
+    await page.mouse.down();
+    await page.mouse.move(100, 50, { steps: 3 });
+    await page.mouse.up();
+    assert.ok(distance(await eye(), outside) > 0.1, 'outside, the eye orbits');
     await page.close();
 });
 
-test('turns and zooms by fingers', async () => {
+test('turns and walks by fingers', async () => {
     const page = await loaded(await open(server.url));
-    const eye = () => page.evaluate(() => viewer.camera.position.toArray());
     const client = await page.context().newCDPSession(page);
     const touch = (type, ...places) =>
         client.send('Input.dispatchTouchEvent', {
             type,
             touchPoints: places.map(([x, y], id) => ({ x, y, id })),
         });
-    const first = await eye();
+    const first = await eyeOf(page),
+        forward = await forwardOf(page);
     await touch('touchStart', [60, 60]);
     await touch('touchMove', [80, 55]);
     await touch('touchMove', [100, 50]);
     await touch('touchEnd');
     await page.waitForFunction(
-        (from) => viewer.camera.position.distanceTo({ x: from[0], y: from[1], z: from[2] }) > 0.1,
-        first,
+        ([x, y, z]) => viewer.camera.getWorldDirection(viewer.camera.position.clone()).dot({ x, y, z }) < 0.999,
+        forward,
     );
-    const toMiddle = () =>
-        page.evaluate(() => viewer.camera.position.distanceTo(viewer.navigation.controls.target));
-    const before = await toMiddle();
+    assert.ok(distance(await eyeOf(page), first) < 0.01, 'the eye is where it was');
     await touch('touchStart', [60, 45], [100, 45]);
     await touch('touchMove', [50, 45], [110, 45]);
     await touch('touchMove', [40, 45], [120, 45]);
     await touch('touchEnd');
     await page.waitForFunction(
-        (far) => viewer.camera.position.distanceTo(viewer.navigation.controls.target) < 0.8 * far,
-        before,
+        ([x, y, z]) => viewer.camera.position.distanceTo({ x, y, z }) > 0.05,
+        first,
+    );
+    const moved = (await eyeOf(page)).map((x, i) => x - first[i]),
+        ahead = await forwardOf(page);
+    assert.ok(
+        moved.reduce((sum, x, i) => sum + x * ahead[i], 0) > 0.9 * Math.hypot(...moved),
+        'ahead',
     );
     assert.deepEqual(page.problems, []);
     await page.close();

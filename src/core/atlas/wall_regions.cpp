@@ -72,7 +72,8 @@ class RegionFinder {
     }
 
     // Regions under objects and tiny ones go to the smallest neighbour: what is under the walls of a room to
-    // the room, so that the cut is where nobody inside sees it.
+    // the room, so that the cut is where nobody inside sees it. A hidden one does not go to a strip that is
+    // narrower than a texel, whose only row of texels would come to lie at the border of the two.
     void uniteMinorRegions() {
         std::map<uint32_t, std::set<uint32_t>> neighborsOf;  // across walls
         for (const Contact& contact : contacts_) {
@@ -86,23 +87,34 @@ class RegionFinder {
         for (uint32_t t = 0; t < cutter_.triangles().size(); ++t)
             if (const auto found = members.find(sets_.find(t)); found != members.end())
                 found->second.push_back(t);
-        std::map<uint32_t, bool> minor;
+        std::map<uint32_t, bool> minor, narrow;
         std::map<uint32_t, double> areas;
         for (const auto& [region, triangles] : members) {
             for (const uint32_t t : triangles) areas[region] += area(t);
             minor[region] = isMinor(triangles, areas[region]);
+            narrow[region] = areas[region] < texelSize_ * double(boundsOf(triangles).diagonal());
         }
         for (const auto& [region, neighbors] : neighborsOf) {
             if (!minor[region]) continue;
             const auto isBetter = [&](uint32_t x, uint32_t y) {
                 return std::make_tuple(minor[x], areas[x]) < std::make_tuple(minor[y], areas[y]);
             };
-            sets_.unite(region, *std::min_element(neighbors.begin(), neighbors.end(), isBetter));
+            const uint32_t best = *std::min_element(neighbors.begin(), neighbors.end(), isBetter);
+            if (isTiny(areas[region]) || minor[best] || !narrow[best]) sets_.unite(region, best);
         }
     }
 
+    bool isTiny(double total) const { return total < kMinAreaTexels * texelSize_ * texelSize_; }
+
+    Bounds boundsOf(const std::vector<uint32_t>& triangles) const {
+        Bounds bounds;
+        for (const uint32_t t : triangles)
+            for (int i = 0; i < 3; ++i) bounds.add(glm::vec3(cutter_.position(cutter_.triangles()[t][i])));
+        return bounds;
+    }
+
     bool isMinor(const std::vector<uint32_t>& triangles, double total) const {
-        if (total < kMinAreaTexels * texelSize_ * texelSize_) return true;
+        if (isTiny(total)) return true;
         const bool both = rays_.scene().materialOf(cutter_.origin(triangles[0])).doubleSided;
         return isHidden(triangles, total, 1) && (!both || isHidden(triangles, total, -1));
     }

@@ -82,6 +82,22 @@ TEST(DividedSurfaces, ObjectsOnAFloorDoNotDivideIt) {
         EXPECT_GE(divided.surface, 12u);
 }
 
+// Its one row of texels would lie at the border of the hidden half.
+TEST(DividedSurfaces, AHalfHiddenStripNarrowerThanATexelIsDivided) {
+    Scene scene;
+    const auto firstOf = [&](glm::vec3 corner, glm::vec3 size) {
+        const size_t first = scene.surfaces.size();
+        addOutwardBox(scene, lambert(0.5f), corner, size);
+        return first;
+    };
+    firstOf({0, 0, 0}, {1, 0.04f, 0.3f});                               // a tread
+    const size_t riser = firstOf({0, 0.04f, 0.29f}, {1, 0.2f, 0.02f});  // behind it for half its thickness
+    std::vector<uint32_t> parts;
+    for (const DividedSurface& divided : divideAtWalls(RayScene(scene), kTexel))
+        if (divided.surface >= riser && divided.partCount > 1) parts.push_back(divided.partCount);
+    EXPECT_EQ(parts, std::vector<uint32_t>{2});
+}
+
 TEST(DividedSurfaces, BoardsDoNotShatterTheScreedUnderThem) {
     Scene scene = roomOnFloor();
     constexpr int kRows = 40;
