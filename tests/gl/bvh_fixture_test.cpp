@@ -11,7 +11,7 @@
 #include "core/bvh/bvh_rays.h"
 #include "core/scene/posed_scene.h"
 #include "gl/bvh_opacity.h"
-#include "support/bvh_scenes.h"
+#include "support/ray_scenes.h"
 
 namespace phat::test {
 namespace {

@@ -10,8 +10,8 @@
 #include "gl/gl_context.h"
 #include "gl/gl_evaluate.h"
 #include "gl/textures.h"
-#include "support/bvh_scenes.h"
 #include "support/hit_comparison.h"
+#include "support/ray_scenes.h"
 
 namespace phat::test {
 namespace {

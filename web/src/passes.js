@@ -247,29 +247,30 @@ export class Passes {
         gl.enable(gl.DEPTH_TEST);
     }
 
-    preview(view, target, show) {
-        const { gl, atlas } = this,
-            { preview: program } = this.programs;
+    // Diffuse light, which all pictures show.
+    beginLight(program, target, show) {
+        const { gl, atlas } = this;
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.lightTarget);
         program.use();
         program.bind('tileTable', 2, gl.TEXTURE_2D, atlas.tileTable);
         program.bind('irradiance', 3, gl.TEXTURE_2D_ARRAY, atlas.irradiance);
         program.set('show', show);
+    }
+
+    preview(view, target, show) {
+        const { preview: program } = this.programs;
+        this.beginLight(program, target, show);
         this.drawSurfaces(program, view, 1);
     }
 
     display(view, shared, target, show) {
         const { gl, atlas } = this,
             { display: program } = this.programs;
-        gl.bindFramebuffer(gl.FRAMEBUFFER, target.lightTarget);
-        program.use();
+        this.beginLight(program, target, show);
         program.bind('incident', 0, gl.TEXTURE_2D_ARRAY, shared.incident);
         program.bind('tileLight', 1, gl.TEXTURE_2D, atlas.tileLight);
-        program.bind('tileTable', 2, gl.TEXTURE_2D, atlas.tileTable);
-        program.bind('irradiance', 3, gl.TEXTURE_2D_ARRAY, atlas.irradiance);
         program.bind('splitSumTable', 4, gl.TEXTURE_2D, this.splitSum);
         program.set('tracedLayer', 0);
-        program.set('show', show);
         this.drawSurfaces(program, view, kSlots.length);
     }
 

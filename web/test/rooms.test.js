@@ -7,7 +7,7 @@ import { after, before, test } from 'node:test';
 import { borrowBrowser, serve } from './browser.js';
 import { glassRoom } from './built_room.js';
 import { maeOverMean, meanOf, phat, readExr } from './room.js';
-import { loaded, open, pixelsOf, rest, viewport } from './site.js';
+import { distance, drag, eyeOf, forwardOf, isAlong, loaded, open, pixelsOf, rest, viewport } from './site.js';
 
 const { width, height } = viewport;
 let folder, served, mesa, page, pixels, expected;
@@ -91,27 +91,18 @@ test('two nodes with one camera are two views', async () => {
 });
 
 test('in a room the head turns, and the wheel walks', async () => {
-    const eye = () => page.evaluate(() => viewer.camera.position.toArray());
-    const forward = () =>
-        page.evaluate(() => viewer.camera.getWorldDirection(viewer.camera.position.clone()).toArray());
-    const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
-    const [from, before] = [await eye(), await forward()];
-    await page.mouse.move(60, 45);
-    await page.mouse.down();
-    await page.mouse.move(100, 50, { steps: 4 });
-    await page.mouse.up();
-    assert.ok(distance(await forward(), before) > 0.2, 'the view has turned');
-    assert.ok(distance(await eye(), from) < 0.01, 'the eye is where it was');
+    const [from, before] = [await eyeOf(page), await forwardOf(page)];
+    await drag(page, [60, 45], [100, 50]);
+    assert.ok(distance(await forwardOf(page), before) > 0.2, 'the view has turned');
+    assert.ok(distance(await eyeOf(page), from) < 0.01, 'the eye is where it was');
     await page.mouse.move(40, 60);
     await page.mouse.wheel(0, -300);
     await page.waitForFunction(
         ([x, y, z]) => viewer.camera.position.distanceTo({ x, y, z }) > 0.05,
         from,
     );
-    const moved = (await eye()).map((x, i) => x - from[i]),
-        ahead = await forward(),
-        length = Math.hypot(...moved);
-    assert.ok(moved.reduce((sum, x, i) => sum + x * ahead[i], 0) > 0.99 * length, 'straight ahead');
+    const moved = (await eyeOf(page)).map((x, i) => x - from[i]);
+    assert.ok(isAlong(moved, await forwardOf(page), 0.99), 'straight ahead');
     await page.evaluate(() => viewer.navigation.goTo(viewer.navigation.first));
 });
 
@@ -131,7 +122,7 @@ async function pageOf(t, name, room) {
 // Pages show in perspective alone.
 test('a room with parallel cameras alone is seen by a camera of the page', async (t) => {
     const other = await pageOf(t, 'parallel', { cameras: 'orthographic' });
-    const eye = await other.evaluate(() => viewer.camera.position.toArray());
+    const eye = await eyeOf(other);
     assert.ok(eye.every((x, i) => x > [-2, 0, -2][i] && x < [2, 3, 2][i]), eye.join());
     assert.ok(meanOf(await pixelsOf(other)) > 0);
     await other.close();

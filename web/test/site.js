@@ -60,3 +60,18 @@ export const rest = (page) =>
     page.evaluate(() => {
         viewer.renderer.setAnimationLoop(null);
     });
+
+export const eyeOf = (page) => page.evaluate(() => viewer.camera.position.toArray());
+export const forwardOf = (page) =>
+    page.evaluate(() => viewer.camera.getWorldDirection(viewer.camera.position.clone()).toArray());
+export const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
+// Whether a movement is straight ahead.
+export const isAlong = (moved, forward, cosine) =>
+    moved.reduce((sum, x, i) => sum + x * forward[i], 0) > cosine * Math.hypot(...moved);
+
+export async function drag(page, [fromX, fromY], [toX, toY]) {
+    await page.mouse.move(fromX, fromY);
+    await page.mouse.down();
+    await page.mouse.move(toX, toY, { steps: 4 });
+    await page.mouse.up();
+}

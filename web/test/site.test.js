@@ -6,7 +6,19 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { serve } from './browser.js';
 import { maeOverMean, meanOf, phat, readExr } from './room.js';
-import { loaded, open as openIn, openRoom, pixelsOf, rest, viewport } from './site.js';
+import {
+    distance,
+    drag,
+    eyeOf,
+    forwardOf,
+    isAlong,
+    loaded,
+    open as openIn,
+    openRoom,
+    pixelsOf,
+    rest,
+    viewport,
+} from './site.js';
 
 const open = (url, prepare, size) => openIn(browser, url, { prepare, size });
 let browser, room, server, close, folder;
@@ -103,21 +115,13 @@ test('is a page by itself, with a title, a poster and labels', async () => {
     await page.close();
 });
 
-const eyeOf = (page) => page.evaluate(() => viewer.camera.position.toArray());
-const forwardOf = (page) =>
-    page.evaluate(() => viewer.camera.getWorldDirection(viewer.camera.position.clone()).toArray());
-const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
-
 test('turns by pointer and flies by keys', async () => {
     const page = await loaded(await open(server.url));
     const eye = () => eyeOf(page);
     const pixels = await pixelsOf(page);
     const first = await eye(),
         forward = await forwardOf(page);
-    await page.mouse.move(60, 60);
-    await page.mouse.down();
-    await page.mouse.move(100, 50, { steps: 3 });
-    await page.mouse.up();
+    await drag(page, [60, 60], [100, 50]);
     const turned = await eye();
     assert.ok(distance(turned, first) < 0.01, 'the eye is where it was');
     assert.ok(distance(await forwardOf(page), forward) > 0.05, 'the view has turned');
@@ -139,10 +143,7 @@ test('turns by pointer and flies by keys', async () => {
         viewer.navigation.goTo(far);
     });
     const outside = await eye();
-    await page.mouse.move(60, 60);
-    await page.mouse.down();
-    await page.mouse.move(100, 50, { steps: 3 });
-    await page.mouse.up();
+    await drag(page, [60, 60], [100, 50]);
     assert.ok(distance(await eye(), outside) > 0.1, 'outside, the eye orbits');
     await page.close();
 });
@@ -176,10 +177,7 @@ test('turns and walks by fingers', async () => {
     );
     const moved = (await eyeOf(page)).map((x, i) => x - first[i]),
         ahead = await forwardOf(page);
-    assert.ok(
-        moved.reduce((sum, x, i) => sum + x * ahead[i], 0) > 0.9 * Math.hypot(...moved),
-        'ahead',
-    );
+    assert.ok(isAlong(moved, ahead, 0.9), 'ahead');
     assert.deepEqual(page.problems, []);
     await page.close();
 });

@@ -53,8 +53,8 @@ struct Flattener {
 
     std::vector<std::vector<uint32_t>> partsOf(const FlatChart& chart) const {
         // Limits the time that large charts take; their halves may have fewer.
-        constexpr size_t kMostTriangles = 1000;
-        if (chart.triangles.size() > kMostTriangles) return bisectChart(topology, chart.triangles);
+        constexpr size_t kMaxTriangles = 1000;
+        if (chart.triangles.size() > kMaxTriangles) return bisectChart(topology, chart.triangles);
         return partsWithSmallBoxes(topology, chart, cost.texelSizeMeters);
     }
 

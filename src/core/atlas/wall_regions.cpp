@@ -106,10 +106,13 @@ class RegionFinder {
 
     bool isTiny(double total) const { return total < kMinAreaTexels * texelSize_ * texelSize_; }
 
+    void add(Bounds& bounds, uint32_t triangle) const {
+        for (int i = 0; i < 3; ++i) bounds.add(glm::vec3(cutter_.position(cutter_.triangles()[triangle][i])));
+    }
+
     Bounds boundsOf(const std::vector<uint32_t>& triangles) const {
         Bounds bounds;
-        for (const uint32_t t : triangles)
-            for (int i = 0; i < 3; ++i) bounds.add(glm::vec3(cutter_.position(cutter_.triangles()[t][i])));
+        for (const uint32_t t : triangles) add(bounds, t);
         return bounds;
     }
 
@@ -178,12 +181,11 @@ class RegionFinder {
         for (uint32_t t = 0; t < regions.ofTriangle.size(); ++t) {
             Extent& extent = extents[regions.ofTriangle[t]];
             extent.surface = rays_.scene().triangleSurface[cutter_.origin(t)];
-            const glm::uvec3& v = cutter_.triangles()[t];
-            for (int i = 0; i < 3; ++i) extent.bounds.add(glm::vec3(cutter_.position(v[i])));
+            add(extent.bounds, t);
             if (area(t) <= extent.area) continue;
             extent.area = area(t);
             extent.normal = normal(t);
-            extent.offset = glm::dot(normal(t), cutter_.position(v[0]));
+            extent.offset = glm::dot(normal(t), cutter_.position(cutter_.triangles()[t][0]));
         }
         return extents;
     }

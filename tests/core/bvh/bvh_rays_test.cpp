@@ -4,8 +4,8 @@
 
 #include "core/scene/posed_scene.h"
 #include "core/scene/scene_motion.h"
-#include "support/bvh_scenes.h"
 #include "support/hit_comparison.h"
+#include "support/ray_scenes.h"
 
 namespace phat::test {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/bvh_scenes.h"
+#include "support/ray_scenes.h"
 
 namespace phat::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <tbb/global_control.h>
 
 #include "core/bvh/posed_bvh.h"
-#include "support/bvh_scenes.h"
+#include "support/ray_scenes.h"
 
 namespace phat::test {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "support/bvh_scenes.h"
+#include "support/ray_scenes.h"
 
 namespace phat::test {
 namespace {

@@ -6,37 +6,13 @@
 
 #include "core/base/hemisphere_map.h"
 #include "core/base/random.h"
+#include "support/ray_scenes.h"
 #include "support/scene_builder.h"
 
 namespace phat {
 namespace {
 
 using namespace test;
-
-const glm::vec2 kNoUv[3] = {};
-
-glm::vec3 randomPoint(Rng& rng) {
-    const float x = rng.uniform(), y = rng.uniform();
-    return 2.0f * glm::vec3(x, y, rng.uniform()) - 1.0f;
-}
-
-glm::vec3 randomDirection(Rng& rng) {
-    const glm::vec3 up = squareToHemisphere(rng.uniform2());
-    return rng.uniform() < 0.5f ? up : -up;
-}
-
-Scene triangleSoup(int count) {
-    Rng rng(11);
-    Scene scene;
-    addSurface(scene, lambert(0.5f));
-    for (int i = 0; i < count; ++i) {
-        const glm::vec3 center = randomPoint(rng);
-        const glm::vec3 corners[3] = {center + 0.4f * randomPoint(rng), center + 0.4f * randomPoint(rng),
-                                      center + 0.4f * randomPoint(rng)};
-        addTriangle(scene, corners, kNoUv);
-    }
-    return scene;
-}
 
 // Where a ray's line meets a triangle's plane, by Cramer's rule in double.
 struct Crossing {
@@ -67,7 +43,7 @@ std::optional<Crossing> cross(const Scene& scene, uint32_t triangle, glm::dvec3 
 constexpr double kDoubt = 1e-4;  // float rounding may decide nearer to an edge than this
 
 TEST(Rays, ClosestHitIsBruteForcesNearest) {
-    const Scene scene = triangleSoup(200);
+    const Scene scene = triangleSoup(200, 0.4f, 11);
     const RayScene rays(scene);
     Rng rng(12);
     int compared = 0, hits = 0, backs = 0;
@@ -128,49 +104,20 @@ TEST(Rays, NothingMeetsAnEmptyScene) {
     EXPECT_FALSE(rays.anyHit({0, 0, 0}, {0, 0, 1}, 1e30f));
 }
 
-Scene sphere(glm::vec3 center, int rings) {
-    Scene scene;
-    addSurface(scene, lambert(0.5f));
-    const auto at = [&](int ring, int sector) {
-        const float theta = kPi * float(ring) / float(rings);
-        const float phi = kPi * float(sector % (2 * rings)) / float(rings);
-        if (ring == 0 || ring == rings) return center + glm::vec3(0, ring == 0 ? 1 : -1, 0);
-        return center +
-               glm::vec3(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
-    };
-    for (int ring = 0; ring < rings; ++ring) {
-        for (int sector = 0; sector < 2 * rings; ++sector) {
-            const glm::vec3 a = at(ring, sector), b = at(ring, sector + 1), c = at(ring + 1, sector + 1),
-                            d = at(ring + 1, sector);
-            if (ring > 0) addTriangle(scene, std::array{a, b, c}, kNoUv);
-            if (ring < rings - 1) addTriangle(scene, std::array{a, c, d}, kNoUv);
-        }
-    }
-    return scene;
-}
-
-// Half of the rays go straight for an edge. (Aimed exactly at a vertex, one in 150 slips through Embree's
-// robust mode too; nothing in transport aims there.)
+// (Aimed exactly at a vertex, one ray in 150 slips through Embree's robust mode; nothing in transport aims
+// there.)
 int escapes(const Scene& scene, glm::vec3 center, float extent, int count) {
     const RayScene rays(scene);
-    Rng rng(13);
     int escaped = 0;
-    for (int i = 0; i < count; ++i) {
-        const glm::vec3 origin = center + extent * randomPoint(rng);
-        glm::vec3 direction = randomDirection(rng);
-        if (i % 2) {
-            const glm::uvec3 t = scene.triangles[rng.bits() % scene.triangles.size()];
-            const glm::vec3 target = glm::mix(scene.positions[t.x], scene.positions[t.y], rng.uniform());
-            direction = glm::normalize(target - origin);
-        }
-        escaped += !rays.closestHit(origin, direction) || !rays.anyHit(origin, direction, 1e30f);
-    }
+    for (const Ray& ray : raysAtEdges(scene, center, extent, count, 13))
+        escaped +=
+            !rays.closestHit(ray.origin, ray.direction) || !rays.anyHit(ray.origin, ray.direction, 1e30f);
     return escaped;
 }
 
 TEST(Rays, NoneEscapesAClosedMesh) {
-    EXPECT_EQ(escapes(sphere(glm::vec3(0), 64), glm::vec3(0), 0.5f, 500'000), 0);
-    EXPECT_EQ(escapes(sphere({100, -50, 3}, 64), {100, -50, 3}, 0.5f, 200'000), 0);
+    EXPECT_EQ(escapes(sphere(glm::vec3(0), 1, 64), glm::vec3(0), 0.5f, 500'000), 0);
+    EXPECT_EQ(escapes(sphere({100, -50, 3}, 1, 64), {100, -50, 3}, 0.5f, 200'000), 0);
     Scene box;
     addRoom(box, lambert(0.5f), {1, 2, 3});
     EXPECT_EQ(escapes(box, {0.5f, 1, 1.5f}, 0.49f, 300'000), 0);
@@ -257,7 +204,7 @@ TEST(Rays, OffsetOriginsDoNotMeetTheirOwnTriangle) {
             if (glm::length(cross) < 0.2f * size * size) continue;  // slivers have no normal in float
             Scene scene;
             addSurface(scene, lambert(0.5f));
-            addTriangle(scene, corners, kNoUv);
+            addTriangle(scene, corners, kNoUvs);
             const RayScene rays(scene);
             const glm::vec2 s = rng.uniform2();
             const glm::vec2 b = s.x + s.y > 1 ? 1.0f - s : s;

@@ -1,5 +1,5 @@
 #pragma once
-// Scenes and rays for the tests of the trees that shaders traverse.
+// Scenes and rays for the tests of ray queries, of Embree and of the trees that shaders traverse.
 
 #include <algorithm>
 #include <cmath>
@@ -164,8 +164,9 @@ inline std::vector<Ray> randomRays(const Scene& scene, int count, float extent, 
 }
 
 /// Half of the rays go straight for an edge, the others anywhere.
-inline std::vector<Ray> raysAtEdges(const Scene& scene, glm::vec3 center, float extent, int count) {
-    Rng rng(54);
+inline std::vector<Ray> raysAtEdges(const Scene& scene, glm::vec3 center, float extent, int count,
+                                    uint64_t seed = 54) {
+    Rng rng(seed);
     std::vector<Ray> rays;
     for (int i = 0; i < count; ++i) {
         const glm::vec3 origin = center + extent * randomPoint(rng);
