@@ -93,7 +93,9 @@ test('two nodes with one camera are two views', async () => {
 test('in a room the head turns, and the wheel walks', async () => {
     const [from, before] = [await eyeOf(page), await forwardOf(page)];
     await drag(page, [60, 45], [100, 50]);
-    assert.ok(distance(await forwardOf(page), before) > 0.2, 'the view has turned');
+    const turned = await forwardOf(page);
+    assert.ok(distance(turned, before) > 0.2, 'the view has turned');
+    assert.ok(before[2] * turned[0] - before[0] * turned[2] > 0, 'to the left, so that the room follows the pointer');
     assert.ok(distance(await eyeOf(page), from) < 0.01, 'the eye is where it was');
     await page.mouse.move(40, 60);
     await page.mouse.wheel(0, -300);

@@ -79,8 +79,8 @@ export class Navigation {
         this.inside = encloses(this.root, camera.position);
         const distance = this.inside ? kHeadRadii * this.radius : this.ahead;
         controls.target.copy(camera.position).addScaledVector(ray.ray.direction, distance);
-        // What is under the pointer stays there.
-        controls.rotateSpeed = this.inside ? camera.fov / 360 : 1;
+        // What is under the pointer stays there: it lies behind the centre of a turning head, which turns the other way.
+        controls.rotateSpeed = this.inside ? -camera.fov / 360 : 1;
         controls.panSpeed = this.ahead / distance;
         controls.update();
         this.changed();
