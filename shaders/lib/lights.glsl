@@ -209,21 +209,34 @@ vec3 shadowTint(int layer, int firstRow, vec3 point) {
 }
 #endif
 
+// Of the maps of a light, the one that `point` is in. `row`: the light's last.
+int shadowLayerAt(int light, vec4 row, vec3 point) {
+    int layer = int(row.y);
+    if (row.z < 1.5) return layer;
+    // Faces +x -x +y -y +z -z, by the largest coordinate.
+    vec3 d = point - lightRow(light, 0).xyz;
+    vec3 a = abs(d);
+    if (a.x >= a.y && a.x >= a.z) return layer + (d.x > 0.0 ? 0 : 1);
+    if (a.y >= a.z) return layer + (d.y > 0.0 ? 2 : 3);
+    return layer + (d.z > 0.0 ? 4 : 5);
+}
+
 vec3 shadowVisibility(int light, vec3 point, vec3 normalGeometric) {
     vec4 row = lightRow(light, 3);
-    int layer = int(row.y);
-    if (row.z > 1.5) {
-        // Faces +x -x +y -y +z -z, by the largest coordinate.
-        vec3 d = point - lightRow(light, 0).xyz;
-        vec3 a = abs(d);
-        if (a.x >= a.y && a.x >= a.z) layer += d.x > 0.0 ? 0 : 1;
-        else if (a.y >= a.z) layer += d.y > 0.0 ? 2 : 3;
-        else layer += d.z > 0.0 ? 4 : 5;
-    }
+    int layer = shadowLayerAt(light, row, point);
     float disc = int(lightRow(light, 0).w) == kLightDirectional ? row.w : 0.0;
     vec3 visibility = vec3(shadowLayerVisibility(layer, lightCount * kLightRows, point, normalGeometric, disc));
 #ifdef SHADOW_TINTS
     if (visibility.x > 0.0) visibility *= shadowTint(layer, lightCount * kLightRows, point);
 #endif
     return visibility;
+}
+
+// By one comparison, for points that no pixel shows.
+float hardShadow(int light, vec3 point, vec3 normalGeometric) {
+    ShadowReceiver r;
+    float known = shadowReceiver(shadowLayerAt(light, lightRow(light, 3), point), lightCount * kLightRows, point,
+                                 normalGeometric, r);
+    if (known >= 0.0) return known;
+    return texture(shadowMaps, vec4(r.texel / r.size, float(r.layer), r.depth - 2.0 * r.bias));
 }

@@ -2,15 +2,11 @@
 // block that has this direction. ours, because averaging the neighbourhood instead reads thousands of texels a pixel for
 // the same error (docs/lookup.md).
 #include "lib/frame.glsl"
+#include "lib/sample_numbers.glsl"
 #include "lib/scalar_lobe.glsl"
 #include "lib/sharpness.glsl"
 #include "lib/visible_normal.glsl"
 
-const int kMaxSamples = 32;
-const int kRanks = 16;
-
-uniform uvec4 sampleNumbers[kMaxSamples];  // fractions of 2^32, the same for all pixels but for `ranks`
-uniform uvec4 ranks[kRanks];
 uniform int sampleCount;                   // at most kMaxSamples
 #ifdef AREA
 uniform int lightBits;  // the 4x4 pixels of a group read 2^lightBits texels a side together, 2 to 5
@@ -99,10 +95,6 @@ float searchRadius(float distance, float texelMeters) {
 // twin: kUniformFraction in src/core/phatexel/directions.cpp.
 const float kMinDensity = 0.3 / (2.0 * kPi);
 
-ivec2 groupCorner(LookupTile tile, ivec2 texel, int bits) {
-    return tile.blockCorner + (((texel - tile.blockCorner) >> bits) << bits);
-}
-
 // `cell`: of the inverse CDF, the one that the PHATexel was drawn in.
 LookupSample sampleFrom(LookupTile tile, Phatexel phatexel, vec4 cell, int bits) {
     float angle = cellAngle(bits);
@@ -183,11 +175,6 @@ float clampedAlpha(LookupQuery query, inout LookupCursor cursor) {
     float solidAngle = min(12.0 * kPi * alpha * alpha * wo.z, kPi);
     float scale = clamp(sqrt(kMinSamplesUnderLobe / max(texels * density * solidAngle, 1e-6)), 1.0, kMaxAlphaScale);
     return min(alpha * scale, max(alpha, 1.0));
-}
-
-// The four numbers in [0,1) of sample `k` of a pixel.
-vec4 sampleNumbersOf(int k, int rank) {
-    return vec4((sampleNumbers[k] ^ ranks[rank]) >> 8) * exp2(-24.0);
 }
 
 void moveTo(inout LookupCursor cursor, LookupQuery query, vec2 texel) {

@@ -66,6 +66,11 @@ LookupTile lookupTileAt(ChartExtent chart, ivec2 texel) {
     return t;
 }
 
+// The corner of the group of 2^bits texels a side that `texel` is in.
+ivec2 groupCorner(LookupTile tile, ivec2 texel, int bits) {
+    return tile.blockCorner + (((texel - tile.blockCorner) >> bits) << bits);
+}
+
 // `aside`: in cells.
 ivec2 hemisphereCell(vec3 direction, int size, vec2 aside) {
     vec3 d = normalize(vec3(direction.xy, max(direction.z, 0.0)));

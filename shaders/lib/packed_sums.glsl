@@ -30,12 +30,6 @@ uint packRgb9e5(vec3 rgb) {
     return mantissa.r | (mantissa.g << 9) | (mantissa.b << 18) | (uint(exponent) << 27);
 }
 
-vec2 directionToOctahedral(vec3 d) {
-    vec2 p = d.xy / (abs(d.x) + abs(d.y) + abs(d.z));
-    vec2 folded = (1.0 - abs(p.yx)) * vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
-    return d.z < 0.0 ? folded : p;
-}
-
 uvec2 packSum(vec4 sum) {
     return uvec2(packRgb9e5(sum.rgb / max(sum.a, 1e-30)), floatBitsToUint(sum.a));
 }
@@ -46,7 +40,7 @@ vec4 unpackSum(uvec2 bits) {
 
 // Area lights have a texel of their own: packAreaSums.
 uvec4 packLobeSums(LobeSums d) {
-    return uvec4(packSum(d.indirect), packSnorm2x16(directionToOctahedral(d.mirror)),
+    return uvec4(packSum(d.indirect), packSnorm2x16(octahedralFromDirection(d.mirror)),
                  d.surface | (uint(sqrt(clamp(d.alpha, 0.0, 1.0)) * 255.0 + 0.5) << 24));
 }
 

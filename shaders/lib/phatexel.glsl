@@ -1,6 +1,7 @@
 // PHATexels as they are stored, and the guides' densities.
 // twin: src/core/phatexel/phatexture.h, same names; tests/gl compares the two.
 #include "lib/hemisphere_map.glsl"
+#include "lib/octahedral.glsl"
 
 const int kGuideSize = 16;
 const float kFarDistance = 1e30;
@@ -19,14 +20,6 @@ struct Phatexel {
 vec3 unpackRgb9e5(uint bits) {
     float scale = exp2(float(int(bits >> 27) - 15 - 9));
     return vec3(float(bits & 511u), float((bits >> 9) & 511u), float((bits >> 18) & 511u)) * scale;
-}
-
-// Point of the octahedron's unfolded square [-1,1]^2 to unit direction.
-vec3 octahedralToDirection(vec2 folded) {
-    vec3 d = vec3(folded, 1.0 - abs(folded.x) - abs(folded.y));
-    if (d.z < 0.0)
-        d.xy = (1.0 - abs(d.yx)) * vec2(d.x >= 0.0 ? 1.0 : -1.0, d.y >= 0.0 ? 1.0 : -1.0);
-    return normalize(d);
 }
 
 vec3 unpackOctahedral24(uint bits) {

@@ -54,7 +54,7 @@ FrameCost moveTo(const SceneState& state, PosedScene& posed, IncrementalBaker& e
     cost.move = secondsOf([&] {
         posed.setState(state);
         if (engine.setScene(posed.snapshot()))
-            renderer.moveScene(scene.scene(), scene.atlas(), scene.points());
+            renderer.moveScene(scene.scene(), scene.atlas(), scene.points(), state.worldFromRest);
     });
     cost.follow = secondsOf([&] { cost.work = follow(engine, frames, progress); });
     cost.upload = secondsOf([&] {

@@ -22,6 +22,11 @@ Method methodOf(const RenderOptions& options) {
     return name == "phat-paper" ? Method::phatPaper : Method::phat;
 }
 
+bool tracesOnGpu(const RenderOptions& options, const HeadlessContext& context) {
+    if (options.tracer != Tracer::automatic) return options.tracer == Tracer::gpu;
+    return !context.isSoftware();
+}
+
 // What traced reflections read.
 struct RayTracing {
     RayTracing(const BakedScene& baked, Reflections reflections, Progress& progress)
@@ -46,14 +51,21 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     const HeadlessContext context;
     const Method method = methodOf(options);
     std::optional<RayTracing> tracing;
-    if (method == Method::phat && options.reflections != Reflections::lookup)
-        tracing.emplace(baked, options.reflections, progress);
-    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture}, shaderFolder());
+    std::optional<SceneBvh> built;
+    const SceneBvh* bvh = nullptr;
+    if (method == Method::phat && options.reflections != Reflections::lookup) {
+        if (tracesOnGpu(options, context))
+            bvh = baked.bvh ? &*baked.bvh : &built.emplace(buildSceneBvh(scene));
+        else
+            tracing.emplace(baked, options.reflections, progress);
+    }
+    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, bvh}, shaderFolder());
     std::vector<json> reports;
     for (const View& view : views) {
         progress.throwIfStopped();
         FrameSettings frame = frameOf(options, view);
         frame.method = method;
+        if (bvh) frame.tracedByGpu = options.reflections;
         if (options.countReads) frame.inspection = {Inspected::reads};
         PictureSum sum;
         const ReflectionCost cost = drawFrame(renderer, frame, tracing ? &tracing->traced : nullptr, sum);

@@ -16,6 +16,8 @@ namespace {
 constexpr double kMaxAnimationSeconds = 1e6;
 constexpr std::array<FlagName<PixelFilter>, 2> kFilterNames = {
     {{"box", PixelFilter::box}, {"center", PixelFilter::center}}};
+constexpr std::array<FlagName<Tracer>, 3> kTracerNames = {
+    {{"auto", Tracer::automatic}, {"gpu", Tracer::gpu}, {"cpu", Tracer::cpu}}};
 constexpr int kMaxDrawnSamples = 4096, kMaxTracedSamples = 65536;
 constexpr int kMaxRefinements = 1000;
 
@@ -119,6 +121,8 @@ void declareMethods(const DeclareOption& declare, RenderOptions& options) {
     declare.choice(
         "--reflections", kReflectionNames, options.reflections,
         "phat: auto traces rays for what PHATexels are too coarse for; rays for all; lookup for none");
+    declare.choice("--trace", kTracerNames, options.tracer,
+                   "phat: which processor traces them; auto is gpu unless OpenGL is drawn in software");
     declare.choice("--component", kComponentNames, options.component,
                    "all, direct, indirect, glossy-indirect or diffuse-indirect");
     declare.choice("--quality", kQualityNames, options.quality, "phat: fast, default or high");
@@ -189,7 +193,8 @@ void checkMethod(const CLI::App& command, const RenderMethod& method) {
     onlyFor({"--gather-rays"}, name == "photons-gather");
     onlyFor({"--keep-light"}, !method.needsBake);
     onlyFor({"--radius", "--trace-visibility"}, name == "phat-gather");
-    onlyFor({"--quality", "--count-reads", "--reflections", "--animate", "--refine"}, name == "phat");
+    onlyFor({"--quality", "--count-reads", "--reflections", "--trace", "--animate", "--refine"},
+            name == "phat");
 }
 
 AnimatedFrames animatedFrames(const CLI::App& command) {

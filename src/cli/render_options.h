@@ -45,6 +45,13 @@ struct AnimatedFrames {
     std::string animation;       // name or index; empty: the first
 };
 
+/// Where reflection rays are traced.
+enum class Tracer : uint8_t {
+    automatic,  // by the GPU, unless OpenGL is drawn in software
+    gpu,
+    cpu,
+};
+
 struct RenderOptions {
     RenderMethod method = kRenderMethods[0];
     std::string input;
@@ -69,6 +76,7 @@ struct RenderOptions {
     PhotonRendererSettings photonRenderer;             // the same
     PhatGatherSettings gather;                         // phat-gather
     Reflections reflections = Reflections::automatic;  // phat
+    Tracer tracer = Tracer::automatic;                 // phat
     Component component = Component::all;
     std::optional<AnimatedFrames> animated;  // phat
     int refinements = 0;                     // phat: how often its light is made anew and averaged

@@ -49,19 +49,52 @@ void drawDepth(const CommonPass& pass, const DisplayInput& input, const CameraMa
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
-void lookUp(const DisplayInput& input, const CameraMatrices& camera, const FrameSettings& settings,
-            const LookupTargets& targets, uint32_t seed) {
-    const ShaderProgram& lobes = input.lookupPass->lobesProgram;
+RayFrame rayFrameOf(const DisplayInput& input, const CameraMatrices& camera, const FrameTargets& targets,
+                    const PendingSample& sample) {
+    const FrameSettings& settings = sample.settings;
+    const float pixels = float(targets.size.y);
+    return {*input.rayScene,
+            input.atlas,
+            input.lookup,
+            input.scene,
+            input.shadows,
+            targets.lookup,
+            glm::inverse(camera.clipFromWorld),
+            eyeOf(settings.camera),
+            settings.camera.perspective ? settings.camera.yfovRadians / pixels : 0.0f,
+            input.environmentTurn,
+            sample.view.frame,
+            settings.rays};
+}
+
+// Glossy light: of PHATexels, and of rays where the GPU traces them.
+void lookUp(const DisplayInput& input, const CameraMatrices& camera, const FrameTargets& targets,
+            const PendingSample& sample) {
+    const FrameSettings& settings = sample.settings;
     const ShaderProgram& program = input.lookupPass->lookupProgram;
-    beginLobes(targets);
-    bindCamera(lobes, camera, settings.camera);
-    drawOpaque(lobes, input);
-    beginLookup(*input.lookupPass, input.atlas, input.lookup, targets, samplingOf(settings.quality), seed);
+    const auto drawLobes = [&](const ShaderProgram& lobes) {
+        bindCamera(lobes, camera, settings.camera);
+        drawOpaque(lobes, input);
+    };
+    std::optional<RayFrame> rays;
+    if (input.rayPass) {
+        rays.emplace(rayFrameOf(input, camera, targets, sample));
+        beginTracedLobes(*input.rayPass, targets.rays, *rays, settings.tracedByGpu == Reflections::rays);
+        drawLobes(input.rayPass->lobes);
+    } else {
+        beginLobes(targets.lookup);
+        drawLobes(input.lookupPass->lobesProgram);
+    }
+    beginLookup(*input.lookupPass, input.atlas, input.lookup, targets.lookup, samplingOf(settings.quality),
+                sample.view.frame);
     bindCamera(program, camera, settings.camera);
     drawOpaqueShapes(program, input);
     input.clock.ended(Pass::lookup);
-    poolSums(*input.lookupPass, targets);
+    poolSums(*input.lookupPass, targets.lookup);
     input.clock.ended(Pass::pool);
+    if (!rays) return;
+    traceLobes(*input.rayPass, targets.rays, *rays);
+    input.clock.ended(Pass::rays);
 }
 
 OpaquePicture opaquePictureOf(const FrameTargets& targets) {
@@ -92,13 +125,14 @@ void drawInspection(const DisplayInput& input, const CameraMatrices& camera, con
 
 }  // namespace
 
-FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool traced) {
+FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool traced, const RayPass* rays) {
     FrameTargets targets;
     targets.size = size;
     targets.picture = createTexture2D(GL_RGBA32F, size);
     targets.depth = createTexture2D(GL_DEPTH_COMPONENT32F, size);
     targets.pictureTarget = createFramebuffer({{targets.picture.name()}}, targets.depth.name());
-    if (lookup) targets.lookup = createLookupTargets(*lookup, size, targets.depth.name(), traced);
+    if (lookup) targets.lookup = createLookupTargets(*lookup, size, targets.depth.name(), traced || rays);
+    if (lookup && rays) targets.rays = createRayTargets(*lookup, targets.lookup, targets.depth.name());
     if (lookup && traced) targets.reflections = createReflectionTargets(size, targets.depth.name());
     checkGl("creating the frame's targets");
     return targets;
@@ -165,7 +199,7 @@ void prepareSample(const CommonPass& pass, const DisplayInput& input, const Fram
     input.clock.ended(Pass::depth);
     if (sample.preview || input.inspectProgram || settings.method != Method::phat) return;
     glDepthMask(GL_FALSE);  // clearing the targets must leave the depth
-    lookUp(input, camera, settings, targets.lookup, sample.view.frame);
+    lookUp(input, camera, targets, sample);
     findTracedSurfaces(input, camera, targets, sample);
 }
 
@@ -192,7 +226,7 @@ void displaySample(const CommonPass& pass, const DisplayInput& input, const Fram
         const DisplayPass& display = *input.display;
         const LookupTargets* looked = settings.method == Method::phat ? &targets.lookup : nullptr;
         const ShaderProgram& program = looked ? display.lookedUpProgram : display.displayProgram;
-        bindShared(program, input, camera, settings, looked, traced);
+        bindShared(program, input, camera, settings, looked, traced || input.rayPass);
         drawOpaque(program, input);
         drawBlended({display.displayProgram, display.glass, targets.glass}, input, camera,
                     opaquePictureOf(targets), sample);

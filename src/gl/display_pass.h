@@ -17,11 +17,12 @@ struct FrameTargets {
     GlTexture picture, depth;
     GlFramebuffer pictureTarget;
     LookupTargets lookup;           // empty when nothing is looked up
-    ReflectionTargets reflections;  // empty when nothing is traced
+    ReflectionTargets reflections;  // empty when the CPU traces nothing
+    RayTargets rays;                // empty when the GPU traces nothing
     GlassTargets glass;
 };
-/// `lookup` null: nothing is looked up, nor traced.
-FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool traced);
+/// `lookup` null: nothing is looked up, nor traced. `traced`: by the CPU; `rays` null: nothing by the GPU.
+FrameTargets createFrameTargets(glm::uvec2 size, const LookupPass* lookup, bool traced, const RayPass* rays);
 
 struct DisplayPass {
     ShaderProgram displayProgram, lookedUpProgram;

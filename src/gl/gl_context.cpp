@@ -93,4 +93,11 @@ std::string HeadlessContext::rendererName() const {
                        reinterpret_cast<const char*>(glGetString(GL_VERSION)));
 }
 
+bool HeadlessContext::isSoftware() const {
+    const std::string name = rendererName();
+    for (const char* driver : {"llvmpipe", "softpipe", "SwiftShader"})
+        if (name.find(driver) != std::string::npos) return true;
+    return false;
+}
+
 }  // namespace phat

@@ -15,6 +15,8 @@ class HeadlessContext {
     HeadlessContext& operator=(const HeadlessContext&) = delete;
 
     std::string rendererName() const;
+    /// Whether it draws on the CPU.
+    bool isSoftware() const;
 
   private:
     struct Egl;

@@ -1,11 +1,10 @@
 #include "gl/lookup_pass.h"
 
+#include <algorithm>
 #include <array>
-#include <bit>
 
-#include "core/base/random.h"
-#include "core/base/sobol.h"
 #include "core/phatexel/lookup_tables.h"
+#include "gl/sample_numbers.h"
 #include "gl/textures.h"
 
 namespace phat {
@@ -14,8 +13,6 @@ namespace {
 // twin: kTablesWide in shaders/lib/lookup_tables.glsl.
 constexpr uint32_t kTablesWide = 512;
 constexpr uint32_t kTableSide = 16;
-// Pixels of a group (4x4) that take different samples. twin: shaders/lib/lookup.glsl, with kMaxSamples.
-constexpr uint32_t kRanks = 16, kMaxSamples = 32;
 
 template <typename Table>
 GlTexture uploadTables(GLenum internal, GLenum format, const std::vector<Table>& tables) {
@@ -68,22 +65,6 @@ GlTexture uploadProbes(const std::vector<DepthProbe>& probes, glm::uvec2 tiles) 
     glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(size.x), GLsizei(size.y), GL_RGBA_INTEGER,
                         GL_UNSIGNED_INT, texels.data());
     return texture;
-}
-
-// Sobol's points, of which every rank has an aligned run; each seed shifts them all.
-void setSampleNumbers(const ShaderProgram& program, uint32_t sampleCount, uint32_t seed) {
-    // Bayer's order: neighbouring pixels take samples that are far apart.
-    constexpr uint32_t kBayer[kRanks] = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
-    std::array<glm::uvec4, kMaxSamples> numbers;
-    std::array<glm::uvec4, kRanks> ranks;
-    const uint32_t run = std::bit_ceil(sampleCount);
-    for (uint32_t rank = 0; rank < kRanks; ++rank) ranks[rank] = sobolBits(run * kBayer[rank]);
-    glm::uvec4 shift;
-    for (int d = 0; d < 4; ++d) shift[d] = uint32_t(hashOf(seed, uint64_t(d)));
-    for (uint32_t k = 0; k < kMaxSamples; ++k) numbers[k] = sobolBits(k) ^ shift;
-    program.set("sampleNumbers", std::span<const glm::uvec4>(numbers));
-    program.set("ranks", std::span<const glm::uvec4>(ranks));
-    program.set("sampleCount", int(sampleCount));
 }
 
 GlTexture uploadScrambles(const std::vector<const std::vector<uint16_t>*>& scrambles) {
@@ -184,7 +165,7 @@ LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuin
     }
     t.incidentTarget = createFramebuffer(incident, depth);
     t.pooledTarget = createFramebuffer(pooled);
-    t.reflectances = createTexture2D(GL_RGBA32F, size);
+    t.reflectances = createTexture2D(GL_RGBA32UI, size);
     t.baseLobes = createTexture2D(GL_RGBA32F, size);
     std::vector<Attachment> lobes = {{t.reflectances.name()}, {t.baseLobes.name()}};
     if (pass.clearcoat) {
@@ -196,10 +177,16 @@ LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuin
     return t;
 }
 
+void bindLobes(const ShaderProgram& program, const LookupTargets& targets, int firstUnit) {
+    program.bind("reflectances", firstUnit, targets.reflectances.name());
+    program.bind("baseLobes", firstUnit + 1, targets.baseLobes.name());
+    if (targets.coatLobes) program.bind("coatLobes", firstUnit + 2, targets.coatLobes.name());
+}
+
 void beginLobes(const LookupTargets& targets) {
     glBindFramebuffer(GL_FRAMEBUFFER, targets.lobesTarget.name());
-    const GLfloat noSurface[4] = {0, 0, 0, 0};
-    glClearBufferfv(GL_COLOR, 0, noSurface);
+    const GLuint noSurface[4] = {0, 0, 0, 0};
+    glClearBufferuiv(GL_COLOR, 0, noSurface);
 }
 
 void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
@@ -214,15 +201,15 @@ void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup&
     program.bind("probes", 3, lookup.probes.name());
     program.bind("charts", 4, atlas.charts.name());
     if (lookup.scrambles) program.bind("scrambles", 5, lookup.scrambles.name());
-    program.bind("reflectances", 6, targets.reflectances.name());
-    program.bind("baseLobes", 7, targets.baseLobes.name());
-    if (targets.coatLobes) program.bind("coatLobes", 8, targets.coatLobes.name());
+    bindLobes(program, targets, 6);
     program.set("unitMeters", atlas.unitMeters);
     program.set("guideCount", lookup.guideCount);
     program.set("layerCount", lookup.layerCount);
     program.set("areaGuideCount", lookup.areaGuideCount);
     program.set("lightBits", sampling.lightBits);
-    setSampleNumbers(program, uint32_t(std::clamp(sampling.sampleCount, 1, int(kMaxSamples))), seed);
+    const int samples = std::clamp(sampling.sampleCount, 1, int(kMaxSamples));
+    program.set("sampleCount", samples);
+    setSampleNumbers(program, uint32_t(samples), seed);
 }
 
 void poolSums(const LookupPass& pass, const LookupTargets& targets) {

@@ -32,7 +32,7 @@ struct LookupTargets {
     GlTexture
         incident;  // RGBA32UI [layer], see shaders/lib/sums_out.glsl; then traced radiance, see display.frag
     GlTexture pooled;  // the same, pooled along the rows
-    // RGBA32F, see shaders/lobes.frag; the last only with clear coats.
+    // See shaders/lib/lobe_pixels.glsl: RGBA32UI, RGBA32F, RGBA32F; the last only with clear coats.
     GlTexture reflectances, baseLobes, coatLobes;
     GlFramebuffer incidentTarget, pooledTarget, lobesTarget;
 };
@@ -61,6 +61,9 @@ struct LookupSampling {
     int sampleCount = 8;  // directions of a lobe, at most 32
     int lightBits = 3;    // see shaders/lib/lookup.glsl
 };
+/// Binds what lib/lobe_pixels.glsl reads to three units from `firstUnit` on.
+inline constexpr int kLobeUnits = 3;
+void bindLobes(const ShaderProgram& program, const LookupTargets& targets, int firstUnit);
 /// Clears the target of the lobes, which are drawn first.
 void beginLobes(const LookupTargets& targets);
 /// Clears the targets, binds the textures common to all surfaces, and reseeds the samples.

@@ -15,6 +15,7 @@ enum class Pass : uint8_t {
     depth,
     lookup,
     pool,
+    rays,
     display,
 };
 

@@ -51,6 +51,7 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->lookup = uploadLookup(input.phatexture, input.atlas);
     if (state_->lookup.guideCount > 0) state_->bytesPerPhatexel = bytesOfPhatexel(input.phatexture);
     if (input.scene.environment) state_->environmentWidth = input.scene.environment->radiance.width;
+    state_->restBvh = input.bvh;
     state_->commonPass();  // reports at the start that shaders are missing
 }
 
@@ -67,7 +68,8 @@ void Renderer::draw(const FrameSettings& settings, PictureSum& sum) {
 PendingSample Renderer::beginSample(const FrameSettings& settings, Reflections reflections, PictureSum& sum) {
     State& s = *state_;
     PendingSample sample{s.possible(settings), reflections, {}, {}, {}, {}, false};
-    if (sample.settings.method != Method::phat) sample.reflections = Reflections::lookup;
+    if (sample.settings.method != Method::phat || sample.settings.tracedByGpu != Reflections::lookup)
+        sample.reflections = Reflections::lookup;
     const bool traced = sample.reflections != Reflections::lookup;
     sample.preview = s.previews(sample.settings, traced);
     const int count = std::max(1, settings.samplesPerPixel);
@@ -116,6 +118,7 @@ FrameTimes Renderer::lastFrameTimes() const {
     times.depth = clock.seconds(Pass::depth);
     times.lookup = clock.seconds(Pass::lookup);
     times.pool = clock.seconds(Pass::pool);
+    times.rays = clock.seconds(Pass::rays);
     times.display = clock.seconds(Pass::display);
     return times;
 }
@@ -127,6 +130,7 @@ double Renderer::bytesPerPhatexel() const {
 ResidentBytes Renderer::residentBytes() const {
     const State& s = *state_;
     ResidentBytes bytes = residentBytesOf(s.scene, s.atlas, s.lookup, s.shadows, s.targets);
+    if (s.rayScene) bytes.rays = rayBytes(*s.rayScene);
     for (const auto* relit : {&s.relit, &s.relitPaper})
         if (*relit) bytes.pyramid += pyramidBytes((*relit)->pass);
     if (s.surfaces) bytes.pyramid += surfaceBytes(*s.surfaces);
@@ -140,6 +144,7 @@ void Renderer::setMaterials(const std::vector<Material>& materials) {
     const bool coatAppears = anyClearcoat(materials) && !anyClearcoat(s.materials);
     if (!std::equal(materials.begin(), materials.end(), s.materials.begin(), castSameShadow)) s.shadows = {};
     s.materials = materials;
+    s.raysEdited = true;
     s.findGlass();
     s.texelsChanged();
     if (coatAppears) s.dropPasses();
@@ -152,8 +157,11 @@ void Renderer::setLights(const std::vector<PunctualLight>& lights) {
     state_->shadows = {};
 }
 
-void Renderer::moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points) {
+void Renderer::moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
+                         std::span<const glm::mat4> worldFromRest) {
     State& s = *state_;
+    s.worldFromRest.assign(worldFromRest.begin(), worldFromRest.end());
+    s.raysMoved = s.raysEdited = true;
     phat::moveScene(s.scene, scene, atlas);
     s.show(scene, atlas, points);
     s.surfacesTurned = true;

@@ -14,6 +14,7 @@
 
 #include "core/atlas/atlas.h"
 #include "core/base/image.h"
+#include "core/bvh/posed_bvh.h"
 #include "core/dynamic/light_update.h"
 #include "core/phatexel/phatexture.h"
 #include "core/render/picture.h"
@@ -54,6 +55,13 @@ struct Inspection {
     int level = 0;   // of the pyramid
 };
 
+/// How many reflection rays the GPU traces for a frame.
+struct RayBudget {
+    float perNeighborhood = 16;  // that count for a pixel's lobe, its neighbours' included
+    int maxPerPixel = 8;         // of a lobe's own, at most 32
+    int lightSamples = 1;        // of a lobe of a pixel, toward emitters
+};
+
 struct FrameSettings {
     int width = 640;
     int height = 360;
@@ -61,6 +69,9 @@ struct FrameSettings {
     Method method = Method::phat;         // phatPyramid where directions follow no invertible layout
     Quality quality = Quality::standard;  // of Method::phat
     Component component = Component::all;
+    /// Which lobes the GPU traces, of Method::phat; `lookup` where the renderer has no trees.
+    Reflections tracedByGpu = Reflections::lookup;
+    RayBudget rays;
     Inspection inspection;
     /// Anti-aliasing: this many whole pictures, shifted inside the pixel, are averaged (a box filter of one
     /// pixel, over edges, textures and highlights alike). 1 turns it off.
@@ -118,6 +129,7 @@ struct FrameTimes {
     double depth = 0;    // with the background
     double lookup = 0;
     double pool = 0;
+    double rays = 0;  // of the GPU
     double display = 0;
 
     double gpu() const;
@@ -127,12 +139,13 @@ struct NamedPass {
     const char* name;
     double FrameTimes::*seconds;
 };
-inline constexpr std::array<NamedPass, 7> kGpuPasses = {{{"relight", &FrameTimes::relight},
+inline constexpr std::array<NamedPass, 8> kGpuPasses = {{{"relight", &FrameTimes::relight},
                                                          {"pyramid", &FrameTimes::pyramid},
                                                          {"shadows", &FrameTimes::shadows},
                                                          {"depth", &FrameTimes::depth},
                                                          {"lookup", &FrameTimes::lookup},
                                                          {"pool", &FrameTimes::pool},
+                                                         {"rays", &FrameTimes::rays},
                                                          {"display", &FrameTimes::display}}};
 inline double FrameTimes::gpu() const {
     double sum = 0;
@@ -148,9 +161,12 @@ struct ResidentBytes {
     uint64_t irradiance = 0;  // diffuse light
     uint64_t pyramid = 0;     // with what relighting reads
     uint64_t shadows = 0;
+    uint64_t rays = 0;   // trees, and what rays hit
     uint64_t frame = 0;  // targets of the picture's size
 
-    uint64_t sum() const { return scene + phatexels + lookup + irradiance + pyramid + shadows + frame; }
+    uint64_t sum() const {
+        return scene + phatexels + lookup + irradiance + pyramid + shadows + rays + frame;
+    }
 };
 
 /// The parts of a bake that the renderer reads. Scene, atlas and points must outlive it: a picture that needs
@@ -161,6 +177,7 @@ struct RendererInput {
     const Atlas& atlas;
     const TexelPoints& points;
     const Phatexture& phatexture;
+    const SceneBvh* bvh = nullptr;  // of the scene at rest, for rays on the GPU; must outlive the renderer
 };
 
 class Renderer {
@@ -206,8 +223,9 @@ class Renderer {
 
     /// Everything is where it is in `scene` now, which has the triangles of the one that was uploaded;
     /// shadows follow at the next frame. `points`: of the same scene. All three replace
-    /// RendererInput's and must stay until the next call.
-    void moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points);
+    /// RendererInput's and must stay until the next call. `worldFromRest`: as SceneState has it.
+    void moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
+                   std::span<const glm::mat4> worldFromRest);
     /// Takes over parts of a bake that were updated, for at most about `seconds`. Tile patches go first,
     /// because moveScene has moved what is there already; a block's tiles are never parted. What is done is
     /// taken out of `update`; returns whether all is.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/scene/light_bound.h"
 #include "gl/textures.h"
 
 namespace phat {
@@ -24,6 +25,7 @@ bool Renderer::State::previews(const FrameSettings& settings, bool traced) {
     bool ready = isReady(displayFor(settings.method == Method::phatPaper, false));
     if (lookup.guideCount > 0) ready &= isReady(lookupFor(false));
     if (traced) ready &= reflections().program.isReady();
+    if (settings.tracedByGpu != Reflections::lookup) ready &= isReady(rayTracing());
     return !ready;
 }
 
@@ -34,11 +36,13 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
     const CommonPass& commons = commonPass();
     const LookupPass* lookups = !preview && lookup.guideCount > 0 ? &lookupFor(counting) : nullptr;
     const ReflectionPass* tracedPass = !preview && traced ? &reflections() : nullptr;
+    const bool rays = !preview && lookups && settings.tracedByGpu != Reflections::lookup;
+    const RayPass* rayTracingPass = rays ? &rayTracing() : nullptr;
     const DisplayPass* displayPass = preview ? nullptr : &displayFor(paper, counting);
     const glm::uvec2 size = sizeOf(settings);
     if (targets.size != size || (lookups && !targets.lookup.incident) ||
-        (tracedPass && !targets.reflections.target))
-        targets = createFrameTargets(size, lookups, traced);
+        (tracedPass && !targets.reflections.target) || (rays && !targets.rays.points))
+        targets = createFrameTargets(size, lookups, traced, rayTracingPass);
     if (!preview)
         completeGlassTargets(targets.glass, size, glassNeeds({materials, glass}, traced),
                              anyClearcoat(materials));
@@ -66,6 +70,8 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
              pyramid,
              lookups,
              tracedPass,
+             rayTracingPass,
+             rays ? &currentRayScene() : nullptr,
              texelsShown ? &inspecting() : nullptr,
              clock,
              environmentTurn}};
@@ -79,6 +85,8 @@ FrameSettings Renderer::State::possible(FrameSettings settings) const {
     else if (what != Inspected::nothing)
         settings.method = Method::phatPyramid;
     if (settings.method == Method::phat && lookup.guideCount == 0) settings.method = Method::phatPyramid;
+    if (settings.method != Method::phat || what != Inspected::nothing || !restBvh)
+        settings.tracedByGpu = Reflections::lookup;
     return settings;
 }
 
@@ -100,7 +108,7 @@ void Renderer::State::texelsChanged() {
 void Renderer::State::dropPasses() {
     relit.reset(), relitPaper.reset();
     lookupPass.reset(), countingLookupPass.reset();
-    reflectionPass.reset();
+    reflectionPass.reset(), rayPass.reset();
     display.reset(), displayPaper.reset(), countingDisplay.reset();
     targets = {};
 }
@@ -164,6 +172,29 @@ const RelightPass& Renderer::State::pyramidFrom(const Eye& eye, bool paper) {
 const ReflectionPass& Renderer::State::reflections() {
     if (!reflectionPass) reflectionPass = createReflectionPass(shaderFolder, anyClearcoat(materials));
     return *reflectionPass;
+}
+
+const GpuRayScene& Renderer::State::currentRayScene() {
+    if (!rayScene) {
+        rayScene.emplace(GpuRayScene{uploadBvh(*shownScene, *restBvh),
+                                     uploadHits(*shownScene, *shownAtlas, *restBvh),
+                                     brightestRadiance(*shownScene)});
+        raysMoved = true;
+    } else if (raysEdited) {
+        Scene edited = *shownScene;
+        edited.materials = materials;
+        updateOpacity(rayScene->bvh, edited, *restBvh);
+        updateHits(rayScene->hits, edited, *shownAtlas, *restBvh);
+        rayScene->brightest = brightestRadiance(edited);
+    }
+    if (raysMoved) moveBvh(rayScene->bvh, poseBvh(*restBvh, worldFromRest));
+    raysMoved = raysEdited = false;
+    return *rayScene;
+}
+
+const RayPass& Renderer::State::rayTracing() {
+    if (!rayPass) rayPass = createRayPass(shaderFolder, lookupFor(false), lookup, bvhDefines(*restBvh));
+    return *rayPass;
 }
 
 const ShaderProgram& Renderer::State::inspecting() {

@@ -64,6 +64,9 @@ struct Renderer::State {
     PassClock clock;
     bool clockRestarts = true;  // at the next sample
     bool hasPreviewed = false;
+    const SceneBvh* restBvh = nullptr;
+    std::vector<glm::mat4> worldFromRest;       // [glTF node]; see SceneState
+    bool raysMoved = true, raysEdited = false;  // since the trees, and what rays hit, were brought up to date
     double bytesPerPhatexel = 0;
 
     // Made when they are first needed: compiling takes a while, and so do the texels' surfaces.
@@ -72,6 +75,8 @@ struct Renderer::State {
     std::optional<Relit> relit, relitPaper;
     std::optional<LookupPass> lookupPass, countingLookupPass;
     std::optional<ReflectionPass> reflectionPass;
+    std::optional<GpuRayScene> rayScene;
+    std::optional<RayPass> rayPass;
     std::optional<CommonPass> common;
     std::optional<DisplayPass> display, displayPaper, countingDisplay;
     std::optional<ShaderProgram> inspectProgram;
@@ -82,6 +87,9 @@ struct Renderer::State {
     /// The pyramid relit for `eye`.
     const RelightPass& pyramidFrom(const Eye& eye, bool paper);
     const ReflectionPass& reflections();
+    /// Where everything is now.
+    const GpuRayScene& currentRayScene();
+    const RayPass& rayTracing();
     const ShaderProgram& inspecting();
 };
 

@@ -38,10 +38,18 @@ ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, cons
     const LookupTargets& looked = targets.lookup;
     bytes.frame = bytesOf(targets.picture, targets.depth, looked.incident, looked.pooled, looked.reflectances,
                           looked.baseLobes, looked.coatLobes, traced.base, traced.coat, traced.surface);
+    const RayTargets& rays = targets.rays;
+    bytes.frame += bytesOf(rays.points, rays.guides, rays.hits, rays.places, rays.indirectSums, rays.areaSums,
+                           rays.means, rays.pooled);
     const GlassTargets& glass = targets.glass;
     bytes.frame += bytesOf(glass.depth, glass.panes.base, glass.panes.coat, glass.panes.surface,
                            glass.paneLight, glass.behind);
     return bytes;
+}
+
+uint64_t rayBytes(const GpuRayScene& rays) {
+    return bytesOf(rays.bvh.nodes, rays.bvh.triangles, rays.bvh.opacity, rays.bvh.alphas, rays.hits.table,
+                   rays.hits.images.colors, rays.hits.images.roughness);
 }
 
 uint64_t pyramidBytes(const RelightPass& pass) {

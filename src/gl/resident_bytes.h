@@ -8,6 +8,7 @@ namespace phat {
 /// Without the textures of the pyramids alone, but with the guides' densities.
 ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, const GpuLookup& lookup,
                               const ShadowMaps& shadows, const FrameTargets& targets);
+uint64_t rayBytes(const GpuRayScene& rays);
 uint64_t pyramidBytes(const RelightPass& pass);
 uint64_t surfaceBytes(const GpuTexelSurfaces& surfaces);
 

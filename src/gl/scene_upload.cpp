@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "core/scene/brdf.h"
+#include "gl/atlas_sides.h"
 #include "gl/material_table.h"
 #include "gl/textures.h"
 
@@ -23,33 +24,11 @@ struct Vertex {
     glm::uvec2 charts;
 };
 
-// The charts of a triangle's front and back, and where the back's texels are relative to the front's.
-struct TriangleSides {
-    glm::uvec2 charts{kNoChart};
-    glm::vec2 frontOffset{0};
-    glm::vec2 backOffset{0};
-};
-
-TriangleSides sidesOf(const Atlas& atlas, uint32_t triangle) {
-    TriangleSides sides;
-    const uint32_t own = atlas.triangleChart[triangle];
-    if (own == kNoChart) return sides;
-    const Chart& chart = atlas.charts[own];
-    const uint32_t other = chart.otherSide;
-    sides.charts = chart.back ? glm::uvec2(other, own) : glm::uvec2(own, other);
-    if (other != kNoChart) {
-        const glm::vec2 offset =
-            glm::vec2(atlas.charts[other].originTexel()) - glm::vec2(chart.originTexel());
-        (chart.back ? sides.frontOffset : sides.backOffset) = offset;
-    }
-    return sides;
-}
-
 std::vector<Vertex> expandTriangles(const Scene& scene, const Atlas& atlas) {
     std::vector<Vertex> vertices;
     vertices.reserve(scene.triangles.size() * 3);
     for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
-        const TriangleSides sides = sidesOf(atlas, t);
+        const AtlasSides sides = atlasSidesOf(atlas, t);
         for (int corner = 0; corner < 3; ++corner) {
             const uint32_t v = scene.triangles[t][corner];
             const glm::vec2 texel = atlas.triangleTexels[t][corner];

@@ -5,6 +5,7 @@
 #include "gl/lookup_pass.h"
 #include "gl/material_table.h"
 #include "gl/pass_clock.h"
+#include "gl/ray_pass.h"
 #include "gl/reflection_pass.h"
 #include "gl/relight_pass.h"
 #include "gl/renderer.h"
@@ -36,6 +37,8 @@ struct DisplayInput {
     const RelightPass* relit;
     const LookupPass* lookupPass;
     const ReflectionPass* reflectionPass;
+    const RayPass* rayPass;
+    const GpuRayScene* rayScene;          // as `rayPass`
     const ShaderProgram* inspectProgram;  // inspect.frag, drawn instead of the light
     PassClock& clock;
     float environmentTurn = 0;  // see background.frag

@@ -26,6 +26,18 @@ void setNearest(GLuint texture, int levels) {
     glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
+template <typename Texel>
+GlTexture tableOf(GLenum stored, GLenum format, GLenum type, std::span<const Texel> values) {
+    const uint32_t rows = std::max(1u, (uint32_t(values.size()) + kTableWidth - 1) / kTableWidth);
+    GlTexture table = createTexture2D(stored, {kTableWidth, rows});
+    for (uint32_t row = 0; size_t(row) * kTableWidth < values.size(); ++row) {
+        const size_t first = size_t(row) * kTableWidth;
+        const size_t count = std::min<size_t>(kTableWidth, values.size() - first);
+        glTextureSubImage2D(table.name(), 0, 0, GLint(row), GLsizei(count), 1, format, type, &values[first]);
+    }
+    return table;
+}
+
 }  // namespace
 
 GlTexture createTexture2D(GLenum format, glm::uvec2 size, int levels) {
@@ -100,15 +112,11 @@ GlFramebuffer createFramebuffer(const std::vector<Attachment>& colors, GLuint de
 }
 
 GlTexture createTable(std::span<const glm::vec4> values) {
-    const uint32_t rows = std::max(1u, (uint32_t(values.size()) + kTableWidth - 1) / kTableWidth);
-    GlTexture table = createTexture2D(GL_RGBA32F, {kTableWidth, rows});
-    for (uint32_t row = 0; row * kTableWidth < values.size(); ++row) {
-        const size_t first = size_t(row) * kTableWidth;
-        const size_t count = std::min<size_t>(kTableWidth, values.size() - first);
-        glTextureSubImage2D(table.name(), 0, 0, GLint(row), GLsizei(count), 1, GL_RGBA, GL_FLOAT,
-                            &values[first]);
-    }
-    return table;
+    return tableOf(GL_RGBA32F, GL_RGBA, GL_FLOAT, values);
+}
+
+GlTexture createTable(std::span<const glm::uvec4> values) {
+    return tableOf(GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, values);
 }
 
 void checkGl(const char* doing) {

@@ -28,9 +28,10 @@ struct Attachment {
 /// Throws GlError when the driver cannot draw to these formats together. `depth` 0: none.
 GlFramebuffer createFramebuffer(const std::vector<Attachment>& colors, GLuint depth = 0);
 
-/// Floats in rows of kTableWidth, four a texel. twin: shaders/lib/table.glsl.
+/// Floats or words in rows of kTableWidth, four a texel. twin: shaders/lib/table.glsl.
 inline constexpr uint32_t kTableWidth = 2048;
 GlTexture createTable(std::span<const glm::vec4> values);
+GlTexture createTable(std::span<const glm::uvec4> values);
 
 /// Throws GlError with `doing` when GL reports an error ("out of video memory while ...").
 void checkGl(const char* doing);

@@ -195,7 +195,8 @@ void Viewer::applyChanges() {
     if (changes.any) {
         const SceneEdits& edits = document.edits.now();
         if (changes.moved) {
-            state_.renderer->moveScene(document.shown(), document.baked.atlas, document.baked.points);
+            state_.renderer->moveScene(document.shown(), document.baked.atlas, document.baked.points,
+                                       document.posed.snapshot()->worldFromRest());
             moved_ = document.posed.snapshot();
         }
         state_.renderer->setMaterials(edits.materials);

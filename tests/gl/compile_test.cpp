@@ -24,7 +24,8 @@ std::vector<std::vector<std::string>> variants() {
             {"LOOKUP", "SUN_DISC"},
             {"SCRAMBLES", "CLEARCOAT"},
             {"PAPER", "AREA", "CLEARCOAT"},
-            {"BVH_OPACITY", "ANY_HIT"}};
+            {"BVH_OPACITY", "ANY_HIT"},
+            {"TRACED", "FINAL", "AREA", "CLEARCOAT"}};
 }
 
 TEST(Shaders, CompileInBothFlavors) {

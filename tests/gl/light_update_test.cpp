@@ -63,7 +63,7 @@ TEST(LiveRenderer, DrawsWhatANewRendererDraws) {
         pose.lights[0].position.y = 0.6f - 0.1f * float(step);
         posed.setState(pose);
         ASSERT_TRUE(engine.setScene(posed.snapshot()));
-        renderer.moveScene(engine.scene().scene(), baked.atlas, engine.scene().points());
+        renderer.moveScene(engine.scene().scene(), baked.atlas, engine.scene().points(), pose.worldFromRest);
         engine.advance(step == 3 ? 1'000'000'000 : 400'000, progress);
         LightUpdate update = engine.drainUpdate();
         // In portions, of no time at all: each call does at least one.

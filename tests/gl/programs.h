@@ -21,6 +21,14 @@ inline std::vector<ProgramVariant> longestPrograms() {
     };
     return {
         {"surface.vert", "lobes.frag", {"CLEARCOAT"}},
+        {"surface.vert", "lobes.frag", {"CLEARCOAT", "TRACED"}},
+        {"fullscreen.vert", "reflection_guides.frag", coat},
+        {"fullscreen.vert", "trace_reflections.frag", with({"BVH_OPACITY"})},
+        {"fullscreen.vert", "shade_reflections.frag", with({"SCRAMBLES"})},
+        {"fullscreen.vert", "trace_lights.frag", with({"BVH_OPACITY"})},
+        {"fullscreen.vert", "mean_reflections.frag", {}},
+        {"fullscreen.vert", "pool_reflections.frag", {}},
+        {"fullscreen.vert", "pool_reflections.frag", {"FINAL"}},
         {"surface.vert", "lookup.frag", with({"SCRAMBLES"})},
         {"surface.vert", "lookup.frag", with({"SCRAMBLES", "COUNT_READS"})},
         {"fullscreen.vert", "pool.frag", coat},

@@ -242,7 +242,7 @@ TEST_F(RendererLight, ShadowMapsAreDrawnAgainWhenTheyChangeAndOnlyThen) {
     world.scene.lights[0].position.x += 0.1f;
     renderer.setLights(world.scene.lights);
     EXPECT_TRUE(drawsShadows()) << "another light";
-    renderer.moveScene(world.scene, world.atlas, world.points);
+    renderer.moveScene(world.scene, world.atlas, world.points, {});
     EXPECT_TRUE(drawsShadows()) << "geometry has moved";
     EXPECT_EQ(renderer.render(settings).pixels,
               Renderer(world.input(), kShaderFolder).render(settings).pixels);

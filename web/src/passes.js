@@ -186,7 +186,7 @@ export class Passes {
         const { gl } = this,
             { lobes: program } = this.programs;
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.lobesTarget);
-        gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]); // no surface
+        gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]); // no surface
         program.use();
         this.drawSurfaces(program, view, kOpaqueSlots);
     }

@@ -14,7 +14,7 @@ export function createTargets(gl, { width, height, layers, lobeCount, hasBlended
     };
     const incident = array();
     const pooled = array();
-    const reflectances = texture(gl.RGBA32F);
+    const reflectances = texture(gl.RGBA32UI);
     const baseLobes = texture(gl.RGBA32F);
     const coatLobes = lobeCount > 1 ? texture(gl.RGBA32F) : null;
     const lobes = [reflectances, baseLobes, ...(coatLobes ? [coatLobes] : [])];

@@ -1,0 +1,19 @@
+// Which neighbours' reflection rays count for a pixel's lobe, and how much.
+// twin: src/core/render/reflection_pool.cpp, with the numbers' reasons.
+#include "lib/reflection_guides.glsl"
+
+const int kReach = 3;  // pixels
+const float kWidthPerAlpha = 0.8;
+const float kMaxAlphaRatio = 1.5;
+const float kMinPooledAlpha = 0.005;
+const float kMinDistance = 1e-3;  // units of length
+
+// `step`: from the lobe's position to the other's, units of length.
+float likeness(ReflectionGuide mine, ReflectionGuide other, vec3 step) {
+    if (mine.surface != other.surface || mine.alpha < kMinPooledAlpha) return 0.0;
+    if (max(mine.alpha, other.alpha) > kMaxAlphaRatio * min(mine.alpha, other.alpha)) return 0.0;
+    step /= max(mine.distance, kMinDistance);
+    step -= dot(step, mine.mirror) * mine.mirror;
+    vec3 apart = (other.mirror - mine.mirror + step) / (kWidthPerAlpha * mine.alpha);
+    return exp(-0.5 * dot(apart, apart));
+}

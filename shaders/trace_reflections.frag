@@ -1,0 +1,49 @@
+// Reflection ray number `ray` of each pixel's lobe, and what it hits.
+#include "lib/bvh.glsl"
+#include "lib/lobe_pixels.glsl"
+#include "lib/packed_rays.glsl"
+#include "lib/ray_origin.glsl"
+#include "lib/reflection_guides.glsl"
+#include "lib/sample_numbers.glsl"
+#include "lib/scalar_lobe.glsl"
+#include "lib/visible_normal.glsl"
+
+uniform usampler2D points;  // see lobes.frag
+uniform usampler2D guides;
+uniform vec3 eyeWorld;
+uniform float eyeAtInfinity;
+uniform int lobe;
+uniform int ray;
+
+layout(location = 0) out uvec4 hitOut;  // see lib/packed_rays.glsl
+layout(location = 1) out uvec4 placeOut;
+
+const float kFar = 1e30;
+
+void main() {
+    hitOut = uvec4(0u);
+    placeOut = uvec4(0u);
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    int rays = int(texelFetch(guides, pixel, 0).z >> 24);
+    if (ray >= rays) return;
+    PixelLobe l = pixelLobe(pixel, lobe);
+    uvec4 point = texelFetch(points, pixel, 0);
+    vec3 position = uintBitsToFloat(point.xyz);
+    vec3 normalGeometric = octahedralToDirection(unpackSnorm2x16(point.w));
+    mat3 worldFromLocal = frameFromNormal(l.normal);
+    vec3 towardEye = normalize(eyeWorld - position * (1.0 - eyeAtInfinity)), wo = towardEye * worldFromLocal;
+    if (wo.z <= 0.0) return;
+    vec3 h = squareToVisibleNormal(sampleNumbersOf(ray, pixel, rays).xy, wo, l.alpha);
+    vec3 wi = reflect(-wo, h);
+    vec3 direction = normalize(worldFromLocal * wi);
+    if (wi.z <= 0.0 || dot(direction, normalGeometric) <= 0.0) return;
+    // source: Heitz 2018, section 4: f cos / pdf is F G2 / G1.
+    float masking = smithG1(wo.z, l.alpha);
+    float weight = schlick(vec3(l.f0), l.f90, dot(wo, h)).x * smithV(wi.z, wo.z, l.alpha) * 4.0 * wi.z * wo.z / masking;
+    float pdf = masking * ggxD(h.z, l.alpha) / (4.0 * wo.z);
+
+    vec3 origin = offsetOrigin(position, normalGeometric, towardEye);
+    BvhHit hit = closestHit(origin, direction, kFar);
+    packRay(TracedRay(rays, direction, weight, pdf, hit.triangle, hit.backFace, hit.barycentric, hit.distance,
+                      origin + direction * hit.distance), hitOut, placeOut);
+}

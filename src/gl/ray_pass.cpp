@@ -1,0 +1,228 @@
+#include "gl/ray_pass.h"
+
+#include <algorithm>
+
+#include "gl/sample_numbers.h"
+#include "gl/textures.h"
+
+namespace phat {
+namespace {
+
+// Texture units of the passes; shaders with more would exceed the 16 that every GPU has.
+constexpr int kPointsUnit = kLobeUnits, kGuidesUnit = kPointsUnit + 1, kBvhUnit = kGuidesUnit + 1,
+              kAfterBvh = kBvhUnit + kBvhUnits;
+
+void bindEye(const ShaderProgram& program, const RayFrame& frame) {
+    program.set("eyeWorld", frame.eye.position);
+    program.set("eyeAtInfinity", frame.eye.atInfinity ? 1.0f : 0.0f);
+    program.set("originUnitMeters", frame.atlas.unitMeters);
+}
+
+void bindView(const ShaderProgram& program, const RayFrame& frame) {
+    bindEye(program, frame);
+    program.set("worldFromClip", frame.worldFromClip);
+    program.set("viewport", glm::vec2(frame.lookupTargets.size));
+}
+
+void setNumbers(const ShaderProgram& program, const RayFrame& frame) {
+    setSampleNumbers(program, uint32_t(frame.budget.maxPerPixel), frame.seed);
+}
+
+void makeGuides(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
+    const ShaderProgram& program = pass.guides.program;
+    bindLobes(program, frame.lookupTargets, 0);
+    program.bind("points", kPointsUnit, targets.points.name());
+    bindView(program, frame);
+    program.set("lobe", lobe);
+    program.set("raysPerNeighborhood", frame.budget.perNeighborhood);
+    program.set("maxRays", frame.budget.maxPerPixel);
+    pass.guides.draw(targets.guidesTarget, frame.lookupTargets.size);
+}
+
+void bindTrace(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
+    const ShaderProgram& program = pass.trace.program;
+    bindLobes(program, frame.lookupTargets, 0);
+    program.bind("points", kPointsUnit, targets.points.name());
+    program.bind("guides", kGuidesUnit, targets.guides.name());
+    bindBvh(frame.scene.bvh, program, kBvhUnit);
+    bindEye(program, frame);
+    program.set("lobe", lobe);
+    setNumbers(program, frame);
+}
+
+// What the lookup reads of the PHATexels, from `unit` on.
+int bindPhatexels(const ShaderProgram& program, const RayFrame& frame, int unit) {
+    program.bind("tilePatches", unit++, frame.atlas.tilePatches.name());
+    program.bind("phatexels", unit++, frame.atlas.phatexels.name());
+    program.bind("inverseCdfs", unit++, frame.lookup.inverseCdfs.name());
+    program.bind("charts", unit++, frame.atlas.charts.name());
+    program.bind("probes", unit++, frame.lookup.probes.name());
+    if (frame.lookup.scrambles) program.bind("scrambles", unit++, frame.lookup.scrambles.name());
+    program.set("unitMeters", frame.atlas.unitMeters);
+    program.set("guideCount", frame.lookup.guideCount);
+    program.set("layerCount", frame.lookup.layerCount);
+    program.set("areaGuideCount", frame.lookup.areaGuideCount);
+    return unit;
+}
+
+void bindShade(const RayPass& pass, const RayTargets& targets, const RayFrame& frame) {
+    const ShaderProgram& program = pass.shade.program;
+    program.bind("hits", 0, targets.hits.name());
+    program.bind("places", 1, targets.places.name());
+    bindHits(frame.scene.hits, program, 2);
+    int unit = bindPhatexels(program, frame, 2 + kHitUnits);
+    program.bind("splitSumTable", unit++, frame.surfaces.splitSum.name());
+    program.bind("lightTable", unit++, frame.shadows.lightTable.name());
+    program.bind("shadowMaps", unit++, frame.shadows.depth.name());
+    program.bind("irradiance", unit++, frame.atlas.irradiance.name(), frame.scene.hits.filtered.name());
+    const GlTexture& sky = frame.surfaces.environment;
+    program.bind("environment", unit++, sky.name(), sky ? frame.surfaces.environmentSampler.name() : 0);
+    program.set("lightCount", frame.shadows.lightCount);
+    program.set("turn", frame.environmentTurn);
+    program.set("brightest", frame.scene.brightest);
+    program.set("raySpread", frame.pixelRadians);
+    setNumbers(program, frame);
+}
+
+void traceLights(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
+    if (frame.scene.hits.emitterCount == 0) return;
+    const ShaderProgram& program = pass.lights.program;
+    bindLobes(program, frame.lookupTargets, 0);
+    program.bind("points", kPointsUnit, targets.points.name());
+    program.bind("guides", kGuidesUnit, targets.guides.name());
+    bindBvh(frame.scene.bvh, program, kBvhUnit);
+    bindHits(frame.scene.hits, program, kAfterBvh);
+    program.bind("splitSumTable", kAfterBvh + kHitUnits, frame.surfaces.splitSum.name());
+    program.bind("rayWeights", kAfterBvh + kHitUnits + 1, targets.indirectSums.name());
+    bindEye(program, frame);
+    program.set("lobe", lobe);
+    program.set("brightest", frame.scene.brightest);
+    program.set("lightSamples", frame.budget.lightSamples);
+    setNumbers(program, frame);
+    for (int sample = 0; sample < frame.budget.lightSamples; ++sample) {
+        program.set("lightSample", sample);
+        pass.lights.draw(targets.areaTarget, frame.lookupTargets.size);
+    }
+}
+
+void poolLight(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
+    const glm::uvec2 size = frame.lookupTargets.size;
+    const ShaderProgram& mean = pass.mean.program;
+    mean.bind("indirectSums", 0, targets.indirectSums.name());
+    mean.bind("areaSums", 1, targets.areaSums.name());
+    mean.set("brightest", frame.scene.brightest);
+    pass.mean.draw(targets.meansTarget, size);
+    const auto pool = [&](const FullscreenProgram& along, const GlTexture& from, const GlFramebuffer& to,
+                          glm::ivec2 alongWhich) {
+        along.program.bind("lights", 0, from.name());
+        along.program.bind("guides", 1, targets.guides.name());
+        along.program.bind("reflectances", 2, frame.lookupTargets.reflectances.name());
+        bindView(along.program, frame);
+        along.program.set("alongWhich", alongWhich);
+        along.program.set("lobe", lobe);
+        along.draw(to, size);
+    };
+    pool(pass.poolRows, targets.means, targets.pooledTarget, {1, 0});
+    pool(pass.poolColumns, targets.pooled, targets.incidentTargets[size_t(lobe)], {0, 1});
+}
+
+void traceLobe(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
+    const glm::uvec2 size = frame.lookupTargets.size;
+    makeGuides(pass, targets, frame, lobe);
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.sumsTarget.name());
+    const GLfloat nothing[4] = {0, 0, 0, 0};
+    glClearBufferfv(GL_COLOR, 0, nothing);
+    glClearBufferfv(GL_COLOR, 1, nothing);
+    bindTrace(pass, targets, frame, lobe);
+    glBlendFunc(GL_ONE, GL_ONE);
+    for (int ray = 0; ray < frame.budget.maxPerPixel; ++ray) {
+        bindTrace(pass, targets, frame, lobe);
+        pass.trace.program.set("ray", ray);
+        pass.trace.draw(targets.raysTarget, size);
+        bindShade(pass, targets, frame);
+        pass.shade.program.set("ray", ray);
+        glEnable(GL_BLEND);
+        pass.shade.draw(targets.sumsTarget, size);
+        glDisable(GL_BLEND);
+    }
+    glEnable(GL_BLEND);
+    traceLights(pass, targets, frame, lobe);
+    glDisable(GL_BLEND);
+    poolLight(pass, targets, frame, lobe);
+}
+
+}  // namespace
+
+RayPass createRayPass(const std::string& folder, const LookupPass& lookup, const GpuLookup& tables,
+                      const std::vector<std::string>& bvhDefines) {
+    RayPass pass;
+    pass.clearcoat = lookup.clearcoat;
+    pass.areaLights = lookup.areaLights;
+    std::vector<std::string> defines;
+    if (lookup.clearcoat) defines.push_back("CLEARCOAT");
+    if (lookup.areaLights) defines.push_back("AREA");
+    if (tables.scrambles) defines.push_back("SCRAMBLES");
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.end(), defines.begin(), defines.end());
+        return more;
+    };
+    pass.lobes = ShaderProgram(folder, "surface.vert", "lobes.frag", with({"TRACED"}));
+    pass.guides = FullscreenProgram(folder, "reflection_guides.frag", defines);
+    pass.trace = FullscreenProgram(folder, "trace_reflections.frag", with(bvhDefines));
+    pass.shade = FullscreenProgram(folder, "shade_reflections.frag", defines);
+    pass.lights = FullscreenProgram(folder, "trace_lights.frag", with(bvhDefines));
+    pass.mean = FullscreenProgram(folder, "mean_reflections.frag");
+    pass.poolRows = FullscreenProgram(folder, "pool_reflections.frag");
+    pass.poolColumns = FullscreenProgram(folder, "pool_reflections.frag", {"FINAL"});
+    return pass;
+}
+
+bool isReady(const RayPass& pass) {
+    const auto ready = [](const FullscreenProgram& program) { return program.program.isReady(); };
+    return pass.lobes.isReady() && ready(pass.guides) && ready(pass.trace) && ready(pass.shade) &&
+           ready(pass.lights) && ready(pass.mean) && ready(pass.poolRows) && ready(pass.poolColumns);
+}
+
+RayTargets createRayTargets(const LookupPass& pass, const LookupTargets& lookup, GLuint depth) {
+    RayTargets t;
+    const glm::uvec2 size = lookup.size;
+    for (GlTexture* words : {&t.points, &t.guides, &t.hits, &t.places, &t.means, &t.pooled})
+        *words = createTexture2D(GL_RGBA32UI, size);
+    t.indirectSums = createTexture2D(GL_RGBA16F, size);
+    t.areaSums = createTexture2D(GL_RGBA16F, size);
+    std::vector<Attachment> lobes = {{lookup.reflectances.name()}, {lookup.baseLobes.name()}};
+    if (lookup.coatLobes) lobes.push_back({lookup.coatLobes.name()});
+    lobes.push_back({t.points.name()});
+    t.lobesTarget = createFramebuffer(lobes, depth);
+    t.guidesTarget = createFramebuffer({{t.guides.name()}});
+    t.raysTarget = createFramebuffer({{t.hits.name()}, {t.places.name()}});
+    t.sumsTarget = createFramebuffer({{t.indirectSums.name()}, {t.areaSums.name()}});
+    t.areaTarget = createFramebuffer({{t.areaSums.name()}});
+    t.meansTarget = createFramebuffer({{t.means.name()}});
+    t.pooledTarget = createFramebuffer({{t.pooled.name()}});
+    for (int lobe = 0; lobe < (pass.clearcoat ? 2 : 1); ++lobe) {
+        const int layer = lookedUpLayers(pass) + 2 * lobe;
+        t.incidentTargets.push_back(
+            createFramebuffer({{lookup.incident.name(), 0, layer}, {lookup.incident.name(), 0, layer + 1}}));
+    }
+    checkGl("creating the rays' targets");
+    return t;
+}
+
+void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, bool tracesAll) {
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.lobesTarget.name());
+    const GLuint noSurface[4] = {0, 0, 0, 0};
+    glClearBufferuiv(GL_COLOR, 0, noSurface);
+    pass.lobes.bind("tilePatches", 0, frame.atlas.tilePatches.name());
+    pass.lobes.bind("charts", 1, frame.atlas.charts.name());
+    pass.lobes.bind("probes", 2, frame.lookup.probes.name());
+    pass.lobes.set("unitMeters", frame.atlas.unitMeters);
+    pass.lobes.set("frame", int(frame.seed));
+    pass.lobes.set("tracesAll", int(tracesAll));
+}
+
+void traceLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame) {
+    for (int lobe = 0; lobe < (pass.clearcoat ? 2 : 1); ++lobe) traceLobe(pass, targets, frame, lobe);
+}
+
+}  // namespace phat

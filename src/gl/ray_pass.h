@@ -1,0 +1,71 @@
+#pragma once
+// Lobes that the GPU traces: lobes.frag says which, then for each lobe reflection_guides.frag how many rays,
+// trace_reflections.frag, shade_reflections.frag and trace_lights.frag once a ray, mean_reflections.frag and
+// pool_reflections.frag. Small programs, one after the other, because drivers take long to compile large
+// ones.
+
+#include "core/bvh/scene_bvh.h"
+#include "gl/bvh_upload.h"
+#include "gl/hit_tables.h"
+#include "gl/lookup_pass.h"
+#include "gl/relight_pass.h"
+#include "gl/renderer.h"
+#include "gl/shadow_maps.h"
+
+namespace phat {
+
+/// What the rays read.
+struct GpuRayScene {
+    GpuBvh bvh;
+    GpuHits hits;
+    glm::vec3 brightest{0};  // brightestRadiance() of the scene
+};
+
+struct RayPass {
+    ShaderProgram lobes;
+    FullscreenProgram guides, trace, shade, lights, mean, poolRows, poolColumns;
+    bool clearcoat = false;
+    bool areaLights = false;
+};
+
+/// `bvhDefines`: of the trees. Throws GlError.
+RayPass createRayPass(const std::string& shaderFolder, const LookupPass& lookup, const GpuLookup& tables,
+                      const std::vector<std::string>& bvhDefines);
+bool isReady(const RayPass& pass);
+
+/// Pictures between the passes, of the frame's size.
+struct RayTargets {
+    GlTexture points;        // RGBA32UI, see lobes.frag
+    GlTexture guides;        // RGBA32UI, see lib/reflection_guides.glsl; of one lobe after the other
+    GlTexture hits, places;  // RGBA32UI, see lib/packed_rays.glsl
+    GlTexture indirectSums, areaSums;  // RGBA16F, see shade_reflections.frag
+    GlTexture means, pooled;           // RGBA32UI, see lib/pooled_light.glsl
+    GlFramebuffer lobesTarget, guidesTarget, raysTarget, sumsTarget, areaTarget, meansTarget, pooledTarget;
+    std::vector<GlFramebuffer> incidentTargets;  // [lobe]: layers of LookupTargets::incident
+};
+/// `lookup`: with layers for traced radiance.
+RayTargets createRayTargets(const LookupPass& pass, const LookupTargets& lookup, GLuint depth);
+
+/// A frame for which rays are traced.
+struct RayFrame {
+    const GpuRayScene& scene;
+    const GpuAtlas& atlas;
+    const GpuLookup& lookup;
+    const GpuScene& surfaces;
+    const ShadowMaps& shadows;
+    const LookupTargets& lookupTargets;
+    glm::mat4 worldFromClip{1};
+    Eye eye;
+    float pixelRadians = 0;  // angle of a pixel
+    float environmentTurn = 0;
+    uint32_t seed = 0;
+    RayBudget budget;
+};
+
+/// Binds the cleared targets; the caller draws its opaque surfaces with RayPass::lobes, then looks up what is
+/// not wholly traced. `tracesAll`: whether all lobes are traced.
+void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, bool tracesAll);
+/// Then: writes to the layers of LookupTargets::incident that follow the lookup's own.
+void traceLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame);
+
+}  // namespace phat
