@@ -1,5 +1,4 @@
-// Adds to a lobe's light that of its neighbours' rays, along the rows, then along the columns; the second time for
-// display.frag.
+// Adds to a lobe's light that of its neighbours' rays, along the rows, then along the columns.
 #include "lib/pooled_light.glsl"
 #include "lib/reflection_pool.glsl"
 #include "lib/view_ray.glsl"
@@ -8,15 +7,8 @@ uniform usampler2D lights;  // see lib/pooled_light.glsl
 uniform usampler2D guides;
 uniform float originUnitMeters;
 uniform ivec2 alongWhich;   // (1, 0) or (0, 1)
-#ifdef FINAL
-uniform usampler2D reflectances;  // see lib/lobe_pixels.glsl
-uniform int lobe;
 
-layout(location = 0) out uvec4 indirectOut;  // bits of the radiance, and of the weight of rays against the lookup
-layout(location = 1) out uvec4 areaOut;
-#else
 layout(location = 0) out uvec4 lightOut;
-#endif
 
 vec3 positionOf(ReflectionGuide g, ivec2 pixel) {
     ViewRay view = viewRay(vec2(pixel) + 0.5);
@@ -57,12 +49,5 @@ void main() {
     ReflectionGuide mine = unpackGuide(texelFetch(guides, pixel, 0));
     PooledLight light = PooledLight(vec3(0.0), vec3(0.0), 0.0, 0.0);
     if (mine.surface != 0u) light = pooledLight(pixel, mine);
-#ifdef FINAL
-    uvec4 bits = texelFetch(reflectances, pixel, 0);
-    float weight = light.weight > 0.0 ? unpackHalf2x16(lobe == 1 ? bits.w : bits.z).x : 0.0;
-    indirectOut = floatBitsToUint(vec4(light.indirect, weight));
-    areaOut = floatBitsToUint(vec4(light.area, weight));
-#else
     lightOut = packPooledLight(light);
-#endif
 }

@@ -1,8 +1,8 @@
-// The ray from the eye through the middle of a pixel.
+// Rays from the eye through pixels.
 
-uniform mat4 worldFromClip;  // of the whole camera; clip space as it is drawn
-uniform vec2 viewport;       // pixels
-uniform vec3 eyeWorld;       // or the direction toward it, if it is at infinity
+uniform mat4 worldFromClip;   // of the whole camera; clip space as it is drawn
+uniform vec2 viewport;        // pixels
+uniform vec3 eyeWorld;        // or the direction toward it, if it is at infinity
 uniform float eyeAtInfinity;
 
 struct ViewRay {
@@ -10,9 +10,14 @@ struct ViewRay {
     vec3 direction;  // unit
 };
 
+// `matrix`, `eye`: of a camera, as the uniforms.
+ViewRay viewRayOf(mat4 matrix, vec3 eye, vec2 pixel) {
+    vec4 point = matrix * vec4(pixel / viewport * 2.0 - 1.0, 0.5, 1.0);
+    vec3 through = point.xyz / point.w;
+    if (eyeAtInfinity > 0.5) return ViewRay(through, -eye);
+    return ViewRay(eye, normalize(through - eye));
+}
+
 ViewRay viewRay(vec2 pixel) {
-    vec4 far = worldFromClip * vec4(pixel / viewport * 2.0 - 1.0, 0.5, 1.0);
-    vec3 through = far.xyz / far.w;
-    if (eyeAtInfinity > 0.5) return ViewRay(through, -eyeWorld);
-    return ViewRay(eyeWorld, normalize(through - eyeWorld));
+    return viewRayOf(worldFromClip, eyeWorld, pixel);
 }

@@ -59,12 +59,14 @@ RayFrame rayFrameOf(const DisplayInput& input, const CameraMatrices& camera, con
             input.scene,
             input.shadows,
             targets.lookup,
-            glm::inverse(camera.clipFromWorld),
+            camera.clipFromWorld,
             eyeOf(settings.camera),
             settings.camera.perspective ? settings.camera.yfovRadians / pixels : 0.0f,
             input.environmentTurn,
-            sample.view.frame,
-            settings.rays};
+            settings.seed + sample.view.frame,
+            settings.rays,
+            *input.rayHistory,
+            settings.followsLast};
 }
 
 // Glossy light: of PHATexels, and of rays where the GPU traces them.

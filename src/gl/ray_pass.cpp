@@ -20,12 +20,20 @@ void bindEye(const ShaderProgram& program, const RayFrame& frame) {
 
 void bindView(const ShaderProgram& program, const RayFrame& frame) {
     bindEye(program, frame);
-    program.set("worldFromClip", frame.worldFromClip);
+    program.set("worldFromClip", glm::inverse(frame.clipFromWorld));
     program.set("viewport", glm::vec2(frame.lookupTargets.size));
 }
 
 void setNumbers(const ShaderProgram& program, const RayFrame& frame) {
     setSampleNumbers(program, uint32_t(frame.budget.maxPerPixel), frame.seed);
+}
+
+const RayTargets::Frame& frameOf(const RayTargets& targets, uint32_t number, int lobe) {
+    return targets.frames[number % 2][size_t(lobe)];
+}
+
+const GlTexture& guidesOf(const RayTargets& targets, const RayFrame& frame, int lobe) {
+    return frameOf(targets, frame.history.frames, lobe).guides;
 }
 
 void makeGuides(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
@@ -36,14 +44,14 @@ void makeGuides(const RayPass& pass, const RayTargets& targets, const RayFrame& 
     program.set("lobe", lobe);
     program.set("raysPerNeighborhood", frame.budget.perNeighborhood);
     program.set("maxRays", frame.budget.maxPerPixel);
-    pass.guides.draw(targets.guidesTarget, frame.lookupTargets.size);
+    pass.guides.draw(frameOf(targets, frame.history.frames, lobe).guidesTarget, frame.lookupTargets.size);
 }
 
 void bindTrace(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
     const ShaderProgram& program = pass.trace.program;
     bindLobes(program, frame.lookupTargets, 0);
     program.bind("points", kPointsUnit, targets.points.name());
-    program.bind("guides", kGuidesUnit, targets.guides.name());
+    program.bind("guides", kGuidesUnit, guidesOf(targets, frame, lobe).name());
     bindBvh(frame.scene.bvh, program, kBvhUnit);
     bindEye(program, frame);
     program.set("lobe", lobe);
@@ -89,7 +97,7 @@ void traceLights(const RayPass& pass, const RayTargets& targets, const RayFrame&
     const ShaderProgram& program = pass.lights.program;
     bindLobes(program, frame.lookupTargets, 0);
     program.bind("points", kPointsUnit, targets.points.name());
-    program.bind("guides", kGuidesUnit, targets.guides.name());
+    program.bind("guides", kGuidesUnit, guidesOf(targets, frame, lobe).name());
     bindBvh(frame.scene.bvh, program, kBvhUnit);
     bindHits(frame.scene.hits, program, kAfterBvh);
     program.bind("splitSumTable", kAfterBvh + kHitUnits, frame.surfaces.splitSum.name());
@@ -112,18 +120,36 @@ void poolLight(const RayPass& pass, const RayTargets& targets, const RayFrame& f
     mean.bind("areaSums", 1, targets.areaSums.name());
     mean.set("brightest", frame.scene.brightest);
     pass.mean.draw(targets.meansTarget, size);
-    const auto pool = [&](const FullscreenProgram& along, const GlTexture& from, const GlFramebuffer& to,
-                          glm::ivec2 alongWhich) {
-        along.program.bind("lights", 0, from.name());
-        along.program.bind("guides", 1, targets.guides.name());
-        along.program.bind("reflectances", 2, frame.lookupTargets.reflectances.name());
-        bindView(along.program, frame);
-        along.program.set("alongWhich", alongWhich);
-        along.program.set("lobe", lobe);
-        along.draw(to, size);
+    const auto pool = [&](const GlTexture& from, const GlFramebuffer& to, glm::ivec2 alongWhich) {
+        const ShaderProgram& program = pass.pool.program;
+        program.bind("lights", 0, from.name());
+        program.bind("guides", 1, guidesOf(targets, frame, lobe).name());
+        bindView(program, frame);
+        program.set("alongWhich", alongWhich);
+        pass.pool.draw(to, size);
     };
-    pool(pass.poolRows, targets.means, targets.pooledTarget, {1, 0});
-    pool(pass.poolColumns, targets.pooled, targets.incidentTargets[size_t(lobe)], {0, 1});
+    pool(targets.means, targets.pooledTarget, {1, 0});
+    pool(targets.pooled, targets.meansTarget, {0, 1});
+}
+
+void reproject(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
+    const RayTargets::Frame& now = frameOf(targets, frame.history.frames, lobe);
+    const RayTargets::Frame& last = frameOf(targets, frame.history.frames + 1, lobe);
+    const ShaderProgram& program = pass.reproject.program;
+    program.bind("lights", 0, targets.means.name());
+    program.bind("guides", 1, now.guides.name());
+    program.bind("reflectances", 2, frame.lookupTargets.reflectances.name());
+    program.bind("lastLights", 3, last.light.name());
+    program.bind("lastGuides", 4, last.guides.name());
+    bindView(program, frame);
+    const RayHistory& history = frame.history;
+    program.set("lastClipFromWorld", history.clipFromWorld);
+    program.set("lastWorldFromClip", glm::inverse(history.clipFromWorld));
+    program.set("lastEye", history.eye.position);
+    const bool follows = frame.follows && history.valid && history.eye.atInfinity == frame.eye.atInfinity;
+    program.set("follows", int(follows));
+    program.set("lobe", lobe);
+    pass.reproject.draw(now.target, frame.lookupTargets.size);
 }
 
 void traceLobe(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
@@ -133,7 +159,6 @@ void traceLobe(const RayPass& pass, const RayTargets& targets, const RayFrame& f
     const GLfloat nothing[4] = {0, 0, 0, 0};
     glClearBufferfv(GL_COLOR, 0, nothing);
     glClearBufferfv(GL_COLOR, 1, nothing);
-    bindTrace(pass, targets, frame, lobe);
     glBlendFunc(GL_ONE, GL_ONE);
     for (int ray = 0; ray < frame.budget.maxPerPixel; ++ray) {
         bindTrace(pass, targets, frame, lobe);
@@ -149,6 +174,7 @@ void traceLobe(const RayPass& pass, const RayTargets& targets, const RayFrame& f
     traceLights(pass, targets, frame, lobe);
     glDisable(GL_BLEND);
     poolLight(pass, targets, frame, lobe);
+    reproject(pass, targets, frame, lobe);
 }
 
 }  // namespace
@@ -172,21 +198,21 @@ RayPass createRayPass(const std::string& folder, const LookupPass& lookup, const
     pass.shade = FullscreenProgram(folder, "shade_reflections.frag", defines);
     pass.lights = FullscreenProgram(folder, "trace_lights.frag", with(bvhDefines));
     pass.mean = FullscreenProgram(folder, "mean_reflections.frag");
-    pass.poolRows = FullscreenProgram(folder, "pool_reflections.frag");
-    pass.poolColumns = FullscreenProgram(folder, "pool_reflections.frag", {"FINAL"});
+    pass.pool = FullscreenProgram(folder, "pool_reflections.frag");
+    pass.reproject = FullscreenProgram(folder, "reproject_reflections.frag");
     return pass;
 }
 
 bool isReady(const RayPass& pass) {
     const auto ready = [](const FullscreenProgram& program) { return program.program.isReady(); };
     return pass.lobes.isReady() && ready(pass.guides) && ready(pass.trace) && ready(pass.shade) &&
-           ready(pass.lights) && ready(pass.mean) && ready(pass.poolRows) && ready(pass.poolColumns);
+           ready(pass.lights) && ready(pass.mean) && ready(pass.pool) && ready(pass.reproject);
 }
 
 RayTargets createRayTargets(const LookupPass& pass, const LookupTargets& lookup, GLuint depth) {
     RayTargets t;
     const glm::uvec2 size = lookup.size;
-    for (GlTexture* words : {&t.points, &t.guides, &t.hits, &t.places, &t.means, &t.pooled})
+    for (GlTexture* words : {&t.points, &t.hits, &t.places, &t.means, &t.pooled})
         *words = createTexture2D(GL_RGBA32UI, size);
     t.indirectSums = createTexture2D(GL_RGBA16F, size);
     t.areaSums = createTexture2D(GL_RGBA16F, size);
@@ -194,16 +220,20 @@ RayTargets createRayTargets(const LookupPass& pass, const LookupTargets& lookup,
     if (lookup.coatLobes) lobes.push_back({lookup.coatLobes.name()});
     lobes.push_back({t.points.name()});
     t.lobesTarget = createFramebuffer(lobes, depth);
-    t.guidesTarget = createFramebuffer({{t.guides.name()}});
     t.raysTarget = createFramebuffer({{t.hits.name()}, {t.places.name()}});
     t.sumsTarget = createFramebuffer({{t.indirectSums.name()}, {t.areaSums.name()}});
     t.areaTarget = createFramebuffer({{t.areaSums.name()}});
     t.meansTarget = createFramebuffer({{t.means.name()}});
     t.pooledTarget = createFramebuffer({{t.pooled.name()}});
-    for (int lobe = 0; lobe < (pass.clearcoat ? 2 : 1); ++lobe) {
-        const int layer = lookedUpLayers(pass) + 2 * lobe;
-        t.incidentTargets.push_back(
-            createFramebuffer({{lookup.incident.name(), 0, layer}, {lookup.incident.name(), 0, layer + 1}}));
+    for (int i = 0; i < 2 * (pass.clearcoat ? 2 : 1); ++i) {
+        const int lobe = i / 2, layer = lookedUpLayers(pass) + 2 * lobe;
+        RayTargets::Frame& frame = t.frames[size_t(i % 2)].emplace_back();
+        frame.guides = createTexture2D(GL_RGBA32UI, size);
+        frame.light = createTexture2D(GL_RGBA32UI, size);
+        frame.guidesTarget = createFramebuffer({{frame.guides.name()}});
+        frame.target = createFramebuffer({{lookup.incident.name(), 0, layer},
+                                          {lookup.incident.name(), 0, layer + 1},
+                                          {frame.light.name()}});
     }
     checkGl("creating the rays' targets");
     return t;
@@ -223,6 +253,7 @@ void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayF
 
 void traceLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame) {
     for (int lobe = 0; lobe < (pass.clearcoat ? 2 : 1); ++lobe) traceLobe(pass, targets, frame, lobe);
+    frame.history = {frame.clipFromWorld, frame.eye, frame.history.frames + 1, true};
 }
 
 }  // namespace phat

@@ -23,7 +23,7 @@ struct GpuRayScene {
 
 struct RayPass {
     ShaderProgram lobes;
-    FullscreenProgram guides, trace, shade, lights, mean, poolRows, poolColumns;
+    FullscreenProgram guides, trace, shade, lights, mean, pool, reproject;
     bool clearcoat = false;
     bool areaLights = false;
 };
@@ -35,16 +35,29 @@ bool isReady(const RayPass& pass);
 
 /// Pictures between the passes, of the frame's size.
 struct RayTargets {
-    GlTexture points;        // RGBA32UI, see lobes.frag
-    GlTexture guides;        // RGBA32UI, see lib/reflection_guides.glsl; of one lobe after the other
-    GlTexture hits, places;  // RGBA32UI, see lib/packed_rays.glsl
+    /// What the next frame needs of a lobe.
+    struct Frame {
+        GlTexture guides;                    // RGBA32UI, see lib/reflection_guides.glsl
+        GlTexture light;                     // RGBA32UI, see lib/pooled_light.glsl
+        GlFramebuffer guidesTarget, target;  // the latter: layers of LookupTargets::incident, and `light`
+    };
+    GlTexture points;                  // RGBA32UI, see lobes.frag
+    GlTexture hits, places;            // RGBA32UI, see lib/packed_rays.glsl
     GlTexture indirectSums, areaSums;  // RGBA16F, see shade_reflections.frag
     GlTexture means, pooled;           // RGBA32UI, see lib/pooled_light.glsl
-    GlFramebuffer lobesTarget, guidesTarget, raysTarget, sumsTarget, areaTarget, meansTarget, pooledTarget;
-    std::vector<GlFramebuffer> incidentTargets;  // [lobe]: layers of LookupTargets::incident
+    GlFramebuffer lobesTarget, raysTarget, sumsTarget, areaTarget, meansTarget, pooledTarget;
+    std::array<std::vector<Frame>, 2> frames;  // [frame % 2][lobe]
 };
 /// `lookup`: with layers for traced radiance.
 RayTargets createRayTargets(const LookupPass& pass, const LookupTargets& lookup, GLuint depth);
+
+/// The camera of the last frame.
+struct RayHistory {
+    glm::mat4 clipFromWorld{1};
+    Eye eye;
+    uint32_t frames = 0;  // that were drawn
+    bool valid = false;   // whether they tell anything of the next
+};
 
 /// A frame for which rays are traced.
 struct RayFrame {
@@ -54,18 +67,21 @@ struct RayFrame {
     const GpuScene& surfaces;
     const ShadowMaps& shadows;
     const LookupTargets& lookupTargets;
-    glm::mat4 worldFromClip{1};
+    glm::mat4 clipFromWorld{1};
     Eye eye;
     float pixelRadians = 0;  // angle of a pixel
     float environmentTurn = 0;
     uint32_t seed = 0;
     RayBudget budget;
+    RayHistory& history;
+    bool follows = false;  // whether the last frame's rays count
 };
 
 /// Binds the cleared targets; the caller draws its opaque surfaces with RayPass::lobes, then looks up what is
 /// not wholly traced. `tracesAll`: whether all lobes are traced.
 void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, bool tracesAll);
-/// Then: writes to the layers of LookupTargets::incident that follow the lookup's own.
+/// Then: writes to the layers of LookupTargets::incident that follow the lookup's own, and makes the frame
+/// the last one.
 void traceLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame);
 
 }  // namespace phat

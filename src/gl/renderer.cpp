@@ -155,6 +155,7 @@ void Renderer::setLights(const std::vector<PunctualLight>& lights) {
     if (hasDisc(lights) != hasDisc(state_->lights)) state_->dropPasses();
     state_->lights = lights;
     state_->shadows = {};
+    state_->rayHistory.valid = false;
 }
 
 void Renderer::moveScene(const Scene& scene, const Atlas& atlas, const TexelPoints& points,

@@ -72,6 +72,9 @@ struct FrameSettings {
     /// Which lobes the GPU traces, of Method::phat; `lookup` where the renderer has no trees.
     Reflections tracedByGpu = Reflections::lookup;
     RayBudget rays;
+    /// Of a view that moves: the rays of the frame that was drawn last count, too, where it showed the same.
+    bool followsLast = false;
+    uint32_t seed = 0;  // of the GPU's rays: another one for each frame that follows
     Inspection inspection;
     /// Anti-aliasing: this many whole pictures, shifted inside the pixel, are averaged (a box filter of one
     /// pixel, over edges, textures and highlights alike). 1 turns it off.

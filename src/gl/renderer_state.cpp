@@ -41,8 +41,10 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
     const DisplayPass* displayPass = preview ? nullptr : &displayFor(paper, counting);
     const glm::uvec2 size = sizeOf(settings);
     if (targets.size != size || (lookups && !targets.lookup.incident) ||
-        (tracedPass && !targets.reflections.target) || (rays && !targets.rays.points))
+        (tracedPass && !targets.reflections.target) || (rays && !targets.rays.points)) {
         targets = createFrameTargets(size, lookups, traced, rayTracingPass);
+        rayHistory.valid = false;
+    }
     if (!preview)
         completeGlassTargets(targets.glass, size, glassNeeds({materials, glass}, traced),
                              anyClearcoat(materials));
@@ -72,6 +74,7 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
              tracedPass,
              rayTracingPass,
              rays ? &currentRayScene() : nullptr,
+             rays ? &rayHistory : nullptr,
              texelsShown ? &inspecting() : nullptr,
              clock,
              environmentTurn}};
@@ -188,6 +191,7 @@ const GpuRayScene& Renderer::State::currentRayScene() {
         rayScene->brightest = brightestRadiance(edited);
     }
     if (raysMoved) moveBvh(rayScene->bvh, poseBvh(*restBvh, worldFromRest));
+    if (raysMoved || raysEdited) rayHistory.valid = false;
     raysMoved = raysEdited = false;
     return *rayScene;
 }

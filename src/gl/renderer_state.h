@@ -77,6 +77,7 @@ struct Renderer::State {
     std::optional<ReflectionPass> reflectionPass;
     std::optional<GpuRayScene> rayScene;
     std::optional<RayPass> rayPass;
+    RayHistory rayHistory;
     std::optional<CommonPass> common;
     std::optional<DisplayPass> display, displayPaper, countingDisplay;
     std::optional<ShaderProgram> inspectProgram;

@@ -39,8 +39,10 @@ ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, cons
     bytes.frame = bytesOf(targets.picture, targets.depth, looked.incident, looked.pooled, looked.reflectances,
                           looked.baseLobes, looked.coatLobes, traced.base, traced.coat, traced.surface);
     const RayTargets& rays = targets.rays;
-    bytes.frame += bytesOf(rays.points, rays.guides, rays.hits, rays.places, rays.indirectSums, rays.areaSums,
-                           rays.means, rays.pooled);
+    bytes.frame += bytesOf(rays.points, rays.hits, rays.places, rays.indirectSums, rays.areaSums, rays.means,
+                           rays.pooled);
+    for (const auto& frame : rays.frames)
+        for (const RayTargets::Frame& lobe : frame) bytes.frame += bytesOf(lobe.guides, lobe.light);
     const GlassTargets& glass = targets.glass;
     bytes.frame += bytesOf(glass.depth, glass.panes.base, glass.panes.coat, glass.panes.surface,
                            glass.paneLight, glass.behind);

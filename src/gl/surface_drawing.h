@@ -38,7 +38,8 @@ struct DisplayInput {
     const LookupPass* lookupPass;
     const ReflectionPass* reflectionPass;
     const RayPass* rayPass;
-    const GpuRayScene* rayScene;          // as `rayPass`
+    const GpuRayScene* rayScene;  // this and the next as `rayPass`
+    RayHistory* rayHistory;
     const ShaderProgram* inspectProgram;  // inspect.frag, drawn instead of the light
     PassClock& clock;
     float environmentTurn = 0;  // see background.frag

@@ -25,7 +25,7 @@ std::vector<std::vector<std::string>> variants() {
             {"SCRAMBLES", "CLEARCOAT"},
             {"PAPER", "AREA", "CLEARCOAT"},
             {"BVH_OPACITY", "ANY_HIT"},
-            {"TRACED", "FINAL", "AREA", "CLEARCOAT"}};
+            {"TRACED", "AREA", "CLEARCOAT"}};
 }
 
 TEST(Shaders, CompileInBothFlavors) {

@@ -28,7 +28,7 @@ inline std::vector<ProgramVariant> longestPrograms() {
         {"fullscreen.vert", "trace_lights.frag", with({"BVH_OPACITY"})},
         {"fullscreen.vert", "mean_reflections.frag", {}},
         {"fullscreen.vert", "pool_reflections.frag", {}},
-        {"fullscreen.vert", "pool_reflections.frag", {"FINAL"}},
+        {"fullscreen.vert", "reproject_reflections.frag", {}},
         {"surface.vert", "lookup.frag", with({"SCRAMBLES"})},
         {"surface.vert", "lookup.frag", with({"SCRAMBLES", "COUNT_READS"})},
         {"fullscreen.vert", "pool.frag", coat},
