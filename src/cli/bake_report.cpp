@@ -33,9 +33,9 @@ std::optional<std::string> resolutionNote(const Bake& result, const AtlasSetting
                   "charts grow by whole tiles of {}x{} texels up to {} texels a side, and finer ones "
                   "would be more than that",
                   kTileSize, kTileSize, asked.maxSizeTexels);
-    return fmt::format(
-        "the atlas has {} texels, {:.0f} % of them occupied, and not the {} that were asked for: {}",
-        result.atlas.texelCount(), 100 * double(result.stats.atlas.coverage), asked.texelBudget, reason);
+    return fmt::format("the atlas has {} texels, coverage {:.1f} %, and not the {} that were asked for: {}",
+                       result.atlas.texelCount(), 100 * double(result.stats.atlas.coverage),
+                       asked.texelBudget, reason);
 }
 
 json reportOf(const std::string& output, const Bake& result, size_t resumedParts,
@@ -73,7 +73,7 @@ void printReport(const json& report, const std::vector<std::string>& printed) {
                  finest = atlas["finestTexelSize"].get<double>() * 1e3;
     const std::string range =
         finest < coarsest ? fmt::format(" ({:.4g} to {:.4g} mm)", finest, coarsest) : "";
-    fmt::print("  atlas       {} x {} texels of {:.4g} mm{}, {} charts, {:.0f} % occupied\n",
+    fmt::print("  atlas       {} x {} texels of {:.4g} mm{}, {} charts, coverage {:.1f} %\n",
                atlas["width"].get<uint32_t>(), atlas["height"].get<uint32_t>(), median, range,
                atlas["charts"].get<uint32_t>(), atlas["coverage"].get<double>() * 100);
     fmt::print("  photons     {} emitted, {} stored\n", report["photons"]["emitted"].get<uint64_t>(),

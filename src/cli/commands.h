@@ -16,5 +16,6 @@ void addInfoCommand(CLI::App& app);
 void addExportCommand(CLI::App& app);
 void addViewCommand(CLI::App& app);
 void addWebCommand(CLI::App& app);
+void addBenchCommand(CLI::App& app);
 
 }  // namespace phat

@@ -22,4 +22,8 @@ std::string siteFolder() {
     return installedOr("site", PHAT_SITE_DIR);
 }
 
+std::string sceneFolder() {
+    return installedOr("scenes", PHAT_SCENE_DIR);
+}
+
 }  // namespace phat

@@ -8,5 +8,7 @@ namespace phat {
 std::string shaderFolder();
 /// The built page of `phat web`, likewise.
 std::string siteFolder();
+/// scenes/, likewise.
+std::string sceneFolder();
 
 }  // namespace phat

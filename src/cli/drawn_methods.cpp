@@ -80,13 +80,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
         reportExposure(options, exposure, report);
         reportNotes(file, report);
         if (renderer.bytesPerPhatexel() > 0) report["bytesPerPhatexel"] = renderer.bytesPerPhatexel();
-        if (options.countReads) {
-            const auto readsOf = [&](int source) {
-                const ReadCount reads = countReads(picture, source);
-                return json{{"mean", reads.mean}, {"max", reads.most}};
-            };
-            report["reads"] = {{"indirect", readsOf(0)}, {"area", readsOf(1)}};
-        }
+        if (options.countReads) report["reads"] = readsReport({&picture, 1});
     }
     return reports;
 }

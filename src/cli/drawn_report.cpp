@@ -19,4 +19,17 @@ json drawnReport(const RenderOptions& options, const View& view, const FrameTime
             {"reflectionRays", cost.rays}};
 }
 
+json readsReport(std::span<const Image> pictures) {
+    const auto readsOf = [&](int source) {
+        ReadCount all;
+        for (const Image& picture : pictures) {
+            const ReadCount reads = countReads(picture, source);
+            all.mean += reads.mean / double(pictures.size());
+            all.most = std::max(all.most, reads.most);
+        }
+        return json{{"mean", all.mean}, {"max", all.most}};
+    };
+    return {{"indirect", readsOf(0)}, {"area", readsOf(1)}};
+}
+
 }  // namespace phat

@@ -2,6 +2,7 @@
 // The --json report of an image drawn by OpenGL.
 
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "cli/render_camera.h"
 #include "cli/render_options.h"
@@ -12,5 +13,8 @@ namespace phat {
 /// `gpu`: its name. `seconds` by pass, so that more can be added.
 nlohmann::json drawnReport(const RenderOptions& options, const View& view, const FrameTimes& times,
                            const ReflectionCost& cost, const std::string& gpu);
+
+/// Of pictures of Inspected::reads: mean and most of the reads a pixel, by source of light.
+nlohmann::json readsReport(std::span<const Image> pictures);
 
 }  // namespace phat

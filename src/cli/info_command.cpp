@@ -10,6 +10,7 @@
 
 #include "cli/commands.h"
 #include "cli/size_note.h"
+#include "core/atlas/atlas_stats.h"
 #include "core/atlas/texel_size.h"
 #include "core/scene/default_camera.h"
 #include "core/scene/scene.h"
@@ -99,8 +100,8 @@ Json describeLayers(const std::vector<PhatexelLayer>& layers) {
 Json describeBake(const BakedScene& baked) {
     const Atlas& atlas = baked.atlas;
     const Phatexture& phatexture = baked.phatexture;
-    uint64_t withSurface = 0;
-    for (const TexelState state : baked.points.state) withSurface += state == TexelState::surface;
+    const auto notOccluded =
+        std::count(baked.points.state.begin(), baked.points.state.end(), TexelState::surface);
     const size_t guides = phatexture.indirectGuides.size() + phatexture.areaGuides.size();
 
     Json settings = Json::parse(baked.record.settings, nullptr, false);
@@ -118,7 +119,8 @@ Json describeBake(const BakedScene& baked) {
               {"unitMeters", atlas.unitMeters},
               {"charts", atlas.charts.size()},
               {"blocks", atlas.blockCount},
-              {"coverage", double(withSurface) / double(std::max<size_t>(1, atlas.texelCount()))}}},
+              {"coverage", coverageOf(atlas)},
+              {"notOccluded", double(notOccluded) / double(std::max<size_t>(1, atlas.texelCount()))}}},
             {"storage", nameOf(storageNames(), baked.record.storage)},
             {"indirect", describeLayers(phatexture.indirect)},
             {"area", describeLayers(phatexture.area)},
@@ -207,10 +209,12 @@ void printBake(const Json& bake) {
                  finest = 1000 * atlas["finestTexelSizeMeters"].get<double>();
     const std::string range =
         finest < coarsest ? fmt::format(" ({:.3g} to {:.3g} mm)", finest, coarsest) : "";
-    printLine("atlas",
-              fmt::format("{} x {} texels of {:.3g} mm{}, {} charts, {:.1f} % occupied",
-                          atlas["size"][0].get<uint32_t>(), atlas["size"][1].get<uint32_t>(), median, range,
-                          atlas["charts"].get<size_t>(), 100 * atlas["coverage"].get<double>()));
+    printLine(
+        "atlas",
+        fmt::format("{} x {} texels of {:.3g} mm{}, {} charts, coverage {:.1f} % ({:.1f} % not occluded)",
+                    atlas["size"][0].get<uint32_t>(), atlas["size"][1].get<uint32_t>(), median, range,
+                    atlas["charts"].get<size_t>(), 100 * atlas["coverage"].get<double>(),
+                    100 * atlas["notOccluded"].get<double>()));
     printLine("storage", bake["storage"] == "paper"
                              ? "paper: 16 bytes a PHATexel, no distances (in memory 8 bytes, infinitely far)"
                              : "packed: 8 bytes a PHATexel");

@@ -35,6 +35,7 @@ int run(int argc, char** argv) {
     phat::addExportCommand(app);
     phat::addViewCommand(app);
     phat::addWebCommand(app);
+    phat::addBenchCommand(app);
     try {
         app.parse(argc, argv);
         return kDone;

@@ -16,6 +16,7 @@
 #include "cli/render_methods.h"
 #include "cli/render_options.h"
 #include "core/scene/default_camera.h"
+#include "core/scene/enclosure.h"
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
 #include "io/gltf/gltf_source.h"
@@ -89,15 +90,24 @@ double writePoster(const WebOptions& options, const fs::path& site, Progress& pr
 }
 
 // Eye, target and field of view in degrees of a file without a camera that pages show by; else nothing.
-std::string defaultCameraOf(const std::string& path) {
-    const Scene scene = readBakedFile(path).loaded.scene;
+std::string defaultCameraOf(const RayScene& rays) {
+    const Scene& scene = rays.scene();
     const bool has = std::any_of(scene.cameras.begin(), scene.cameras.end(),
                                  [](const Camera& camera) { return camera.perspective; });
     if (has) return "";
-    const DefaultView view = defaultView(RayScene(scene), LightSampler(scene));
+    const DefaultView view = defaultView(rays, LightSampler(scene));
     const glm::vec3 eye(view.camera.worldFromCamera[3]);
     return fmt::format("{} {} {} {} {} {} {}", eye.x, eye.y, eye.z, view.target.x, view.target.y,
                        view.target.z, glm::degrees(view.camera.yfovRadians));
+}
+
+// Corners of boxes, low and high, in which an eye is inside.
+std::string roomsOf(const RayScene& rays) {
+    std::string text;
+    for (const Bounds& box : roomBoxes(rays))
+        text += fmt::format("{}{:.5g} {:.5g} {:.5g} {:.5g} {:.5g} {:.5g}", text.empty() ? "" : " ", box.low.x,
+                            box.low.y, box.low.z, box.high.x, box.high.y, box.high.z);
+    return text;
 }
 
 void writeSite(const WebOptions& options) {
@@ -112,7 +122,12 @@ void writeSite(const WebOptions& options) {
     const std::string script = readText(built / "viewer.js"), style = readText(built / "viewer.css");
     const std::string name = fs::path(options.input).filename().string();
     fill(page, "@TITLE@", escaped(options.title.empty() ? name.substr(0, name.find('.')) : options.title));
-    fill(page, "@CAMERA@", defaultCameraOf(options.input));
+    {
+        const Scene scene = readBakedFile(options.input).loaded.scene;
+        const RayScene rays(scene);
+        fill(page, "@CAMERA@", defaultCameraOf(rays));
+        fill(page, "@ROOMS@", roomsOf(rays));
+    }
     const WebParts parts = splitForWeb(source, kPartsStem);
 
     std::error_code error;

@@ -88,9 +88,16 @@ HeadlessContext::~HeadlessContext() {
     eglDestroyContext(egl_->display, egl_->context);
 }
 
+std::string HeadlessContext::gpuName() const {
+    return reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+}
+
+std::string HeadlessContext::versionName() const {
+    return reinterpret_cast<const char*>(glGetString(GL_VERSION));
+}
+
 std::string HeadlessContext::rendererName() const {
-    return fmt::format("{}, OpenGL {}", reinterpret_cast<const char*>(glGetString(GL_RENDERER)),
-                       reinterpret_cast<const char*>(glGetString(GL_VERSION)));
+    return fmt::format("{}, OpenGL {}", gpuName(), versionName());
 }
 
 bool HeadlessContext::isSoftware() const {

@@ -14,6 +14,9 @@ class HeadlessContext {
     HeadlessContext(const HeadlessContext&) = delete;
     HeadlessContext& operator=(const HeadlessContext&) = delete;
 
+    /// GL_RENDERER and GL_VERSION, and both in one.
+    std::string gpuName() const;
+    std::string versionName() const;
     std::string rendererName() const;
     /// Whether it draws on the CPU.
     bool isSoftware() const;

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -165,6 +166,25 @@ TEST_F(BakedFileCommands, ExportNeedsABakedFile) {
     EXPECT_NE(result.err.find("is not a baked file"), std::string::npos) << result.err;
     EXPECT_FALSE(std::filesystem::exists(folder.file("out")));
     EXPECT_EQ(runPhat({"export", path}).exitCode, 2);
+}
+
+// The share of texels under a surface, by the word coverage in both; part of the floor is under the boxes.
+TEST(Coverage, IsTheSameByBakeAndByInfo) {
+    const TemporaryFolder folder;
+    const std::string out = folder.file("room.phat.glb");
+    const std::vector<std::string> bake = {"bake",      kScene, "-o",        out, "--resolution", "60k",
+                                           "--photons", "20k",  "--bounces", "2", "--paths",      "1"};
+    std::vector<std::string> asJson = bake;
+    asJson.push_back("--json");
+    const auto baked = nlohmann::json::parse(runPhat(asJson).out)["atlas"];
+    const auto read = nlohmann::json::parse(runPhat({"info", out, "--json"}).out)["bake"]["atlas"];
+    EXPECT_EQ(read["coverage"].get<double>(), baked["coverage"].get<double>());
+    EXPECT_GT(read["notOccluded"].get<double>(), 0.4);
+    EXPECT_LT(read["notOccluded"].get<double>(), read["coverage"].get<double>() - 0.005);
+    const std::string words =
+        fmt::format(" charts, coverage {:.1f} %", 100 * baked["coverage"].get<double>());
+    for (const std::string& text : {runPhat(bake).out, runPhat({"info", out}).out})
+        EXPECT_NE(text.find(words), std::string::npos) << text;
 }
 
 }  // namespace

@@ -52,6 +52,7 @@ export class BakedLight {
         this.seed = 0;
         this.wipe = 1;
         this.waitsForPrograms = true;
+        this.clock = null; // for measurements: its ended(pass) is called where a pass ends
         this.isWhole = true;
         this.progress = 0;
         this.onProgress = null;

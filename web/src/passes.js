@@ -225,7 +225,9 @@ export class Passes {
         program.set('sampleCount', sampleCount);
         program.set('lightBits', lightBits);
         this.drawSurfaces(program, view, 0);
+        this.clock?.ended('lookup');
         this.poolSums(shared, target);
+        this.clock?.ended('pool');
     }
 
     poolSums(shared, target) {
@@ -276,7 +278,9 @@ export class Passes {
 
     // `view`: { width, height, clipFromWorld, eye, eyeAtInfinity, isVisible(mesh) }; the rest: see
     // BakedLight. Returns the view's targets. Leaves WebGL's state to the caller.
-    draw(view, { quality, seed, wipe, waitsForPrograms }) {
+    draw(view, { quality, seed, wipe, waitsForPrograms, clock }) {
+        this.clock = clock;
+        clock?.ended('three.js'); // what it did before the first surface
         this.uploadMaps();
         const coatAppears =
             !this.clearcoat && this.bake.surfaces.drawRanges.some(({ mesh }) => hasClearcoat(mesh.material));
@@ -305,6 +309,7 @@ export class Passes {
         resetState(gl, view.width, view.height);
         gl.bindVertexArray(this.vertices.vertexArray);
         this.drawDepth(view, target);
+        this.clock?.ended('depth');
         if (this.programs.stage > kPreview) this.lookUp(view, shared, target, quality, seed);
         const left = Math.round(wipe * view.width);
         gl.enable(gl.SCISSOR_TEST);
@@ -317,6 +322,7 @@ export class Passes {
             if (this.programs.stage > kPreview) this.display(view, shared, target, show);
             else this.preview(view, target, show);
         }
+        this.clock?.ended('display');
         gl.disable(gl.SCISSOR_TEST);
         gl.bindVertexArray(null);
     }

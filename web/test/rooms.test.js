@@ -108,6 +108,39 @@ test('in a room the head turns, and the wheel walks', async () => {
     await page.evaluate(() => viewer.navigation.goTo(viewer.navigation.first));
 });
 
+test('who leaves the room orbits, and who comes back turns the head', async () => {
+    const walk = (key, until) =>
+        page.evaluate(
+            ([code, z]) => {
+                const { navigation, camera } = viewer,
+                    before = camera.position.z < z;
+                navigation.pressed.add(code);
+                for (let i = 0; i < 1000 && camera.position.z < z === before; ++i) navigation.fly(0.02);
+                navigation.pressed.clear();
+                return navigation.inside;
+            },
+            [key, until],
+        );
+    const dragged = async () => {
+        const from = await eyeOf(page);
+        await drag(page, [60, 45], [100, 50]);
+        return distance(await eyeOf(page), from);
+    };
+    await page.focus('#view');
+    assert.equal(await walk('KeyS', 1.95), true, 'at the wall');
+    assert.equal(await walk('KeyS', 2.6), false, 'behind it');
+    assert.ok((await dragged()) > 0.1, 'outside, the eye orbits');
+    await page.evaluate(() => viewer.navigation.goTo(viewer.navigation.first));
+    assert.equal(await walk('KeyS', 2.6), false);
+    assert.equal(await walk('KeyW', 1.5), true);
+    assert.ok((await dragged()) < 0.01, 'back inside, the head turns');
+    await page.evaluate(() => viewer.navigation.goTo(viewer.navigation.first));
+    for (let i = 0; i < 30 && (await page.evaluate(() => viewer.navigation.inside)); ++i)
+        await page.mouse.wheel(0, 300);
+    assert.equal(await page.evaluate(() => viewer.navigation.inside), false, 'by the wheel, too');
+    await page.evaluate(() => viewer.navigation.goTo(viewer.navigation.first));
+});
+
 // The page of a baked room, when it is at rest.
 async function pageOf(t, name, room) {
     const [scene, baked, site] = [`${name}.glb`, `${name}.phat.glb`, name].map((file) => join(folder, file));

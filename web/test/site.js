@@ -18,7 +18,7 @@ export async function openRoom() {
 }
 
 // A page of `url` that notes what must not be. `prepare` runs in it first.
-export async function open(browser, url, { prepare, size = viewport } = {}) {
+export async function open(browser, url, { prepare, size = viewport, query = '' } = {}) {
     const page = await browser.newPage({ viewport: size });
     page.problems = [];
     page.on('pageerror', (error) => page.problems.push(error.message));
@@ -30,7 +30,7 @@ export async function open(browser, url, { prepare, size = viewport } = {}) {
             page.problems.push(request.url());
     });
     if (prepare) await page.addInitScript(prepare);
-    await page.goto(url);
+    await page.goto(url + query);
     return page;
 }
 

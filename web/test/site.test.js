@@ -247,10 +247,78 @@ test('survives the loss of its context', async () => {
     await page.close();
 });
 
+// What the page shows with ?bench, and logs.
+async function benchOf(query, prepare) {
+    const page = await openIn(browser, server.url, { prepare, query }),
+        logged = [];
+    page.on('console', (message) => logged.push(message.text()));
+    await page.waitForFunction(() => !document.getElementById('bench').hidden);
+    const text = await page.textContent('#bench');
+    assert.ok(logged.includes(text), 'logged, too');
+    await loaded(page);
+    const eye = await eyeOf(page);
+    assert.ok(distance(eye, await page.evaluate(() => viewer.navigation.first.position.toArray())) < 1e-5, 'the first view again');
+    await page.waitForFunction(() => viewer.picture.samples > 0); // the page goes on
+    assert.deepEqual(page.problems, []);
+    await page.close();
+    return JSON.parse(text);
+}
+
+test('measures its passes when asked', async (t) => {
+    const report = await benchOf('?bench=2');
+    t.diagnostic(JSON.stringify(report));
+    const { passMilliseconds: passes } = report;
+    for (const pass of ['depth', 'lookup', 'pool', 'display', 'three.js', 'present'])
+        assert.ok(passes[pass] > 0, `${pass}: ${passes[pass]}`);
+    assert.ok(report.gpu.length > 0 && report.driver.startsWith('WebGL 2'));
+    assert.deepEqual(
+        [report.width, report.height, report.quality, report.frames, report.scene],
+        [160, 90, 'default', 2, 'A <table> & more'],
+    );
+    // Medians of the parts and of the whole, of two frames.
+    const sum = Object.values(passes).reduce((a, b) => a + b);
+    assert.ok(report.frameMilliseconds > 0.2 * sum && report.gpuMilliseconds > 0.2 * sum);
+    // `phat bench` prints the same, and reads besides.
+    const ours = JSON.parse(await phat('bench', room.file, '--size', '32x18', '--frames', '1', '--quiet'));
+    const names = (object) => Object.keys(object).filter((name) => name !== 'reads' && name !== 'triangles');
+    assert.deepEqual(names(report), names(ours));
+    for (const pass of Object.keys(ours.passMilliseconds)) assert.ok(pass in passes, pass);
+});
+
+test('measures by the clock where the GPU has none', async (t) => {
+    const report = await benchOf('?bench=1', () => {
+        const { getExtension } = WebGL2RenderingContext.prototype;
+        WebGL2RenderingContext.prototype.getExtension = function (name) {
+            return name === 'EXT_disjoint_timer_query_webgl2' ? null : getExtension.call(this, name);
+        };
+    });
+    t.diagnostic(JSON.stringify(report));
+    assert.equal(report.timer, 'clock');
+    // What is waited for adds up to the frame.
+    const sum = Object.values(report.passMilliseconds).reduce((a, b) => a + b);
+    assert.ok(Math.abs(sum / report.frameMilliseconds - 1) < 0.1, `${sum} of ${report.frameMilliseconds}`);
+    assert.ok(report.passMilliseconds.lookup > 0);
+});
+
 async function messageOf(page) {
     await page.waitForFunction(() => !document.getElementById('message').hidden);
     return page.textContent('#message');
 }
+
+test('says why it could not measure, and goes on', async () => {
+    const prepare = () => {
+        const { getParameter } = WebGL2RenderingContext.prototype;
+        const GPU_DISJOINT_EXT = 0x8fbb;
+        WebGL2RenderingContext.prototype.getParameter = function (name) {
+            return name === GPU_DISJOINT_EXT ? true : getParameter.call(this, name);
+        };
+    };
+    const page = await openIn(browser, server.url, { prepare, query: '?bench=1' });
+    assert.match(await messageOf(page), /could not be measured: the GPU was interrupted/);
+    await page.waitForFunction(() => document.getElementById('loading').hidden && viewer.picture.samples > 0);
+    assert.deepEqual(page.problems.map((text) => /interrupted/.test(text)), [true]);
+    await page.close();
+});
 
 test('says what is wrong', async () => {
     const cut = join(folder, 'cut');

@@ -23,30 +23,31 @@ export function defaultCamera(numbers) {
     return camera;
 }
 
-// Whether surfaces close around a place on nearly all sides, as a room does.
-function encloses(root, place) {
-    const ray = new Raycaster(),
-        directions = Array.from({ length: 8 }, (_, i) =>
-            new Vector3().setFromSphericalCoords(1, Math.PI / 2 + (i % 2 ? 0.3 : -0.3), (i * Math.PI) / 4),
-        );
-    return (
-        directions.filter((direction) => {
-            ray.set(place, direction);
-            return ray.intersectObject(root, true).length > 0;
-        }).length >= 7
-    );
+// Boxes that rooms consist of, from the numbers that `phat web` writes into the page: low and high corners.
+function boxesOf(numbers) {
+    const all = numbers.split(' ').map(Number),
+        corner = (i) => new Vector3(...all.slice(i, i + 3));
+    return Array.from({ length: Math.floor(all.length / 6) }, (_, i) => new Box3(corner(6 * i), corner(6 * i + 3)));
 }
 
 export class Navigation {
     // `changed` is called when the view is another one.
     constructor(camera, canvas, root, changed) {
         Object.assign(this, { camera, root, changed });
+        this.rooms = boxesOf(canvas.dataset.rooms);
         this.radius = sphereOf(root).radius;
         this.metersPerSecond = kRadiiPerSecond * this.radius;
         this.controls = new OrbitControls(camera, canvas);
         this.controls.addEventListener('change', () => {
             if (this.inside) this.walk();
             changed();
+        });
+        this.controls.addEventListener('start', () => {
+            this.held = true;
+        });
+        this.controls.addEventListener('end', () => {
+            this.held = false;
+            this.crossDoor();
         });
         this.pressed = new Set();
         canvas.addEventListener('keydown', (event) => {
@@ -64,26 +65,41 @@ export class Navigation {
         canvas.addEventListener('blur', () => this.pressed.clear());
     }
 
-    // From a camera of the file. The point in the middle of the image is the centre of orbiting; in a room, where an
-    // orbit would lead through the walls, the head turns instead.
+    // From a camera of the file.
     goTo(view) {
         this.first = view;
         const { camera, controls } = this;
         view.matrixWorld.decompose(camera.position, camera.quaternion, new Vector3());
         this.setAspect(camera.aspect);
+        this.chooseCenter();
+        this.changed();
+    }
+
+    isInRoom() {
+        return this.rooms.some((box) => box.containsPoint(this.camera.position));
+    }
+
+    // Who has walked out of a room orbits, and who has come in turns the head; not in the middle of a drag.
+    crossDoor() {
+        if (!this.held && this.isInRoom() !== this.inside) this.chooseCenter();
+    }
+
+    // The point in the middle of the image is the centre of orbiting; in a room, where an orbit would lead through the
+    // walls, the head turns instead.
+    chooseCenter() {
+        const { camera, controls } = this;
         camera.updateMatrixWorld();
         const ray = new Raycaster();
         ray.setFromCamera(new Vector2(), camera);
         const [hit] = ray.intersectObject(this.root, true);
         this.ahead = hit?.distance ?? this.radius;
-        this.inside = encloses(this.root, camera.position);
+        this.inside = this.isInRoom();
         const distance = this.inside ? kHeadRadii * this.radius : this.ahead;
         controls.target.copy(camera.position).addScaledVector(ray.ray.direction, distance);
         // What is under the pointer stays there: it lies behind the centre of a turning head, which turns the other way.
         controls.rotateSpeed = this.inside ? -camera.fov / 360 : 1;
         controls.panSpeed = this.ahead / distance;
         controls.update();
-        this.changed();
     }
 
     // What would change the distance to the centre of the head moves the eye along the view.
@@ -130,6 +146,7 @@ export class Navigation {
         if (Math.abs(pitched.y) < 0.99 * pitched.length()) toward.copy(pitched);
         controls.target.copy(camera.position).add(toward);
         controls.update();
+        this.crossDoor();
         return true;
     }
 }

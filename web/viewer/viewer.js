@@ -11,6 +11,7 @@ import {
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { PhatexturesExtension, isSupported, jitterOf } from '../src/index.js';
 import { isGlass } from '../src/material.js';
+import { bench, framesAsked } from './bench.js';
 import { Navigation, defaultCamera, sphereOf } from './navigation.js';
 import { createPanel } from './panel.js';
 import { Picture } from './picture.js';
@@ -138,16 +139,24 @@ class Viewer {
             this.drawShadows();
             this.changed();
         });
+        this.run();
+    }
+
+    run() {
         this.previous = performance.now();
-        renderer.setAnimationLoop((now) => {
+        this.renderer.setAnimationLoop((now) => {
             try {
                 this.frame(now);
             } catch (error) {
-                renderer.setAnimationLoop(null);
+                this.stop();
                 say(`The room cannot be drawn: ${error.message}`);
                 console.error(error);
             }
         });
+    }
+
+    stop() {
+        this.renderer.setAnimationLoop(null);
     }
 
     // Once: nothing moves.
@@ -259,6 +268,22 @@ class Viewer {
     }
 }
 
+// With ?bench, once all is loaded.
+async function showBench(viewer) {
+    const frames = framesAsked(location.search);
+    if (frames === 0) return;
+    element('status').textContent = 'Measuring.';
+    try {
+        const text = JSON.stringify(await bench(viewer, frames), null, 2);
+        console.log(text);
+        element('bench').textContent = text;
+        element('bench').hidden = false;
+    } catch (error) {
+        say(`This device could not be measured: ${error.message}`);
+        console.error(error);
+    }
+}
+
 async function start() {
     try {
         const renderer = createRenderer();
@@ -274,6 +299,7 @@ async function start() {
                 viewer.changed();
             };
             await viewer.light.ready;
+            await showBench(viewer);
         }
         element('loading').hidden = true;
     } catch (error) {

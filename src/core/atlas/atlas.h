@@ -90,7 +90,7 @@ struct AtlasSettings {
 /// Facts for the log and for tests.
 struct AtlasStats {
     uint32_t chartCount = 0;
-    float coverage = 0;             // texels with a surface under their centre / all texels
+    float coverage = 0;             // coverageOf()
     float areaWithinStretch15 = 0;  // fraction of the surface area whose L2-independent stretch is <= 1.5
     uint32_t degenerateTriangles = 0;
 };

@@ -3,10 +3,9 @@
 #include "core/atlas/atlas_raster.h"
 
 namespace phat {
-namespace {
 
 float coverageOf(const Atlas& atlas) {
-    std::vector<bool> occupied(atlas.texelCount(), false);
+    std::vector<bool> hasSurface(atlas.texelCount(), false);
     for (size_t t = 0; t < atlas.triangleChart.size(); ++t) {
         if (atlas.triangleChart[t] == kNoChart) continue;
         const Chart& chart = atlas.charts[atlas.triangleChart[t]];
@@ -17,16 +16,14 @@ float coverageOf(const Atlas& atlas) {
                      [&](int x, int y) {
                          const glm::uvec2 texel(x, y),
                              other = texel + toOther;  // wraps around, as unsigned numbers do
-                         occupied[size_t(texel.y) * atlas.sizeTexels.x + texel.x] = true;
-                         occupied[size_t(other.y) * atlas.sizeTexels.x + other.x] = true;
+                         hasSurface[size_t(texel.y) * atlas.sizeTexels.x + texel.x] = true;
+                         hasSurface[size_t(other.y) * atlas.sizeTexels.x + other.x] = true;
                      });
     }
     size_t count = 0;
-    for (const bool c : occupied) count += c;
+    for (const bool c : hasSurface) count += c;
     return atlas.texelCount() ? float(double(count) / double(atlas.texelCount())) : 0.0f;
 }
-
-}  // namespace
 
 AtlasStats statsOf(const Atlas& atlas, const std::vector<FlatChart>& flats, const MeshTopology& topology) {
     double area = 0, good = 0;

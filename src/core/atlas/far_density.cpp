@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
+#include "core/scene/triangle_corners.h"
+
 namespace phat {
 namespace {
 
@@ -11,38 +14,22 @@ constexpr double kFarReach = 8;
 // Points of a large triangle whose distances are averaged, along each of two sides.
 constexpr int kPointsPerSide = 16;
 
-double medianOf(std::vector<double> values) {
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
-struct Corners {
-    glm::dvec3 a, b, c;
-};
-
-Corners cornersOf(const Scene& scene, uint32_t triangle) {
-    const glm::uvec3& t = scene.triangles[triangle];
-    return {scene.positions[t.x], scene.positions[t.y], scene.positions[t.z]};
-}
-
 glm::dvec3 middleOf(const Scene& scene, const FlatChart& flat) {
     glm::dvec3 low(1e300), high(-1e300);
     for (const uint32_t t : flat.triangles) {
-        const Corners p = cornersOf(scene, t);
-        low = glm::min(low, glm::min(p.a, glm::min(p.b, p.c)));
-        high = glm::max(high, glm::max(p.a, glm::max(p.b, p.c)));
+        for (const glm::dvec3& p : cornersOf<glm::dvec3>(scene, t)) {
+            low = glm::min(low, p);
+            high = glm::max(high, p);
+        }
     }
     return 0.5 * (low + high);
 }
 
 double farthestOf(const Scene& scene, const FlatChart& flat, const glm::dvec3& from) {
     double distance = 0;
-    for (const uint32_t t : flat.triangles) {
-        const Corners p = cornersOf(scene, t);
-        distance = std::max(
-            {distance, glm::distance(p.a, from), glm::distance(p.b, from), glm::distance(p.c, from)});
-    }
+    for (const uint32_t t : flat.triangles)
+        for (const glm::dvec3& p : cornersOf<glm::dvec3>(scene, t))
+            distance = std::max(distance, glm::distance(p, from));
     return distance;
 }
 
@@ -50,15 +37,15 @@ double farthestOf(const Scene& scene, const FlatChart& flat, const glm::dvec3& f
 double nearness(const Scene& scene, const FlatChart& flat, const glm::dvec3& from, double reach) {
     double sum = 0, total = 0;
     for (const uint32_t t : flat.triangles) {
-        const Corners p = cornersOf(scene, t);
-        const double area = glm::length(glm::cross(p.b - p.a, p.c - p.a));
+        const auto [a, b, c] = cornersOf<glm::dvec3>(scene, t);
+        const double area = glm::length(glm::cross(b - a, c - a));
         const bool large = farthestOf(scene, {{t}, {}, {}, 0, 0}, from) > reach;
         const int side = large ? kPointsPerSide : 1;
         double mean = 0;
         for (int i = 0; i < side * side; ++i) {
             double u = (i % side + 0.5) / side, v = (i / side + 0.5) / side;
             if (u + v > 1) u = 1 - u, v = 1 - v;
-            const double distance = glm::distance(p.a + u * (p.b - p.a) + v * (p.c - p.a), from);
+            const double distance = glm::distance(a + u * (b - a) + v * (c - a), from);
             mean +=
                 std::min(1.0, (reach / std::max(distance, 1e-300)) * (reach / std::max(distance, 1e-300)));
         }

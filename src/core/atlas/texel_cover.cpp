@@ -8,6 +8,7 @@
 #include <atomic>
 
 #include "core/atlas/atlas.h"
+#include "core/scene/triangle_corners.h"
 
 namespace phat {
 namespace {
@@ -21,11 +22,9 @@ constexpr float kStartTexels = 0.125f;
 constexpr float kNarrowAltitudes = 2;
 
 float altitudeOf(const Scene& scene, uint32_t triangle) {
-    const glm::uvec3& v = scene.triangles[triangle];
-    const glm::vec3 a = scene.positions[v[1]] - scene.positions[v[0]],
-                    b = scene.positions[v[2]] - scene.positions[v[0]];
-    const float longest = std::max({glm::length(a), glm::length(b), glm::distance(a, b)});
-    return longest > 0 ? glm::length(glm::cross(a, b)) / longest : 0.0f;
+    const auto [a, b, c] = cornersOf(scene, triangle);
+    const float longest = std::max({glm::distance(a, b), glm::distance(a, c), glm::distance(b, c)});
+    return longest > 0 ? glm::length(glm::cross(b - a, c - a)) / longest : 0.0f;
 }
 
 bool sideLit(const Atlas& atlas, uint32_t triangle, bool backFace) {

@@ -5,6 +5,7 @@
 #include <set>
 #include <tuple>
 
+#include "core/atlas/area_points.h"
 #include "core/atlas/texel_cover.h"
 #include "core/base/disjoint_sets.h"
 
@@ -47,10 +48,14 @@ class RegionFinder {
   private:
     glm::dvec3 normal(uint32_t triangle) const { return topology_.faceNormal[cutter_.origin(triangle)]; }
 
-    double area(uint32_t triangle) const {
+    std::array<glm::dvec3, 3> corners(uint32_t triangle) const {
         const glm::uvec3& v = cutter_.triangles()[triangle];
-        const glm::dvec3 a = cutter_.position(v[0]);
-        return 0.5 * glm::length(glm::cross(cutter_.position(v[1]) - a, cutter_.position(v[2]) - a));
+        return {cutter_.position(v[0]), cutter_.position(v[1]), cutter_.position(v[2])};
+    }
+
+    double area(uint32_t triangle) const {
+        const auto [a, b, c] = corners(triangle);
+        return 0.5 * glm::length(glm::cross(b - a, c - a));
     }
 
     // Ordered by triangles, whatever the order of the edges.
@@ -107,7 +112,7 @@ class RegionFinder {
     bool isTiny(double total) const { return total < kMinAreaTexels * texelSize_ * texelSize_; }
 
     void add(Bounds& bounds, uint32_t triangle) const {
-        for (int i = 0; i < 3; ++i) bounds.add(glm::vec3(cutter_.position(cutter_.triangles()[triangle][i])));
+        for (const glm::dvec3& corner : corners(triangle)) bounds.add(glm::vec3(corner));
     }
 
     Bounds boundsOf(const std::vector<uint32_t>& triangles) const {
@@ -122,30 +127,21 @@ class RegionFinder {
         return isHidden(triangles, total, 1) && (!both || isHidden(triangles, total, -1));
     }
 
-    // By points that are equally spaced over the area.
     bool isHidden(const std::vector<uint32_t>& triangles, double total, float side) const {
         const auto isDark = [&](const Hit& hit) {
             return hit.backFace && !rays_.scene().materialOf(hit.triangle).doubleSided;
         };
-        int point = 0;
-        double passed = 0, closed = 0;
-        for (const uint32_t t : triangles) {
-            const glm::uvec3& v = cutter_.triangles()[t];
-            passed += area(t);
-            for (; point < kPoints && (point + 0.5) * total <= passed * kPoints; ++point) {
-                const uint64_t seed = hashOf(0x3a1, cutter_.origin(t), uint64_t(point));
-                glm::dvec2 b = Rng(seed).uniform2();
-                if (b.x + b.y > 1) b = 1.0 - b;
-                const glm::dvec3 at = (1 - b.x - b.y) * cutter_.position(v[0]) +
-                                      b.x * cutter_.position(v[1]) + b.y * cutter_.position(v[2]);
+        AreaPoints points(kPoints, total);
+        double closed = 0;
+        for (const uint32_t t : triangles)
+            for (const auto& [position, seed] : points.next(corners(t), {0x3a1, cutter_.origin(t)})) {
                 const glm::vec3 up = side * glm::vec3(normal(t));
-                const Cover cover = coverOf({rays_.offsetOrigin(glm::vec3(at), up), frameFromNormal(up),
+                const Cover cover = coverOf({rays_.offsetOrigin(glm::vec3(position), up), frameFromNormal(up),
                                              kPressedTexels * float(texelSize_), seed + 1},
                                             rays_, isDark);
                 closed += double(std::max(cover.dark, cover.touched));
             }
-        }
-        return closed >= kMinCover * point;
+        return closed >= kMinCover * points.visited();
     }
 
     WallRegions result(size_t sectionCount) {

@@ -20,9 +20,4 @@ std::vector<BvhPart> bvhParts(const Scene& scene) {
     return inOrder;
 }
 
-std::array<glm::vec3, 3> cornersOf(const Scene& scene, uint32_t triangle) {
-    const glm::uvec3 t = scene.triangles[triangle];
-    return {scene.positions[t.x], scene.positions[t.y], scene.positions[t.z]};
-}
-
 }  // namespace phat

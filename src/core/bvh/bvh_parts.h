@@ -1,7 +1,6 @@
 #pragma once
 // How a scene's triangles are put into groups, each of which gets a tree of its own.
 
-#include <array>
 #include <vector>
 
 #include "core/scene/scene.h"
@@ -17,7 +16,5 @@ struct BvhPart {
 
 /// Opaque parts, then transparent ones, each by their node.
 std::vector<BvhPart> bvhParts(const Scene& scene);
-
-std::array<glm::vec3, 3> cornersOf(const Scene& scene, uint32_t triangle);
 
 }  // namespace phat

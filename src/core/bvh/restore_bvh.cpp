@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/bvh/bvh_parts.h"
+#include "core/scene/triangle_corners.h"
 
 namespace phat {
 namespace {

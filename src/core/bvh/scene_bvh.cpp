@@ -5,6 +5,7 @@
 
 #include "core/base/parallel.h"
 #include "core/bvh/bvh_parts.h"
+#include "core/scene/triangle_corners.h"
 
 namespace phat {
 namespace {

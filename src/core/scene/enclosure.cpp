@@ -2,7 +2,10 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+
 #include "core/scene/camera_ray.h"
+#include "core/scene/triangle_corners.h"
 
 namespace phat {
 namespace {
@@ -17,6 +20,8 @@ constexpr int kMaxLineHits = 64;  // surfaces that one vertical line crosses
 constexpr int kDirections = 128;  // that tell whether a point is enclosed
 // Windows, doors and a missing piece of wall leave a room a room; a missing wall or ceiling does not.
 constexpr float kMinEnclosed = 0.85f;
+// Nearer to a wall than a shoulder, of the room's height, there is only the wall to see.
+constexpr float kShoulder = 0.1f;
 // In a room fronts look inward. What mostly backs surround is the inside of a thing, ...
 constexpr float kMinFronts = 0.5f;
 // ... unless all of the scene is so, it is as high as rooms are and a few fronts are within: many rooms are
@@ -77,8 +82,7 @@ bool lookAround(const RayScene& rays, StandPoint& point) {
         point.nearest = std::min(point.nearest, hit.distance);
     }
     point.frontFraction = met > 0 ? float(fronts) / float(met) : 0.0f;
-    // Nearer to a wall than a shoulder, there is only the wall to see.
-    return float(seen) >= kMinEnclosed * kDirections && point.nearest > 0.1f * point.roomHeight;
+    return float(seen) >= kMinEnclosed * kDirections && point.nearest > kShoulder * point.roomHeight;
 }
 
 void addColumn(const RayScene& rays, const Bounds& bounds, glm::vec2 at, std::vector<StandPoint>& points) {
@@ -113,10 +117,6 @@ std::vector<StandPoint> onMainFloor(const std::vector<StandPoint>& points, float
     return kept;
 }
 
-glm::vec3 cornerOf(const Scene& scene, uint32_t triangle, int corner) {
-    return scene.positions[scene.triangles[triangle][corner]];
-}
-
 }  // namespace
 
 std::vector<bool> trianglesWithoutGround(const Scene& scene) {
@@ -126,10 +126,10 @@ std::vector<bool> trianglesWithoutGround(const Scene& scene) {
     const float top = all.low.y + kGroundThickness * (all.high.y - all.low.y);
     Bounds rest;
     for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
-        bool low = true;
-        for (int c = 0; c < 3; ++c) low = low && cornerOf(scene, t, c).y <= top;
-        counts[t] = !low;
-        for (int c = 0; c < 3 && !low; ++c) rest.add(cornerOf(scene, t, c));
+        const std::array<glm::vec3, 3> corners = cornersOf(scene, t);
+        counts[t] = std::any_of(corners.begin(), corners.end(), [&](glm::vec3 p) { return p.y > top; });
+        if (!counts[t]) continue;
+        for (const glm::vec3& corner : corners) rest.add(corner);
     }
     const glm::vec3 extent = all.high - all.low, ofRest = rest.high - rest.low;
     const bool ground =
@@ -142,13 +142,20 @@ Bounds boundsWithoutGround(const Scene& scene) {
     const std::vector<bool> counts = trianglesWithoutGround(scene);
     Bounds bounds;
     for (uint32_t t = 0; t < scene.triangles.size(); ++t)
-        for (int c = 0; c < 3 && counts[t]; ++c) bounds.add(cornerOf(scene, t, c));
+        if (counts[t])
+            for (const glm::vec3& corner : cornersOf(scene, t)) bounds.add(corner);
     return bounds;
 }
 
-std::vector<StandPoint> standPoints(const RayScene& rays) {
-    const Bounds bounds = boundsWithoutGround(rays.scene());
-    if (bounds.empty()) return {};
+namespace {
+
+struct Stands {
+    std::vector<StandPoint> all;  // [column], of all storeys
+    std::vector<StandPoint> onMainFloor;
+};
+
+// Nowhere, where the scene has no inside.
+Stands findStands(const RayScene& rays, const Bounds& bounds) {
     std::vector<std::vector<StandPoint>> columns(size_t(kColumns) * kColumns);
     tbb::parallel_for(size_t(0), columns.size(), [&](size_t i) {
         const glm::vec2 unit((float(i % kColumns) + 0.5f) / kColumns,
@@ -167,11 +174,48 @@ std::vector<StandPoint> standPoints(const RayScene& rays) {
     const float height = bounds.high.y - bounds.low.y;
     const float leastHeight = kMinRoomHeight * (meterIn(highest) > 0 ? highest : height);
     std::erase_if(points, [&](const StandPoint& p) { return p.roomHeight < leastHeight; });
-    points = onMainFloor(points, 0.03f * height);
-    for (const StandPoint& p : points) fronts += p.frontFraction;
+    const std::vector<StandPoint> onMain = onMainFloor(points, 0.03f * height);
+    for (const StandPoint& p : onMain) fronts += p.frontFraction;
     const float leastFronts = outward && meterIn(highest) > 0 ? kMinFrontsInMeters : kMinFronts;
-    if (points.size() < kMinPoints || fronts < leastFronts * float(points.size())) return {};
-    return points;
+    if (onMain.size() < kMinPoints || fronts < leastFronts * float(onMain.size())) return {};
+    return {points, onMain};
+}
+
+// Whether two boxes of one row of the grid are of one storey, one beside the other.
+bool hangTogether(const Bounds& a, const Bounds& b, float rowMeters) {
+    const float common = std::min(a.high.y, b.high.y) - std::max(a.low.y, b.low.y);
+    return std::abs(a.low.z - b.low.z) < 0.25f * rowMeters && a.low.x <= b.high.x && b.low.x <= a.high.x &&
+           2 * common > std::max(a.high.y - a.low.y, b.high.y - b.low.y);
+}
+
+}  // namespace
+
+std::vector<StandPoint> standPoints(const RayScene& rays) {
+    const Bounds bounds = boundsWithoutGround(rays.scene());
+    return bounds.empty() ? std::vector<StandPoint>() : findStands(rays, bounds).onMainFloor;
+}
+
+std::vector<Bounds> roomBoxes(const RayScene& rays) {
+    const Bounds bounds = boundsWithoutGround(rays.scene());
+    if (bounds.empty()) return {};
+    const glm::vec3 step = (bounds.high - bounds.low) / float(kColumns);
+    std::vector<Bounds> boxes;
+    for (const StandPoint& point : findStands(rays, bounds).all) {
+        const glm::vec3 reach = step + kShoulder * point.roomHeight;
+        Bounds box;
+        box.add({point.eye.x - reach.x, point.floorHeight, point.eye.z - reach.z});
+        box.add({point.eye.x + reach.x, point.floorHeight + point.roomHeight, point.eye.z + reach.z});
+        const auto beside = std::find_if(boxes.begin(), boxes.end(), [&](const Bounds& other) {
+            return hangTogether(box, other, step.z);
+        });
+        if (beside == boxes.end()) {
+            boxes.push_back(box);
+        } else {
+            beside->add(box.low);
+            beside->add(box.high);
+        }
+    }
+    return boxes;
 }
 
 }  // namespace phat

@@ -27,6 +27,11 @@ struct StandPoint {
 /// where the scene has no inside. The same for any number of threads.
 std::vector<StandPoint> standPoints(const RayScene& rays);
 
+/// Where an eye is in a room of any storey: boxes from floor to ceiling around the places where one could
+/// stand, so wide that they reach the walls. Together they follow the rooms' ground plan to within a step of
+/// that grid and a shoulder. Empty where the scene has no inside.
+std::vector<Bounds> roomBoxes(const RayScene& rays);
+
 inline constexpr float kEyeMeters = 1.6f;
 inline constexpr float kEyeFraction = 0.6f;
 
