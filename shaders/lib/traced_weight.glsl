@@ -1,7 +1,7 @@
 // Which lobes are traced, and which are looked up.
 #include "lib/sharpness.glsl"
 
-uniform bool tracesAll;
+uniform float sharpAlpha;  // lobes up to it are traced everywhere
 uniform int frame;  // of several whose mean is shown
 
 // Ratios of the PHATexels' spread to the lobe's width below which a lobe is looked up, and above which it is traced;
@@ -29,5 +29,5 @@ vec2 tracedWeight(vec3 normal, float alpha, vec3 position, vec3 towardEye, vec2 
         nearest = min(nearest, d);
     }
     // Half of the cells around are enough for all of the weight, so that it grows gradually toward close surfaces.
-    return vec2(tracesAll ? 1.0 : min(2.0 * weight, 1.0), nearest);
+    return vec2(alpha <= sharpAlpha ? 1.0 : min(2.0 * weight, 1.0), nearest);
 }

@@ -8,6 +8,9 @@
 namespace phat {
 namespace {
 
+// Rays of the GPU have less error than the lookup for sharper lobes, at the same time (docs/lookup.md).
+constexpr float kSharpAlpha = 0.1f;
+
 // Measured: see notes/experiments.md, "Lookup".
 LookupSampling samplingOf(Quality quality) {
     constexpr LookupSampling kSampling[] = {{2, 2}, {8, 4}, {32, 4}};
@@ -81,7 +84,7 @@ void lookUp(const DisplayInput& input, const CameraMatrices& camera, const Frame
     std::optional<RayFrame> rays;
     if (input.rayPass) {
         rays.emplace(rayFrameOf(input, camera, targets, sample));
-        beginTracedLobes(*input.rayPass, targets.rays, *rays, settings.tracedByGpu == Reflections::rays);
+        beginTracedLobes(*input.rayPass, targets.rays, *rays, sharpAlphaOf(settings.tracedByGpu, kSharpAlpha));
         drawLobes(input.rayPass->lobes);
     } else {
         beginLobes(targets.lookup);

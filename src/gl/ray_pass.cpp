@@ -239,7 +239,7 @@ RayTargets createRayTargets(const LookupPass& pass, const LookupTargets& lookup,
     return t;
 }
 
-void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, bool tracesAll) {
+void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, float sharpAlpha) {
     glBindFramebuffer(GL_FRAMEBUFFER, targets.lobesTarget.name());
     const GLuint noSurface[4] = {0, 0, 0, 0};
     glClearBufferuiv(GL_COLOR, 0, noSurface);
@@ -248,7 +248,7 @@ void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayF
     pass.lobes.bind("probes", 2, frame.lookup.probes.name());
     pass.lobes.set("unitMeters", frame.atlas.unitMeters);
     pass.lobes.set("frame", int(frame.seed));
-    pass.lobes.set("tracesAll", int(tracesAll));
+    pass.lobes.set("sharpAlpha", sharpAlpha);
 }
 
 void traceLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame) {
