@@ -22,9 +22,10 @@ Method methodOf(const RenderOptions& options) {
     return name == "phat-paper" ? Method::phatPaper : Method::phat;
 }
 
-bool tracesOnGpu(const RenderOptions& options, const HeadlessContext& context) {
+// pre: a context is current.
+bool tracesOnGpu(const RenderOptions& options) {
     if (options.tracer != Tracer::automatic) return options.tracer == Tracer::gpu;
-    return !context.isSoftware();
+    return !drawsInSoftware();
 }
 
 // What traced reflections read.
@@ -54,7 +55,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     std::optional<SceneBvh> built;
     const SceneBvh* bvh = nullptr;
     if (method == Method::phat && options.reflections != Reflections::lookup) {
-        if (tracesOnGpu(options, context))
+        if (tracesOnGpu(options))
             bvh = baked.bvh ? &*baked.bvh : &built.emplace(buildSceneBvh(scene));
         else
             tracing.emplace(baked, options.reflections, progress);

@@ -28,6 +28,12 @@ void addViewCommand(CLI::App& app) {
     CLI::Option* scale = command->add_option("--ui-scale", "Size of the panels; default: the screen's")
                              ->type_name("FACTOR")
                              ->check(CLI::Range(0.5, 4.0));
+    CLI::Option* budget =
+        command
+            ->add_option("--frame-budget",
+                         "Of a moving view: reflection rays are traced as it allows; default: 8")
+            ->type_name("MS")
+            ->check(CLI::Range(1.0, 1000.0));
     command->footer("Example: phat view room.phat.glb");
     command->callback([=] {
         ViewerOptions options;
@@ -38,6 +44,7 @@ void addViewCommand(CLI::App& app) {
             throw CLI::ValidationError("--variant", "the bake is of one variant; bake the scene again");
         if (*size) options.size = parseSize(size);
         if (*scale) options.uiScale = scale->as<float>();
+        if (*budget) options.frameBudgetSeconds = 1e-3 * budget->as<double>();
         options.shaderFolder = shaderFolder();
         runViewer(options);
     });

@@ -84,7 +84,8 @@ void lookUp(const DisplayInput& input, const CameraMatrices& camera, const Frame
     std::optional<RayFrame> rays;
     if (input.rayPass) {
         rays.emplace(rayFrameOf(input, camera, targets, sample));
-        beginTracedLobes(*input.rayPass, targets.rays, *rays, sharpAlphaOf(settings.tracedByGpu, kSharpAlpha));
+        beginTracedLobes(*input.rayPass, targets.rays, *rays,
+                         sharpAlphaOf(settings.tracedByGpu, kSharpAlpha));
         drawLobes(input.rayPass->lobes);
     } else {
         beginLobes(targets.lookup);

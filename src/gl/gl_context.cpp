@@ -100,8 +100,8 @@ std::string HeadlessContext::rendererName() const {
     return fmt::format("{}, OpenGL {}", gpuName(), versionName());
 }
 
-bool HeadlessContext::isSoftware() const {
-    const std::string name = rendererName();
+bool drawsInSoftware() {
+    const std::string name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     for (const char* driver : {"llvmpipe", "softpipe", "SwiftShader"})
         if (name.find(driver) != std::string::npos) return true;
     return false;

@@ -18,12 +18,13 @@ class HeadlessContext {
     std::string gpuName() const;
     std::string versionName() const;
     std::string rendererName() const;
-    /// Whether it draws on the CPU.
-    bool isSoftware() const;
 
   private:
     struct Egl;
     std::unique_ptr<Egl> egl_;
 };
+
+/// Whether the driver of the current context draws on the CPU.
+bool drawsInSoftware();
 
 }  // namespace phat

@@ -239,7 +239,8 @@ RayTargets createRayTargets(const LookupPass& pass, const LookupTargets& lookup,
     return t;
 }
 
-void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, float sharpAlpha) {
+void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame,
+                      float sharpAlpha) {
     glBindFramebuffer(GL_FRAMEBUFFER, targets.lobesTarget.name());
     const GLuint noSurface[4] = {0, 0, 0, 0};
     glClearBufferuiv(GL_COLOR, 0, noSurface);

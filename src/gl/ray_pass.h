@@ -79,7 +79,8 @@ struct RayFrame {
 
 /// Binds the cleared targets; the caller draws its opaque surfaces with RayPass::lobes, then looks up what is
 /// not wholly traced. `sharpAlpha`: see reflection_pass.h.
-void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, float sharpAlpha);
+void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame,
+                      float sharpAlpha);
 /// Then: writes to the layers of LookupTargets::incident that follow the lookup's own, and makes the frame
 /// the last one.
 void traceLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame);

@@ -25,7 +25,6 @@ bool Renderer::State::previews(const FrameSettings& settings, bool traced) {
     bool ready = isReady(displayFor(settings.method == Method::phatPaper, false));
     if (lookup.guideCount > 0) ready &= isReady(lookupFor(false));
     if (traced) ready &= reflections().program.isReady();
-    if (settings.tracedByGpu != Reflections::lookup) ready &= isReady(rayTracing());
     return !ready;
 }
 
@@ -80,7 +79,7 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
              environmentTurn}};
 }
 
-FrameSettings Renderer::State::possible(FrameSettings settings) const {
+FrameSettings Renderer::State::possible(FrameSettings settings) {
     const Inspected what = settings.inspection.what;
     // The views of the pyramid are of ours, not of the paper's.
     if (what == Inspected::reads)
@@ -89,6 +88,9 @@ FrameSettings Renderer::State::possible(FrameSettings settings) const {
         settings.method = Method::phatPyramid;
     if (settings.method == Method::phat && lookup.guideCount == 0) settings.method = Method::phatPyramid;
     if (settings.method != Method::phat || what != Inspected::nothing || !restBvh)
+        settings.tracedByGpu = Reflections::lookup;
+    // A window does not wait for the rays' programs.
+    if (settings.tracedByGpu != Reflections::lookup && settings.mayPreview && !isReady(rayTracing()))
         settings.tracedByGpu = Reflections::lookup;
     return settings;
 }

@@ -32,7 +32,7 @@ struct Renderer::State {
     /// first picture, which would wait for it on some drivers.
     bool previews(const FrameSettings& settings, bool traced);
     /// The settings restricted to what this bake supports.
-    FrameSettings possible(FrameSettings settings) const;
+    FrameSettings possible(FrameSettings settings);
     /// The surfaces are those of `now`, for what is made of them later.
     void show(const Scene& now, const Atlas& itsAtlas, const TexelPoints& points);
     /// What is glass, when the surfaces or the materials are other ones.

@@ -53,6 +53,11 @@ Document::Document(const std::string& file, const SceneLighting& asked, const st
     added.bvh.reset();  // the snapshots of the scene have their own
 }
 
+const SceneBvh* Document::bvh() {
+    if (!baked.bvh && canHaveBvh(scene())) baked.bvh = buildSceneBvh(scene());
+    return baked.bvh ? &*baked.bvh : nullptr;
+}
+
 Document::Changes Document::show() {
     if (edits.revision() == shownRevision_ && playback.animation == shownPlayback_.animation &&
         playback.seconds == shownPlayback_.seconds)

@@ -43,6 +43,9 @@ struct Document {
     bool isAtRest() const;
     /// Of shown(): for picking.
     const RayScene& rays() const { return posed.snapshot()->rays(); }
+    /// Of scene(), for rays on the GPU; null where it is too large for them. Built when it is first asked
+    /// for, unless the file has it.
+    const SceneBvh* bvh();
     /// Grows when what rays meet, or may read there, is another.
     uint64_t rayVersion() const { return rayVersion_; }
     /// Takes over a bake of scene() that was made with `settings`, which save() records.

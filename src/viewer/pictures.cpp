@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "gl/gl_context.h"
 #include "gl/textures.h"
 #include "viewer/refine_plan.h"
 
@@ -79,9 +80,24 @@ const TracedReflections& Pictures::reflections(const ViewerState& state, double 
     return reflections_->within(seconds);
 }
 
+bool Pictures::showsReflections(const ViewerState& state, const Side& side) const {
+    return state.view.traced && (side.source == Source::phat || side.source == Source::direct);
+}
+
 bool Pictures::mayTrace(const ViewerState& state, const Side& side) const {
-    if (!state.view.raysAtRest || side.tooManyRays) return false;
-    return side.source == Source::phat || side.source == Source::direct;
+    return showsReflections(state, side) && !side.tooManyRays;
+}
+
+// At rest where the GPU is one; a moving view with as many rays as its time allows.
+void Pictures::traceOnGpu(const ViewerState& state, const Side& side, bool atRest, FrameSettings& settings) {
+    if (!showsReflections(state, side)) return;
+    settings.tracedByGpu = Reflections::automatic;
+    if (atRest) return;
+    settings.rays = kRayLevels[size_t(rayLevel_)];
+    if (settings.rays.maxPerPixel == 0) settings.tracedByGpu = Reflections::lookup;
+    settings.seed = ++movingFrames_;
+    // Two sides would take each other's frames for their last ones.
+    settings.followsLast = !state.view.compare;
 }
 
 void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 size, int samplesPerPixel,
@@ -92,8 +108,10 @@ void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 
     settings.samplesPerPixel = samplesPerPixel;
     settings.samplesPerDraw = 1;
     settings.mayPreview = true;
+    const bool byGpu = !rays || !drawsInSoftware();
+    if (byGpu) traceOnGpu(state, side, rays, settings);
     const TracedReflections* traced =
-        rays ? &reflections(state, sum.samples == 0 ? kRaySeconds : 0) : nullptr;
+        byGpu ? nullptr : &reflections(state, sum.samples == 0 ? kRaySeconds : 0);
     side.wanted = samplesPerPixel;
     side.byRays = rays;
     side.counts = settings.inspection.what == Inspected::reads;
@@ -110,6 +128,9 @@ void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 
     frameTimes_ = state.renderer->lastFrameTimes();
     secondsPerPixel_ = frameTimes_.gpu() / (double(size.x) * double(size.y));
     coarseness_ = int(std::max(1u, size_.x / size.x));
+    // Where pixels are left out, the lookup alone takes longer.
+    if (!rays && coarseness_ == 1)
+        rayLevel_ = nextRayLevel(rayLevel_, frameTimes_.gpu(), state.frameBudgetSeconds);
     if (side.counts && coarseness_ == 1 && side.drawn.samples == side.wanted)
         reads_ = readsOf(readMean(side.drawn));
 }

@@ -10,6 +10,7 @@
 #include "gl/picture_sum.h"
 #include "gl/present_pass.h"
 #include "viewer/path_preview.h"
+#include "viewer/ray_levels.h"
 #include "viewer/viewer_state.h"
 
 namespace phat {
@@ -69,7 +70,9 @@ class Pictures {
     static Reads readsOf(const Image& picture);
     void draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 size, int samplesPerPixel,
               bool rays);
+    void traceOnGpu(const ViewerState& state, const Side& side, bool atRest, FrameSettings& settings);
     void followLight(ViewerState& state, Side& side, bool rays);
+    bool showsReflections(const ViewerState& state, const Side& side) const;
     bool mayTrace(const ViewerState& state, const Side& side) const;
     const TracedReflections& reflections(const ViewerState& state, double seconds);
     void askPathTracer(const ViewerState& state, Side& side, glm::uvec2 size);
@@ -88,6 +91,8 @@ class Pictures {
     FrameTimes frameTimes_;
     double reflectionSeconds_ = 0;
     int coarseness_ = 1;
+    int rayLevel_ = kFirstRayLevel;  // of the GPU's rays while something moves
+    uint32_t movingFrames_ = 0;
     std::optional<LiveReflections> reflections_;
     uint64_t reflectionsVersion_ = 0;  // Document::rayVersion
     std::optional<Reads> reads_;

@@ -98,7 +98,7 @@ void drawPicturePanel(ViewerState& state) {
     if (widgets::button("Expose for this view")) meterExposure(state);
     constexpr std::array<const char*, 3> kToneMaps = {"linear", "AgX", "ACES"};
     choose("Tone mapping", view.toneMap, kToneMaps);
-    changed |= widgets::checkbox("Trace sharp reflections at rest", &view.raysAtRest);
+    changed |= widgets::checkbox("Trace sharp reflections", &view.traced);
     if (changed) state.touch();
 }
 

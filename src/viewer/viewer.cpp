@@ -51,6 +51,7 @@ class Viewer {
           window_("PHATextures", options.size, options.uiScale),
           widgets_(widgetsFile()),
           pictures_(options.shaderFolder, Window::wake) {
+        state_.frameBudgetSeconds = options.frameBudgetSeconds;
         if (!options.path.empty()) open(options.path);
         window_.show();
     }
@@ -153,9 +154,10 @@ void Viewer::useBake() {
     light_.reset();
     state_.renderer.reset();
     moved_.reset();
-    state_.renderer = std::make_unique<Renderer>(
-        RendererInput{state_.document->scene(), baked.atlas, baked.points, baked.phatexture},
-        options_.shaderFolder);
+    state_.renderer =
+        std::make_unique<Renderer>(RendererInput{state_.document->scene(), baked.atlas, baked.points,
+                                                 baked.phatexture, state_.document->bvh()},
+                                   options_.shaderFolder);
     rendererIsNew_ = true;
     state_.touch();
 }

@@ -14,7 +14,8 @@ struct ViewerOptions {
     std::string variant;     // of the materials of `path`, a scene that is not baked; empty: none
     std::string shaderFolder;
     glm::ivec2 size{1280, 720};
-    float uiScale = 0;  // 0: the screen's
+    float uiScale = 0;                  // 0: the screen's
+    double frameBudgetSeconds = 0.008;  // of a moving view; rays are traced as it allows
 };
 
 /// Returns when the window is closed. A file that cannot be opened first throws FileError; later ones are

@@ -31,7 +31,7 @@ struct ViewSettings {
     bool difference = false;
     Component component = Component::all;
     Inspection inspection{Inspected::radiance};  // of Source::phatexels
-    bool raysAtRest = true;                      // of Source::phat: sharp reflections
+    bool traced = true;                          // of Source::phat: sharp reflections
     float exposureStops = 0;
     ToneMap toneMap = ToneMap::agx;
     bool panels = true;
@@ -57,7 +57,8 @@ struct ViewerState {
     bool pressKeptGrab = false;  // the mouse's button that is still held selects nothing
     std::string message;         // the last error or notice, one sentence, until the next key or click
     std::vector<std::string> recentFiles;
-    bool fileChanged = false;  // on disk, since it was read
+    double frameBudgetSeconds = 0.008;  // see ViewerOptions
+    bool fileChanged = false;           // on disk, since it was read
     /// Grows with every change that requires a new image.
     uint64_t version = 0;
     /// Grows when nothing but the light on things is newer.
