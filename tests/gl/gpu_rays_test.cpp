@@ -1,0 +1,240 @@
+// Rays that the GPU traces: closed forms on quads whose irradiance is known, and what follows from edits,
+// moves and frames before.
+
+#include <gtest/gtest.h>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "core/scene/brdf.h"
+#include "gl/traced_world.h"
+
+namespace phat::test {
+namespace {
+
+Material metal(float roughness) {
+    Material material;
+    material.roughness = roughness;
+    return material;
+}
+
+/// A floor (surface 0) under a ceiling (surface 1) two metres above; the lookup of the floor says 2.
+struct GpuWorld {
+    explicit GpuWorld(Scene scene)
+        : world(worldOfQuads(std::move(scene), 4)), bvh(buildSceneBvh(world.scene)) {
+        fillWithLookups(world, 2, 0);
+        frame.width = 32;
+        frame.height = 24;
+        frame.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 2);
+        frame.samplesPerPixel = 4;
+        frame.tracedByGpu = Reflections::rays;
+    }
+
+    RendererInput input() const { return {world.scene, world.atlas, world.points, world.phatexture, &bvh}; }
+    /// The mean of what the pixels show, all of them near one point of the floor.
+    float middle(Renderer& renderer, Component component) {
+        frame.component = component;
+        const Image image = renderer.render(frame);
+        double sum = 0;
+        for (const glm::vec3& pixel : image.pixels) sum += double(pixel.x);
+        return float(sum / double(image.pixels.size()));
+    }
+
+    HeadlessContext context;
+    RendererWorld world;
+    SceneBvh bvh;
+    FrameSettings frame;
+};
+
+Scene floorAndCeiling(const Material& floor, const Material& ceiling, float size = 8) {
+    Scene scene;
+    addFloor(scene, floor, size);
+    addCeiling(scene, ceiling, size, 2);
+    return scene;
+}
+
+TEST(GpuRays, MirrorShowsAlbedoTimesIrradiance) {
+    GpuWorld gpu(floorAndCeiling(metal(0), lambert(0.5f)));
+    setIrradiance(gpu.world, 1, 3);
+    Renderer renderer(gpu.input(), kShaderFolder);
+    EXPECT_NEAR(gpu.middle(renderer, Component::glossyIndirect), 0.5f * 3 / kPi, 3e-3f);
+    EXPECT_NEAR(gpu.middle(renderer, Component::direct), 0, 1e-4f);
+    gpu.frame.tracedByGpu = Reflections::lookup;
+    EXPECT_NEAR(gpu.middle(renderer, Component::glossyIndirect), 2, 0.02f);
+}
+
+// The lobe's rays and the light samples share the panel's light, whatever the lobe's width.
+TEST(GpuRays, EmissionCountsOnceAndAsAreaLight) {
+    for (float roughness : {0.0f, 0.1f, 0.3f, 0.6f}) {
+        GpuWorld gpu(floorAndCeiling(metal(roughness), emitter(glm::vec3(7)), 400));
+        gpu.frame.samplesPerPixel = 64;
+        Renderer renderer(gpu.input(), kShaderFolder);
+        const float albedo = specularAlbedo(glm::vec3(1), 1, std::max(square(roughness), kMinAlpha), 0.7f).x;
+        EXPECT_NEAR(gpu.middle(renderer, Component::direct), 7 * albedo, 0.03f * 7) << roughness;
+        EXPECT_NEAR(gpu.middle(renderer, Component::glossyIndirect), 0, 1e-3f) << roughness;
+    }
+}
+
+// A lamp far smaller than the lobe. The exact value is the integral of the lobe over the lamp.
+TEST(GpuRays, SmallLampBringsItsShareOfTheLobe) {
+    constexpr float kSide = 0.04f, kRoughness = 0.3f;
+    Scene scene;
+    addFloor(scene, metal(kRoughness), 8);
+    addCeiling(scene, emitter(glm::vec3(1000)), kSide, 2);
+    const glm::vec3 shift(0.2f, 0, -2);  // where the mirror image lies
+    for (uint32_t i = scene.surfaces[1].firstVertex; i < scene.positions.size(); ++i)
+        scene.positions[i] += shift;
+    GpuWorld gpu(std::move(scene));
+    gpu.frame.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 0.2f);
+    gpu.frame.samplesPerPixel = 256;
+    Renderer renderer(gpu.input(), kShaderFolder);
+
+    const glm::vec3 floorPoint(0.1f, 0, 0), lamp = glm::vec3(0, 2, 0) + shift;
+    const Frame frame = frameFromNormal({0, 1, 0});
+    const glm::vec3 towardEye = frame.toLocal(glm::normalize(glm::vec3(0, 1, 1) - floorPoint));
+    Brdf brdf;
+    brdf.f0 = glm::vec3(1);
+    brdf.alpha = square(kRoughness);
+    const glm::vec3 way = lamp - floorPoint;
+    const glm::vec3 toward = glm::normalize(way);
+    const float solidAngle = square(kSide) * toward.y / glm::dot(way, way);
+    const float expected = 1000 * solidAngle * evaluateBrdf(brdf, towardEye, frame.toLocal(toward)).x;
+    EXPECT_NEAR(gpu.middle(renderer, Component::direct), expected, 0.03f * expected);
+}
+
+// What a hit reflects sharply is the PHATexels' there: the paper's structure at the second bounce.
+TEST(GpuRays, MirrorInAMirrorShowsItsPhatexels) {
+    GpuWorld gpu(floorAndCeiling(metal(0), metal(0)));
+    setIrradiance(gpu.world, 1, 2 * kPi);
+    Renderer renderer(gpu.input(), kShaderFolder);
+    EXPECT_NEAR(gpu.middle(renderer, Component::glossyIndirect), 2, 0.05f);
+}
+
+TEST(GpuRays, PunctualLightOnWhatIsMirrored) {
+    Scene scene = floorAndCeiling(metal(0), lambert(0.5f));
+    PunctualLight lamp;
+    lamp.position = {0.3f, 1, -2};  // a metre under what is mirrored
+    lamp.intensity = glm::vec3(4);
+    scene.lights.push_back(lamp);
+    GpuWorld lit(scene);
+    Renderer renderer(lit.input(), kShaderFolder);
+    EXPECT_NEAR(lit.middle(renderer, Component::glossyIndirect), 0.5f / kPi * 4, 0.01f);
+
+    addQuad(scene, lambert(0), {0.2f, 1.5f, -2.1f}, {0.2f, 0, 0}, {0, 0, 0.2f});  // between the two, small
+    GpuWorld shadowed(scene);
+    Renderer another(shadowed.input(), kShaderFolder);
+    shadowed.frame.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 1);
+    EXPECT_NEAR(shadowed.middle(another, Component::glossyIndirect), 0, 1e-3f);
+}
+
+// Every pixel's ray starts where the rasteriser drew it: the border between two panels lies where geometry
+// says.
+TEST(GpuRays, AgreeWithTheRasterisersGeometry) {
+    Scene scene;
+    addFloor(scene, metal(0), 8);
+    addQuad(scene, emitter(glm::vec3(1)), {-4, 2, -4}, {4, 0, 0}, {0, 0, 8});
+    addQuad(scene, emitter(glm::vec3(9)), {0, 2, -4}, {4, 0, 0}, {0, 0, 8});
+    GpuWorld gpu(std::move(scene));
+    gpu.frame.width = 64;
+    gpu.frame.height = 48;
+    gpu.frame.samplesPerPixel = 1;
+    gpu.frame.camera = lookAtCamera({0.3f, 1, 1}, {-0.2f, 0, 0}, 40);
+    Renderer renderer(gpu.input(), kShaderFolder);
+    const Image image = renderer.render(gpu.frame);
+    const glm::vec3 eye(gpu.frame.camera.worldFromCamera[3]);
+    int dark = 0, bright = 0, wrong = 0;
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            const glm::vec3 d = pixelDirection(gpu.frame.camera, x, y, image.width, image.height);
+            if (d.y > -0.1f) continue;
+            const glm::vec3 floor = eye - eye.y / d.y * d,
+                            seen = floor + 2 / -d.y * glm::vec3(d.x, -d.y, d.z);
+            if (glm::any(glm::greaterThan(glm::abs(glm::vec4(floor.x, floor.z, seen.x, seen.z)),
+                                          glm::vec4(3.9f))) ||
+                std::abs(seen.x) < 0.05f)
+                continue;
+            wrong += std::abs(image.at(x, y).x - (seen.x < 0 ? 1 : 9)) > 0.1f;
+            ++(seen.x < 0 ? dark : bright);
+        }
+    }
+    EXPECT_GT(dark, 200);
+    EXPECT_GT(bright, 200);
+    EXPECT_LT(wrong, 0.01 * (dark + bright));  // GGX has long tails
+}
+
+TEST(GpuRays, FollowEditsAndMoves) {
+    Scene scene = floorAndCeiling(metal(0), emitter(glm::vec3(5)));
+    scene.surfaces[1].node = 1;
+    GpuWorld gpu(std::move(scene));
+    gpu.frame.samplesPerPixel = 1;
+    gpu.frame.followsLast = true;
+    Renderer renderer(gpu.input(), kShaderFolder);
+    EXPECT_NEAR(gpu.middle(renderer, Component::direct), 5, 0.05f);
+    std::vector<Material> materials = gpu.world.scene.materials;
+    materials[1].emission = glm::vec3(3);
+    renderer.setMaterials(materials);
+    EXPECT_NEAR(gpu.middle(renderer, Component::direct), 3, 0.05f)
+        << "at once, although frames follow one another";
+
+    // The ceiling goes far away to the side.
+    const glm::mat4 away = glm::translate(glm::mat4(1), glm::vec3(100, 0, 0));
+    const Surface& ceiling = gpu.world.scene.surfaces[1];
+    for (uint32_t v = 0; v < ceiling.vertexCount; ++v)
+        gpu.world.scene.positions[ceiling.firstVertex + v].x += 100;
+    std::vector<glm::mat4> worldFromRest(ceiling.node + 1, glm::mat4(1));
+    worldFromRest[ceiling.node] = away;
+    renderer.moveScene(gpu.world.scene, gpu.world.atlas, gpu.world.points, worldFromRest);
+    EXPECT_NEAR(gpu.middle(renderer, Component::direct), 0, 1e-3f);
+}
+
+// A view that moves: with the frames before, the noise of a rough floor is a fraction of one frame's.
+TEST(GpuRays, FramesBeforeTakeNoiseAway) {
+    Scene scene;
+    addFloor(scene, metal(0.4f), 8);
+    for (int stripe = 0; stripe < 8; ++stripe)
+        addQuad(scene, emitter(glm::vec3(stripe % 2 ? 9 : 1)), {-4.0f + float(stripe), 2, -4}, {1, 0, 0},
+                {0, 0, 8});
+    GpuWorld gpu(std::move(scene));
+    gpu.frame.width = 96;
+    gpu.frame.height = 64;
+    gpu.frame.component = Component::direct;
+    gpu.frame.rays.lightSamples = 1;
+    Renderer renderer(gpu.input(), kShaderFolder);
+    const auto cameraAt = [](int frame) {
+        return lookAtCamera({0.02f * float(frame), 1, 1}, {0.1f + 0.02f * float(frame), 0, 0}, 30);
+    };
+    constexpr int kFrames = 12;
+    FrameSettings exact = gpu.frame;
+    exact.camera = cameraAt(kFrames - 1);
+    exact.samplesPerPixel = 256;
+    exact.filter = PixelFilter::center;
+    const Image reference = renderer.render(exact);
+    const auto errorOf = [&](bool follows) {
+        FrameSettings moving = gpu.frame;
+        moving.samplesPerPixel = 1;
+        moving.followsLast = follows;
+        Image image;
+        for (int i = 0; i < kFrames; ++i) {
+            moving.camera = cameraAt(i);
+            moving.seed = uint32_t(i);
+            image = renderer.render(moving);
+        }
+        double sum = 0;
+        for (size_t i = 0; i < image.pixels.size(); ++i)
+            sum += std::abs(double(image.pixels[i].x - reference.pixels[i].x));
+        return sum / double(image.pixels.size());
+    };
+    const double alone = errorOf(false), together = errorOf(true);
+    EXPECT_GT(alone, 0.01);
+    EXPECT_LT(together, 0.6 * alone);
+}
+
+// Files of programs that knew no trees, and scenes too large for them.
+TEST(GpuRays, WithoutTreesReflectionsAreLookedUp) {
+    GpuWorld gpu(floorAndCeiling(metal(0), emitter(glm::vec3(5))));
+    Renderer renderer(gpu.world.input(), kShaderFolder);
+    EXPECT_NEAR(gpu.middle(renderer, Component::glossyIndirect), 2, 0.02f);
+    EXPECT_EQ(renderer.residentBytes().rays, 0u);
+}
+
+}  // namespace
+}  // namespace phat::test
