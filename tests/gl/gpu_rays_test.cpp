@@ -62,10 +62,35 @@ TEST(GpuRays, MirrorShowsAlbedoTimesIrradiance) {
     EXPECT_NEAR(gpu.middle(renderer, Component::glossyIndirect), 2, 0.02f);
 }
 
+TEST(GpuRays, MirrorShowsTheTexelThatItHits) {
+    GpuWorld gpu(floorAndCeiling(metal(0), lambert(0.5f)));
+    const Atlas& atlas = gpu.world.atlas;
+    // A ramp, but for the other charts.
+    for (uint32_t y = 0; y < atlas.sizeTexels.y; ++y)
+        for (uint32_t x = 0; x < atlas.sizeTexels.x; ++x) {
+            const size_t texel = size_t(y) * atlas.sizeTexels.x + x;
+            const glm::vec3 position = gpu.world.points.position[texel];
+            const bool ceiling = atlas.chartAt({x, y}) == 1;
+            gpu.world.phatexture.indirectIrradiance[texel] =
+                packRgb9e5(glm::vec3(ceiling ? 4 + 0.5f * position.x + 0.25f * position.z : 0));
+        }
+    Renderer renderer(gpu.input(), kShaderFolder);
+    for (const glm::vec2 at : {glm::vec2(0.1f, 0), glm::vec2(-0.6f, 0.3f)}) {
+        gpu.frame.camera = lookAtCamera({0, 1, 1}, {at.x, 0, at.y}, 1);
+        // Down by one metre, up by two.
+        const glm::vec2 seen = at + 2.0f * (at - glm::vec2(0, 1));
+        const float irradiance = 4 + 0.5f * seen.x + 0.25f * seen.y;
+        EXPECT_NEAR(gpu.middle(renderer, Component::glossyIndirect), 0.5f / kPi * irradiance, 0.01f);
+    }
+}
+
 // The lobe's rays and the light samples share the panel's light, whatever the lobe's width.
 TEST(GpuRays, EmissionCountsOnceAndAsAreaLight) {
     for (float roughness : {0.0f, 0.1f, 0.3f, 0.6f}) {
-        GpuWorld gpu(floorAndCeiling(metal(roughness), emitter(glm::vec3(7)), 400));
+        Scene scene = floorAndCeiling(metal(roughness), emitter(glm::vec3(7)), 400);
+        // Seen by nobody: with it no clamp to the brightest light hides what is too bright.
+        addQuad(scene, emitter(glm::vec3(1000)), {0, 5, 0}, {0, 0, 0.1f}, {0.1f, 0, 0});
+        GpuWorld gpu(std::move(scene));
         gpu.frame.samplesPerPixel = 64;
         Renderer renderer(gpu.input(), kShaderFolder);
         const float albedo = specularAlbedo(glm::vec3(1), 1, std::max(square(roughness), kMinAlpha), 0.7f).x;
