@@ -106,7 +106,8 @@ void traceLights(const RayPass& pass, const RayTargets& targets, const RayFrame&
     program.set("lobe", lobe);
     program.set("brightest", frame.scene.brightest);
     program.set("lightSamples", frame.budget.lightSamples);
-    setNumbers(program, frame);
+    // Others than the rays', whose weights they are multiplied by.
+    setSampleNumbers(program, uint32_t(frame.budget.lightSamples), ~frame.seed);
     for (int sample = 0; sample < frame.budget.lightSamples; ++sample) {
         program.set("lightSample", sample);
         pass.lights.draw(targets.areaTarget, frame.lookupTargets.size);

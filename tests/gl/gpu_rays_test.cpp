@@ -99,31 +99,47 @@ TEST(GpuRays, EmissionCountsOnceAndAsAreaLight) {
     }
 }
 
-// A lamp far smaller than the lobe. The exact value is the integral of the lobe over the lamp.
-TEST(GpuRays, SmallLampBringsItsShareOfTheLobe) {
-    constexpr float kSide = 0.04f, kRoughness = 0.3f;
-    Scene scene;
-    addFloor(scene, metal(kRoughness), 8);
-    addCeiling(scene, emitter(glm::vec3(1000)), kSide, 2);
-    const glm::vec3 shift(0.2f, 0, -2);  // where the mirror image lies
-    for (uint32_t i = scene.surfaces[1].firstVertex; i < scene.positions.size(); ++i)
-        scene.positions[i] += shift;
-    GpuWorld gpu(std::move(scene));
-    gpu.frame.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 0.2f);
-    gpu.frame.samplesPerPixel = 256;
-    Renderer renderer(gpu.input(), kShaderFolder);
-
-    const glm::vec3 floorPoint(0.1f, 0, 0), lamp = glm::vec3(0, 2, 0) + shift;
+// What a lobe reflects of a panel, by integration over it.
+double reflectedOf(float side, glm::vec3 middle, float radiance, float roughness) {
+    const glm::vec3 floorPoint(0.1f, 0, 0);
     const Frame frame = frameFromNormal({0, 1, 0});
     const glm::vec3 towardEye = frame.toLocal(glm::normalize(glm::vec3(0, 1, 1) - floorPoint));
     Brdf brdf;
     brdf.f0 = glm::vec3(1);
-    brdf.alpha = square(kRoughness);
-    const glm::vec3 way = lamp - floorPoint;
-    const glm::vec3 toward = glm::normalize(way);
-    const float solidAngle = square(kSide) * toward.y / glm::dot(way, way);
-    const float expected = 1000 * solidAngle * evaluateBrdf(brdf, towardEye, frame.toLocal(toward)).x;
-    EXPECT_NEAR(gpu.middle(renderer, Component::direct), expected, 0.03f * expected);
+    brdf.alpha = square(roughness);
+    constexpr int kSteps = 128;
+    double sum = 0;
+    for (int i = 0; i < kSteps * kSteps; ++i) {
+        const glm::vec2 at = (glm::vec2(i % kSteps, i / kSteps) + 0.5f) / float(kSteps) - 0.5f;
+        const glm::vec3 way = middle + side * glm::vec3(at.x, 0, at.y) - floorPoint;
+        const glm::vec3 toward = glm::normalize(way);
+        const float solidAngle = square(side / kSteps) * toward.y / glm::dot(way, way);
+        sum += double(radiance * solidAngle) * double(evaluateBrdf(brdf, towardEye, frame.toLocal(toward)).x);
+    }
+    return sum;
+}
+
+// A lamp far smaller than the lobe, and panels that light samples and the lobe's rays find alike.
+TEST(GpuRays, LampsBringTheirShareOfTheLobe) {
+    struct Case {
+        float side, radiance, roughness;
+    };
+    for (const Case& c : {Case{0.04f, 1000, 0.3f}, Case{1, 5, 0.5f}, Case{3, 5, 0.7f}}) {
+        Scene scene;
+        addFloor(scene, metal(c.roughness), 8);
+        addCeiling(scene, emitter(glm::vec3(c.radiance)), c.side, 2);
+        const glm::vec3 shift(0.2f, 0, -2);  // where the mirror image lies
+        for (uint32_t i = scene.surfaces[1].firstVertex; i < scene.positions.size(); ++i)
+            scene.positions[i] += shift;
+        // Seen by nobody: with it no clamp to the brightest light hides what is too bright.
+        addQuad(scene, emitter(glm::vec3(1e4f)), {0, 5, 0}, {0, 0, 0.01f}, {0.01f, 0, 0});
+        GpuWorld gpu(std::move(scene));
+        gpu.frame.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 0.2f);
+        gpu.frame.samplesPerPixel = 256;
+        Renderer renderer(gpu.input(), kShaderFolder);
+        const double expected = reflectedOf(c.side, glm::vec3(0, 2, 0) + shift, c.radiance, c.roughness);
+        EXPECT_NEAR(gpu.middle(renderer, Component::direct), expected, 0.03 * expected) << c.side;
+    }
 }
 
 // What a hit reflects sharply is the PHATexels' there: the paper's structure at the second bounce.
