@@ -7,8 +7,8 @@ uniform vec3 brightest;
 
 layout(location = 0) out uvec4 lightOut;
 
-// A bright line of one pixel's width is four times as bright as the mean around it.
-const float kMaxOverNeighbors = 4e9;
+// Less would dim lines of a pixel's width, and lamps that single rays of rough lobes meet.
+const float kMaxOverNeighbors = 16.0;
 
 float luminance(vec3 rgb) {
     return dot(rgb, vec3(0.2126, 0.7152, 0.0722));
