@@ -118,7 +118,7 @@ TEST(ConductBake, NamesTheFileAndTheReasonInOneLine) {
     EXPECT_EQ(folder.fileCount(), 1u);
 }
 
-// Hundreds of loose squares need a tile each, whatever their size; a floor takes what it is given.
+// Thousands of loose squares need a texel each, whatever their size; a floor takes what it is given.
 TEST(ConductBake, SaysWhereAResolutionCannotBeKept) {
     const TemporaryFolder folder;
     const auto noteOf = [&](const Scene& scene, const std::vector<std::string>& more) {
@@ -150,7 +150,7 @@ TEST(ConductBake, SaysWhereAResolutionCannotBeKept) {
 
     Scene loose;
     Rng rng(1);
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 6000; ++i) {
         const glm::vec3 at(20 * rng.uniform(), 20 * rng.uniform(), 20 * rng.uniform());
         const glm::vec3 along = squareToHemisphere(rng.uniform2());
         test::addQuad(loose, test::lambert(0.5f), at, along, frameFromNormal(along).tangent);

@@ -25,6 +25,7 @@ void addChart(RendererWorld& world, uint32_t surfaceIndex, uint32_t tiles) {
     for (uint32_t t = 0; t < surface.triangleCount; ++t) {
         const glm::uvec3 triangle = world.scene.triangles[surface.firstTriangle + t];
         world.atlas.triangleChart.push_back(surfaceIndex);
+        world.atlas.triangleSurface.push_back(surfaceIndex);
         auto& texels = world.atlas.triangleTexels.emplace_back();
         for (int corner = 0; corner < 3; ++corner)
             texels[corner] = low + inner * world.scene.uv0[triangle[corner]];

@@ -1,7 +1,8 @@
 // The extension PHAT_photon_accumulation_texture of a baked file (docs/format.md).
 
 export const kName = 'PHAT_photon_accumulation_texture';
-const kVersion = 3;
+// 5: charts of several surfaces, which are drawn as those of one. 4 is of files in the paper's storage.
+const kVersions = [3, 5];
 export const kNoChart = 0xffffffff;
 
 async function inflate(bytes) {
@@ -51,8 +52,12 @@ function chartsFrom(words) {
 
 // All but the PHATexels: enough for diffuse light.
 export async function readAtlas(parser, description, triangleCount) {
-    if (description.version !== kVersion)
-        fail(`it has format version ${description.version}; this program reads version ${kVersion}`);
+    if (!kVersions.includes(description.version))
+        fail(
+            `it has format version ${description.version}; this program reads versions ${kVersions.join(' and ')}`,
+        );
+    if ((description.storage ?? 'packed') !== 'packed')
+        fail(`its PHATexels are in a storage that this program does not read, "${description.storage}"`);
     const { atlas, tiles, indirect, area } = description,
         unitMeters = description.lengthUnit ?? 1; // older files have distances in metres
     if (!(unitMeters > 0 && unitMeters < Infinity)) fail('the unit of length is not positive');

@@ -11,9 +11,9 @@
 #include "core/atlas/atlas_stats.h"
 #include "core/atlas/far_density.h"
 #include "core/atlas/glossy_density.h"
-#include "core/atlas/hidden_pieces.h"
 #include "core/atlas/join_coplanar.h"
 #include "core/atlas/mesh_topology.h"
+#include "core/atlas/piece_views.h"
 #include "core/atlas/unwrap.h"
 #include "core/scene/length_unit.h"
 
@@ -23,8 +23,9 @@ namespace {
 // The flat pieces with what their charts are chosen by.
 struct Pieces {
     std::vector<FlatChart> flats;
-    std::vector<Sides> sides;     // per piece
-    std::vector<double> density;  // per piece
+    std::vector<Sides> sides;      // per piece
+    std::vector<double> density;   // per piece
+    std::vector<PieceView> views;  // per piece, or empty
     double aboutTexelSizeMeters = 0;
 
     uint32_t surface(const Scene& scene, uint32_t piece) const {
@@ -73,13 +74,29 @@ std::vector<double> chooseDensities(const Scene& scene, const Pieces& pieces, co
     return density;
 }
 
-std::vector<PieceClass> classesOf(const Scene& scene, const Pieces& pieces) {
-    std::map<std::tuple<uint32_t, Sides, double>, uint32_t> kinds;
+// What pieces must have in common: those that are laid as one plane their surface, for walls divide planes
+// into surfaces; those that share a chart the node that moves them.
+enum class Common { surface, node };
+
+// Pieces of several surfaces share a chart if their densities are nearly the same.
+double commonDensity(double density, Common common) {
+    constexpr double kStepsPerDoubling = 3;
+    if (common == Common::surface) return density;
+    return std::exp2(std::round(std::log2(density) * kStepsPerDoubling) / kStepsPerDoubling);
+}
+
+std::vector<PieceClass> classesOf(const Scene& scene, const Pieces& pieces, Common common) {
+    const bool shared = common == Common::node;
+    std::map<std::tuple<uint32_t, Sides, double, uint8_t>, uint32_t> kinds;
     std::vector<PieceClass> classes;
     for (uint32_t f = 0; f < pieces.flats.size(); ++f) {
-        const auto key = std::make_tuple(pieces.surface(scene, f), pieces.sides[f], pieces.density[f]);
+        const uint32_t surface = pieces.surface(scene, f);
+        const double density = commonDensity(pieces.density[f], common);
+        const uint8_t sky = shared && !pieces.views.empty() ? pieces.views[f].sky : uint8_t(0);
+        const auto key =
+            std::make_tuple(shared ? scene.surfaces[surface].node : surface, pieces.sides[f], density, sky);
         const uint32_t kind = kinds.try_emplace(key, uint32_t(kinds.size())).first->second;
-        classes.push_back({kind, pieces.aboutTexelSizeMeters / pieces.density[f]});
+        classes.push_back({kind, pieces.aboutTexelSizeMeters / density});
     }
     return classes;
 }
@@ -89,7 +106,9 @@ std::vector<ChartPlan> planCharts(std::vector<PieceGroup> groups, const std::vec
     std::vector<ChartPlan> plans;
     for (PieceGroup& group : groups) {
         const uint32_t first = group[0].flat;
-        ChartPlan plan{std::move(group), sides[first] == Sides::back, false, density[first]};
+        const Common common = group.size() > 1 ? Common::node : Common::surface;
+        ChartPlan plan{std::move(group), sides[first] == Sides::back, false,
+                       commonDensity(density[first], common)};
         plans.push_back(plan);
         if (sides[first] != Sides::both) continue;
         plan.back = plan.twin = true;
@@ -177,6 +196,7 @@ Atlas placeCharts(const Scene& scene, const std::vector<FlatChart>& flats,
     atlas.sizeTexels = packing.sizeTiles * kTileSize;
     atlas.texelSizeMeters = plans.empty() ? float(packing.texelSizeMeters) : 0.0f;
     atlas.triangleChart.assign(scene.triangles.size(), kNoChart);
+    atlas.triangleSurface = scene.triangleSurface;
     atlas.triangleTexels.assign(scene.triangles.size(), {});
     for (uint32_t c = 0; c < plans.size(); ++c) {
         const ChartPlan& plan = plans[c];
@@ -240,7 +260,7 @@ uint32_t checkResolutionFor(const MeshTopology& topology, double texelSizeMeters
 }
 
 void takeJoined(Pieces& pieces, const Scene& scene, const MeshTopology& topology, uint32_t gutterTexels) {
-    const std::vector<PieceClass> classes = classesOf(scene, pieces);
+    const std::vector<PieceClass> classes = classesOf(scene, pieces, Common::surface);
     JoinedPieces joined = joinCoplanar(scene, topology, std::move(pieces.flats), classes, gutterTexels);
     pieces.flats = std::move(joined.flats);
     pieces.sides = ofMembers(pieces.sides, joined.member);
@@ -267,14 +287,14 @@ Pieces makePieces(const AtlasOrder& order, const MeshTopology& topology, Progres
     pieces.density = chooseDensities(scene, pieces, settings);
     pieces.aboutTexelSizeMeters = aboutTexelSize(pieces.flats, pieces.sides, pieces.density, settings);
     if (settings.useUvSet < 0) takeJoined(pieces, scene, topology, settings.gutterTexels);
-    if (!rays || settings.texelSizeMeters > 0) return pieces;
+    if (!rays) return pieces;
     const std::vector<uint32_t> component =
         componentSides.empty() ? std::vector<uint32_t>() : connectedComponents(scene);
-    const std::vector<uint8_t> hidden =
-        hiddenPieces(*rays, {pieces.flats, pieces.sides, component, componentSides},
-                     pieces.aboutTexelSizeMeters, progress);
-    for (size_t f = 0; f < hidden.size(); ++f)
-        if (hidden[f]) pieces.density[f] *= kHiddenDensity;
+    pieces.views = viewsOfPieces(*rays, {pieces.flats, pieces.sides, component, componentSides},
+                                 pieces.aboutTexelSizeMeters, progress);
+    if (settings.texelSizeMeters > 0) return pieces;
+    for (size_t f = 0; f < pieces.views.size(); ++f)
+        if (pieces.views[f].hidden) pieces.density[f] *= kHiddenDensity;
     pieces.aboutTexelSizeMeters = aboutTexelSize(pieces.flats, pieces.sides, pieces.density, settings);
     return pieces;
 }
@@ -290,7 +310,7 @@ Atlas buildAtlasOf(const AtlasOrder& order, Progress& progress, AtlasStats* stat
     Packing packing;
     // Which pieces are small depends on the texels' size, which depends on how many are.
     for (int round = 0; round < 3; ++round) {
-        const std::vector<PieceClass> classes = classesOf(scene, pieces);
+        const std::vector<PieceClass> classes = classesOf(scene, pieces, Common::node);
         const bool given = settings.useUvSet >= 0;  // islands of a UV set stay as they are
         plans = planCharts(
             given ? alone(pieces.flats.size())

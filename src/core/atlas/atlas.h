@@ -27,7 +27,7 @@ struct Chart {
     glm::uvec2 originTile{0};  // in tiles
     glm::uvec2 sizeTiles{0};
     float texelSizeMeters = 0;      // side of its texels on the surface
-    uint32_t surface = 0;           // Scene::surfaces
+    uint32_t surface = 0;           // Scene::surfaces: of its first piece; the others are of the same node
     uint32_t firstBlock = 0;        // blocks are numbered row by row within a chart
     bool back = false;              // texels face away from the triangles' front
     uint32_t otherSide = kNoChart;  // the same triangles' opposite side, of the same sizes, if it has texels
@@ -44,6 +44,7 @@ struct Atlas {
     float unitMeters = 1;       // lengthUnit() of the scene: stored distances are multiples of it
     std::vector<Chart> charts;
     std::vector<uint32_t> triangleChart;                   // per triangle; kNoChart: degenerate
+    std::vector<uint32_t> triangleSurface;                 // per triangle, as the scene's
     std::vector<std::array<glm::vec2, 3>> triangleTexels;  // per triangle corner, in texels of that chart
     std::vector<uint32_t> tileChart;                       // [tileY][tileX], kNoChart where empty
     uint32_t blockCount = 0;

@@ -55,33 +55,45 @@ class PieceGrid {
 /// Pieces that will share a chart; the first one's pose stands for all.
 struct Cluster {
     std::vector<uint32_t> pieces;
-    double texels = 0;  // of their places
+    double texels = 0;      // of their places
+    glm::uvec2 longest{0};  // sides of these, as the first piece lies
 };
 
-struct Clusterer {
-    std::span<const PieceClass> classes;
-    const std::vector<PiecePose>& poses;
-    const Progress& progress;
+/// About the texels of a cluster's chart in whole tiles: it is as wide and as high as the longest pieces.
+double chartTexels(const Cluster& cluster) {
+    const auto whole = [](double texels) { return std::ceil(texels / kTileSize) * kTileSize; };
+    const double needed = cluster.texels / kUsualFill, narrowest = whole(cluster.longest.x);
+    double least = 1e300;
+    for (const double width : {narrowest, std::max(narrowest, whole(std::sqrt(needed)))})
+        least = std::min(least, width * whole(std::max(double(cluster.longest.y), needed / width)));
+    return least;
+}
+
+class Clusterer {
+  public:
+    Clusterer(std::span<const PieceClass> classes, const std::vector<PiecePose>& poses,
+              const Progress& progress)
+        : classes_(classes), poses_(poses), progress_(progress) {}
 
     /// Joins clusters of fewer than `most` texels with those whose first pieces are within `reachTexels`,
     /// nearest first. Ordered by first piece.
     std::vector<Cluster> joinNear(std::vector<Cluster> clusters, double reachTexels, double most) const {
         const auto poseOfCluster = [&](uint32_t c) -> const PiecePose& {
-            return poses[clusters[c].pieces[0]];
+            return poses_[clusters[c].pieces[0]];
         };
         const auto reachOf = [&](uint32_t c) {
-            return reachTexels * classes[clusters[c].pieces[0]].texelSizeMeters;
+            return reachTexels * classes_[clusters[c].pieces[0]].texelSizeMeters;
         };
         const auto facesAs = [&](const Cluster& cluster, const glm::dvec3& normal) {
             return std::all_of(cluster.pieces.begin(), cluster.pieces.end(), [&](uint32_t piece) {
-                const double angle = std::acos(std::min(glm::dot(poses[piece].normal, normal), 1.0));
-                return angle + poses[piece].lean <= glm::radians(kGroupConeDegrees);
+                const double angle = std::acos(std::min(glm::dot(poses_[piece].normal, normal), 1.0));
+                return angle + poses_[piece].lean <= glm::radians(kGroupConeDegrees);
             });
         };
         std::map<uint32_t, PieceGrid> grids;
         for (uint32_t c = 0; c < clusters.size(); ++c)
             if (clusters[c].texels < most)
-                grids.try_emplace(classes[clusters[c].pieces[0]].kind, reachOf(c))
+                grids.try_emplace(classes_[clusters[c].pieces[0]].kind, reachOf(c))
                     .first->second.add(c, poseOfCluster(c).center);
         std::vector<Cluster> joined;
         std::vector<uint8_t> taken(clusters.size(), 0);
@@ -90,24 +102,38 @@ struct Clusterer {
             taken[c] = 1;
             joined.push_back(clusters[c]);
             if (!(clusters[c].texels < most)) continue;
-            progress.throwIfStopped();
+            progress_.throwIfStopped();
             std::vector<std::pair<double, uint32_t>> others;
-            grids.at(classes[clusters[c].pieces[0]].kind).forNear(poseOfCluster(c).center, [&](uint32_t o) {
+            grids.at(classes_[clusters[c].pieces[0]].kind).forNear(poseOfCluster(c).center, [&](uint32_t o) {
                 const double distance = glm::distance(poseOfCluster(o).center, poseOfCluster(c).center);
                 if (!taken[o] && distance <= reachOf(c) && facesAs(clusters[o], poseOfCluster(c).normal))
                     others.emplace_back(distance, o);
             });
             std::sort(others.begin(), others.end());
             Cluster& own = joined.back();
-            for (const auto& [distance, o] : others) {
-                if (own.texels + clusters[o].texels > kGroupTexels) continue;
-                taken[o] = 1;
-                own.texels += clusters[o].texels;
-                own.pieces.insert(own.pieces.end(), clusters[o].pieces.begin(), clusters[o].pieces.end());
-            }
+            for (const auto& [distance, o] : others)
+                if (takes(own, clusters[o])) taken[o] = 1;
         }
         return joined;
     }
+
+  private:
+    /// Adds the pieces of another cluster, if that takes no more texels than two charts.
+    bool takes(Cluster& own, const Cluster& other) const {
+        const uint32_t turns = poses_[other.pieces[0]].turnToward(poses_[own.pieces[0]].tangent);
+        const glm::uvec2 longest =
+            turns % 2 == 0 ? other.longest : glm::uvec2(other.longest.y, other.longest.x);
+        Cluster both{own.pieces, own.texels + other.texels, glm::max(own.longest, longest)};
+        if (both.texels > kGroupTexels || chartTexels(both) > chartTexels(own) + chartTexels(other))
+            return false;
+        both.pieces.insert(both.pieces.end(), other.pieces.begin(), other.pieces.end());
+        own = std::move(both);
+        return true;
+    }
+
+    std::span<const PieceClass> classes_;
+    const std::vector<PiecePose>& poses_;
+    const Progress& progress_;
 };
 
 }  // namespace
@@ -119,9 +145,10 @@ std::vector<PieceGroup> groupPieces(const Scene& scene, const MeshTopology& topo
     std::vector<Cluster> single, small;
     for (uint32_t f = 0; f < flats.size(); ++f) {
         const glm::dvec2 size = flats[f].sizeMeters / classes[f].texelSizeMeters;
-        const double place = texelsOf(placeOf(size, kPieceFreedom));
-        const bool fills = isLargePiece(size) || texelsAlone(size, gutterTexels) <= kMaxOwnTexels * place;
-        (fills ? single : small).push_back({{f}, place});
+        const glm::uvec2 place = placeOf(size, kPieceFreedom);
+        const double texels = texelsOf(place);
+        const bool fills = isLargePiece(size) || texelsAlone(size, gutterTexels) <= kMaxOwnTexels * texels;
+        (fills ? single : small).push_back({{f}, texels, place});
         if (!fills) poses[f] = poseOf(scene, topology, flats[f]);
     }
     const Clusterer clusterer{classes, poses, progress};
@@ -166,8 +193,9 @@ GroupLayout layOutGroup(std::span<const glm::dvec2> sizesTexels, double freedom)
         largest = glm::max(largest, layout.size.back());
     }
     const auto tilesFor = [](double texelsWide) { return uint32_t(std::ceil(texelsWide / kTileSize)); };
-    // Widths from half to twice the side of a square.
-    const uint32_t narrowest = tilesFor(std::max(0.5 * std::sqrt(texels), double(largest.x)));
+    // Widths from half to twice the side of a square, or narrower beside a high piece.
+    const double narrow = std::min(0.5 * std::sqrt(texels), texels / double(largest.y));
+    const uint32_t narrowest = tilesFor(std::max(narrow, double(largest.x)));
     const uint32_t widest = std::max(narrowest, tilesFor(2 * std::sqrt(texels)));
     const uint32_t step = std::max(1u, (widest - narrowest) / 12);
     uint64_t best = ~0ull;

@@ -15,7 +15,7 @@ constexpr double kFewTexels = 8;
 }  // namespace
 
 bool isLargePiece(glm::dvec2 sizeTexels) {
-    constexpr double kLargeTexels = 8;
+    constexpr double kLargeTexels = 24;
     return std::min(sizeTexels.x, sizeTexels.y) >= kLargeTexels;
 }
 

@@ -23,6 +23,7 @@ struct CoverPoint {
 struct Cover {
     float dark = 0;     // fraction of the directions in which dark sides are met
     float touched = 0;  // fraction, by cosine, that is blocked by what touches the surface
+    float sky = 0;      // fraction of the directions in which nothing is met
 
     /// Whether the point is inside other geometry, or an object touches it. A texel that is inside meets
     /// unlit backs everywhere, but corners of texels may be outside; beside a wall's foot it meets at most a
@@ -38,8 +39,8 @@ Cover coverOf(const CoverPoint& point, const RayScene& rays, const IsDark& isDar
     constexpr int kRays = kStrata * kStrata;
     Rng rng(point.seed);
     const glm::vec2 shift = rng.uniform2();
-    int dead = 0;
-    float blocked = 0, sky = 0;
+    int dead = 0, free = 0;
+    float blocked = 0, all = 0;
     uint64_t rayCount = 0;
     for (int ray = 0; ray < kRays; ++ray) {
         const glm::vec2 stratum(float(ray % kStrata), float(ray / kStrata));
@@ -47,12 +48,13 @@ Cover coverOf(const CoverPoint& point, const RayScene& rays, const IsDark& isDar
         // What lies under or in glass is lit through it.
         const Ray toward{point.origin, glm::normalize(point.frame.toWorld(local))};
         const Hit hit = seeStraight(rays, toward, kFarDistance, rayCount).hit;
-        sky += local.z;
+        all += local.z;
+        free += !hit;
         if (!hit) continue;
         dead += isDark(hit);
         if (hit.distance * local.z < point.touchMeters) blocked += local.z;
     }
-    return {float(dead) / kRays, blocked / sky};
+    return {float(dead) / kRays, blocked / all, float(free) / kRays};
 }
 
 }  // namespace phat

@@ -2,7 +2,6 @@
 
 #include "core/bake/indirect_irradiance.h"
 
-#include "core/atlas/texel_neighbors.h"
 #include "core/bake/gather_parts.h"
 #include "core/bake/irradiance_ray.h"
 
@@ -113,18 +112,15 @@ std::vector<glm::vec3> bounce(const std::vector<NodeRays>& nodes, Progress& prog
     return next;
 }
 
-/// Light bounces between the nodes of the coarsest level, each hit taking the irradiance of its group's node,
-/// until nothing changes or all bounces are used up. Small pieces that share a group with the node's may be
-/// behind a wall from it: they count as dark until the finer levels, which lack what two bounces over such
-/// pieces bring.
+/// Light bounces between the nodes of the coarsest level, each hit taking that of the node of its group and
+/// piece, until nothing changes or all bounces are used up.
 ResumableTask solve(IrradianceLevel& level, const std::vector<NodeRays>& nodes, const GatherInput& input,
                     int bounces, Progress& progress) {
     level.value.assign(nodes.size(), glm::vec3(0));
     for (int i = 0; i < bounces; ++i) {
         std::vector<glm::vec3> next = bounce(nodes, progress, [&](uint32_t texel) {
-            const uint32_t node = level.node[level.groupOf(texel, input.atlas.sizeTexels.x)];
-            return lieTogether(input.atlas, input.points, level.texel[node], texel) ? level.value[node]
-                                                                                    : glm::vec3(0);
+            const uint32_t node = level.nodeOf(input.atlas, input.points, texel);
+            return node != kNoNode ? level.value[node] : glm::vec3(0);
         });
         float change = 0, largest = 0;
         for (size_t n = 0; n < next.size(); ++n) {
@@ -145,25 +141,8 @@ void setDistances(IrradianceLevel& level, const Atlas& atlas, const std::vector<
     }
 }
 
-/// Whether a group has texels of another piece of surface than its node's. Pieces lie so far apart that the
-/// next level's groups have one each.
-bool mixesPieces(const IrradianceLevel& level, const GatherInput& input, glm::uvec2 group) {
-    const uint32_t node = level.node[size_t(group.y) * level.size.x + group.x];
-    if (node == kNoNode) return false;
-    for (uint32_t i = 0; i < level.step * level.step; ++i) {
-        const glm::uvec2 texel = group * level.step + glm::uvec2(i % level.step, i / level.step);
-        const size_t index = size_t(texel.y) * input.atlas.sizeTexels.x + texel.x;
-        if (input.irradianceTexels[index] &&
-            !lieTogether(input.atlas, input.points, level.texel[node], index))
-            return true;
-    }
-    return false;
-}
-
-/// Whether a group's node or a neighbour in the same chart has a small harmonic mean distance, or the group
-/// mixes pieces of surface.
-std::vector<uint8_t> groupsToSplit(const IrradianceLevel& level, const GatherInput& input) {
-    const Atlas& atlas = input.atlas;
+/// Whether one of a group's nodes or of its neighbours in the same chart has a small harmonic mean distance.
+std::vector<uint8_t> groupsToSplit(const IrradianceLevel& level, const Atlas& atlas) {
     const glm::ivec2 size(level.size);
     std::vector<uint8_t> split(level.node.size(), 0);
     for (int y = 0; y < size.y; ++y)
@@ -172,12 +151,11 @@ std::vector<uint8_t> groupsToSplit(const IrradianceLevel& level, const GatherInp
             for (int i = 0; i < 9 && chart != kNoChart; ++i) {
                 const glm::ivec2 p =
                     glm::clamp(glm::ivec2(x, y) + glm::ivec2(i % 3 - 1, i / 3 - 1), glm::ivec2(0), size - 1);
-                const uint32_t node = level.node[size_t(p.y) * size.x + p.x];
-                if (node == kNoNode || atlas.chartAt(glm::uvec2(p) * level.step) != chart) continue;
-                if (level.distanceTexels[node] < kSplitBelowSteps * float(level.step))
-                    split[size_t(y) * size.x + x] = 1;
+                if (atlas.chartAt(glm::uvec2(p) * level.step) != chart) continue;
+                for (uint32_t n = level.node[size_t(p.y) * size.x + p.x]; n != kNoNode; n = level.next[n])
+                    if (level.distanceTexels[n] < kSplitBelowSteps * float(level.step))
+                        split[size_t(y) * size.x + x] = 1;
             }
-            if (mixesPieces(level, input, {x, y})) split[size_t(y) * size.x + x] = 1;
         }
     return split;
 }
@@ -188,9 +166,9 @@ ResumableTask refine(const GatherContext& context, const Gatherer& gatherer,
                      const ChartSet& charts) {
     const Atlas& atlas = context.input.atlas;
     const IrradianceLevel& coarse = levels.back();
-    const std::vector<uint8_t> split = groupsToSplit(coarse, context.input);
+    const std::vector<uint8_t> split = groupsToSplit(coarse, atlas);
     const uint32_t ratio = coarse.step / step;
-    IrradianceLevel level = makeLevel(atlas, context.input.irradianceTexels, step, [&](glm::uvec2 group) {
+    IrradianceLevel level = makeLevel(context.input.receivers(), step, [&](glm::uvec2 group) {
         const glm::uvec2 around = group / ratio;
         const size_t index = size_t(around.y) * coarse.size.x + around.x;
         return coarse.node[index] != kNoNode && split[index] != 0 &&
@@ -232,7 +210,7 @@ ResumableTask refine(const GatherContext& context, const Gatherer& gatherer,
 }  // namespace
 
 IrradianceLevel coarseLevel(const GatherInput& input) {
-    return makeLevel(input.atlas, input.irradianceTexels, kLevelSteps[0], [](glm::uvec2) { return true; });
+    return makeLevel(input.receivers(), kLevelSteps[0], [](glm::uvec2) { return true; });
 }
 
 NodeRays traceNode(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,

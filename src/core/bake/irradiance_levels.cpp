@@ -1,5 +1,7 @@
 #include "core/bake/irradiance_levels.h"
 
+#include <optional>
+
 #include "core/atlas/chart_fill.h"
 #include "core/atlas/texel_neighbors.h"
 #include "core/base/parallel.h"
@@ -104,22 +106,26 @@ class Interpolator {
         return best;
     }
 
-    /// Whether the texel's group of the coarsest level has a node.
-    bool hasNode(uint32_t texel) const { return nodeAt(0, texel) != kNoNode; }
-    /// pre: hasNode(texel).
-    glm::vec3 at(uint32_t texel, const PerNode<glm::vec3>& smooth) const {
+    /// Nothing where no node of the texel's piece of surface is near.
+    std::optional<glm::vec3> at(uint32_t texel, const PerNode<glm::vec3>& smooth) const {
+        if (levels_[0].node[levels_[0].groupOf(texel, atlas_.sizeTexels.x)] == kNoNode) return std::nullopt;
         size_t own = 0;
-        while (own + 1 < levels_.size() && nodeAt(own + 1, texel) != kNoNode) ++own;
-        const uint32_t node = nodeAt(own, texel);
-        if (levels_[own].texel[node] == texel) return smooth[own][node];
+        uint32_t node = nodeAt(0, texel);
+        for (uint32_t finer = node; own + 1 < levels_.size(); ++own) {
+            finer = nodeAt(own + 1, texel);
+            if (finer == kNoNode) break;
+            node = finer;
+        }
+        if (node != kNoNode && levels_[own].texel[node] == texel) return smooth[own][node];
         PlaneFit fit;
         // Between nodes only the finest count: the others are smoothed more.
         gather(texel, kBetweenSteps * float(levels_[own].step),
                [&](size_t l, uint32_t n, bool split, float weight, glm::vec2 offset) {
                    if (!split) fit.add(weight, offset, smooth[l][n]);
                });
+        if (!fit.empty()) return fit.atOrigin().value;
         // On a crease no node may have a similar normal.
-        return fit.empty() ? smooth[own][node] : fit.atOrigin().value;
+        return node != kNoNode ? std::optional(smooth[own][node]) : std::nullopt;
     }
 
   private:
@@ -173,7 +179,7 @@ class Interpolator {
     }
 
     uint32_t nodeAt(size_t level, uint32_t texel) const {
-        return levels_[level].node[levels_[level].groupOf(texel, atlas_.sizeTexels.x)];
+        return levels_[level].nodeOf(atlas_, points_, texel);
     }
     glm::ivec2 positionOf(uint32_t texel) const {
         return {texel % atlas_.sizeTexels.x, texel / atlas_.sizeTexels.x};
@@ -208,13 +214,13 @@ class Interpolator {
     template <typename Visit>
     bool descend(size_t level, glm::uvec2 group, const Visit& visit) const {
         const IrradianceLevel& here = levels_[level];
-        const uint32_t node = here.node[size_t(group.y) * here.size.x + group.x];
+        uint32_t node = here.node[size_t(group.y) * here.size.x + group.x];
         if (node == kNoNode) return false;
         bool split = false;
         if (level + 1 < levels_.size())
             for (uint32_t i = 0; i < 4; ++i)
                 split |= descend(level + 1, 2u * group + glm::uvec2(i & 1, i >> 1), visit);
-        visit(level, node, split);
+        for (; node != kNoNode; node = here.next[node]) visit(level, node, split);
         return true;
     }
 
@@ -225,35 +231,6 @@ class Interpolator {
 };
 
 }  // namespace
-
-IrradianceLevel makeLevel(const Atlas& atlas, const std::vector<uint8_t>& irradianceTexels, uint32_t step,
-                          const std::function<bool(glm::uvec2 group)>& selects) {
-    IrradianceLevel level;
-    level.step = step;
-    level.size = atlas.sizeTexels / step;
-    level.node.assign(size_t(level.size.x) * level.size.y, kNoNode);
-    for (uint32_t y = 0; y < level.size.y; ++y) {
-        for (uint32_t x = 0; x < level.size.x; ++x) {
-            uint32_t best = kNoNode;
-            float bestCost = 1e30f;
-            for (uint32_t i = 0; i < step * step; ++i) {
-                const glm::uvec2 within(i % step, i / step);
-                const glm::uvec2 texel = glm::uvec2(x, y) * step + within;
-                const size_t index = size_t(texel.y) * atlas.sizeTexels.x + texel.x;
-                if (!irradianceTexels[index]) continue;
-                const glm::vec2 off = glm::vec2(within) - 0.5f * float(step - 1);
-                const float cost = glm::dot(off, off);
-                if (cost >= bestCost) continue;
-                bestCost = cost;
-                best = uint32_t(index);
-            }
-            if (best == kNoNode || !selects({x, y})) continue;
-            level.node[size_t(y) * level.size.x + x] = uint32_t(level.texel.size());
-            level.texel.push_back(best);
-        }
-    }
-    return level;
-}
 
 ResumableTask interpolateLevels(const std::vector<IrradianceLevel>& levels, const Atlas& atlas,
                                 const TexelPoints& points, const ChartSet& charts, IrradianceMap& map,
@@ -300,9 +277,10 @@ ResumableTask interpolateLevels(const std::vector<IrradianceLevel>& levels, cons
                     known[i] = 1;  // nothing to fill
                     continue;
                 }
-                if (!points.valid(i) || !interpolator.hasNode(uint32_t(i))) continue;
-                map[i] = interpolator.at(uint32_t(i), smooth);
-                known[i] = 1;
+                if (!points.valid(i)) continue;
+                const std::optional<glm::vec3> value = interpolator.at(uint32_t(i), smooth);
+                map[i] = value.value_or(glm::vec3(0));
+                known[i] = value.has_value();
             }
         });
         co_yield (kTexelWork * (last - first));

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/atlas/mesh_topology.h"
+#include "core/atlas/texel_neighbors.h"
 
 namespace phat {
 namespace {
@@ -145,10 +146,13 @@ bool isOccluded(const std::array<Tap, 4>& taps, const TexelPoints& points,
     return occluded;
 }
 
-/// Calls visit(texel) for the neighbours of a texel in its chart.
+/// Calls visit(texel) for the neighbours of a texel in its piece of surface.
 template <typename Visit>
-void forNeighbors(const Atlas& atlas, uint32_t texel, std::span<const glm::ivec2> offsets,
+void forNeighbors(const ReceiverTexels& texels, uint32_t texel, std::span<const glm::ivec2> offsets,
                   const Visit& visit) {
+    const Atlas& atlas = texels.atlas;
+    const TexelPoints& points = texels.points;
+    if (points.triangle[texel] == kNoTriangle) return;
     const glm::ivec2 center(texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x);
     const uint32_t chart = atlas.chartAt(center);
     for (const glm::ivec2 offset : offsets) {
@@ -156,7 +160,8 @@ void forNeighbors(const Atlas& atlas, uint32_t texel, std::span<const glm::ivec2
         if (glm::any(glm::lessThan(p, glm::ivec2(0))) ||
             glm::any(glm::greaterThanEqual(p, glm::ivec2(atlas.sizeTexels))) || atlas.chartAt(p) != chart)
             continue;
-        visit(uint32_t(p.y) * atlas.sizeTexels.x + uint32_t(p.x));
+        const uint32_t other = uint32_t(p.y) * atlas.sizeTexels.x + uint32_t(p.x);
+        if (points.triangle[other] != kNoTriangle && lieTogether(atlas, points, texel, other)) visit(other);
     }
 }
 
@@ -202,11 +207,11 @@ System makeSystem(const IrradianceMap& map, const std::vector<SeamPoint>& seams,
     size_t inner = 0;
     for (int ring = 0; ring < int(std::ceil(kSpreads * spreadTexels)); ++ring)
         for (const size_t outer = system.size(); inner < outer; ++inner)
-            forNeighbors(atlas, system.texel[inner], kAround, [&](uint32_t texel) {
+            forNeighbors(texels, system.texel[inner], kAround, [&](uint32_t texel) {
                 if (receives[texel]) unknown(texel);
             });
     for (uint32_t u = 0; u < system.size(); ++u)
-        forNeighbors(atlas, system.texel[u], std::span(kAround).first(2), [&](uint32_t texel) {
+        forNeighbors(texels, system.texel[u], std::span(kAround).first(2), [&](uint32_t texel) {
             if (unknownOf[texel] != kNone) system.links.push_back({u, unknownOf[texel]});
         });
     system.linkWeight = kSpreadWeight * square(spreadTexels);

@@ -85,8 +85,10 @@ void MapUpdater::adaptNodes() {
     std::vector<NodeRays> nodes(level.texel.size());
     std::vector<NodeAge> ages(nodes.size());
     for (size_t n = 0; n < nodes.size() && !state_.level.node.empty(); ++n) {
-        const uint32_t before = state_.level.node[level.groupOf(level.texel[n], width)];
-        if (before == kNoNode || state_.level.texel[before] != level.texel[n]) continue;
+        uint32_t before = state_.level.node[level.groupOf(level.texel[n], width)];
+        while (before != kNoNode && state_.level.texel[before] != level.texel[n])
+            before = state_.level.next[before];
+        if (before == kNoNode) continue;
         nodes[n] = state_.nodes[before];
         ages[n] = state_.nodeAge[before];
         // Rays that end in texels that are occluded now are invalid until they are traced again.

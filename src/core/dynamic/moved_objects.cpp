@@ -82,7 +82,8 @@ uint64_t MovedObjects::advanceNodes() {
     std::vector<uint32_t> nodes;
     // Texels that were occluded meanwhile may have changed the nodes of their groups.
     for (const uint32_t group : takeItems(kGroupsPerSlice))
-        if (state_.level.node[group] != kNoNode) nodes.push_back(state_.level.node[group]);
+        for (uint32_t n = state_.level.node[group]; n != kNoNode; n = state_.level.next[n])
+            nodes.push_back(n);
     const uint64_t work = maps_.traceNodes(nodes);
     if (next_ < items_.size()) return work;
     begin(Step::indirectMap);

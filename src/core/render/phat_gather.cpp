@@ -56,6 +56,9 @@ class PhatGather {
   private:
     bool showsDirect() const { return phat::showsDirect(settings_.component); }
     bool reconnects() const { return settings_.radiusMeters <= 0.0f; }
+    uint32_t surfaceOf(const Visible& visible) const {
+        return scene_.atlas.triangleSurface[visible.point.triangle];
+    }
     float texelSizeAt(const Visible& visible) const {
         return scene_.atlas.charts[visible.atlasPosition.chart].texelSizeMeters;
     }
@@ -72,10 +75,12 @@ class PhatGather {
     template <typename Visit>
     void forNeighbors(const Visible& visible, const TiledPhatexels& source, float radius,
                       const Visit& visit) const {
+        const uint32_t surface = surfaceOf(visible);
         for (uint32_t tile : visible.tiles) {
             if (glm::distance(tiles_[tile].center, visible.point.position) > radius + tiles_[tile].radius)
                 continue;
             for (const WorldPhatexel& phatexel : source.inTile(tile)) {
+                if (phatexel.surface != surface) continue;
                 const float cone = 1.0f - glm::distance(phatexel.origin, visible.point.position) / radius;
                 if (cone > 0.0f) visit(phatexel, cone);
             }
@@ -91,10 +96,10 @@ class PhatGather {
 void PhatGather::findTiles(Visible& visible) const {
     const float radius = reconnects() ? kLargestRadius * texelSizeAt(visible) : settings_.radiusMeters;
     tiles_.near(visible.point.position, radius, visible.tiles);
-    const Chart& own = scene_.atlas.charts[visible.atlasPosition.chart];
+    const uint32_t surface = surfaceOf(visible);
     std::erase_if(visible.tiles, [&](uint32_t tile) {
         if (!reconnects()) return tiles_[tile].chart != visible.atlasPosition.chart;
-        return scene_.atlas.charts[tiles_[tile].chart].surface != own.surface ||
+        return surface < tiles_[tile].firstSurface || surface > tiles_[tile].lastSurface ||
                glm::dot(tiles_[tile].normal, visible.point.normalGeometric) < kMinGatherNormalCosine;
     });
 }

@@ -27,11 +27,15 @@ void forTexels(glm::uvec2 origin, const Visit& visit) {
         visit(origin + glm::uvec2(i % kTileSize, i / kTileSize));
 }
 
-WorldPhatexel inWorld(const Phatexel& phatexel, glm::vec3 origin, const Frame& frame) {
+WorldPhatexel inWorld(const Phatexel& phatexel, glm::vec3 origin, const Frame& frame, uint32_t surface) {
     const glm::vec3 direction = glm::normalize(frame.toWorld(phatexel.directionBlock));
     const bool far = phatexel.distance >= kFarDistance;
-    return {origin, 1.0f / phatexel.pdf, far ? direction : origin + phatexel.distance * direction,
-            phatexel.distance, phatexel.radiance};
+    return {origin,
+            1.0f / phatexel.pdf,
+            far ? direction : origin + phatexel.distance * direction,
+            phatexel.distance,
+            phatexel.radiance,
+            surface};
 }
 
 }  // namespace
@@ -57,6 +61,9 @@ SurfaceTiles::SurfaceTiles(const Atlas& atlas, const TexelPoints& points) {
             if (!points.valid(texel)) return;
             bounds.add(points.position[texel]);
             tile.normal += points.normal[texel];
+            const uint32_t surface = atlas.triangleSurface[points.triangle[texel]];
+            tile.firstSurface = std::min(tile.firstSurface, surface);
+            tile.lastSurface = std::max(tile.lastSurface, surface);
         });
         if (bounds.empty() || glm::length(tile.normal) <= 0.0f) continue;
         tile.center = bounds.center();
@@ -96,8 +103,9 @@ TiledPhatexels tilePhatexels(const SurfaceTiles& tiles, const std::vector<Phatex
             for (const PhatexelLayer& layer : layers) {
                 const Phatexel phatexel = phatexelAt(layer, guides, atlas, p);
                 if (phatexel.valid && phatexel.pdf > 0.0f)
-                    result.phatexels.push_back(
-                        inWorld(phatexel, points.position[texel], frames[atlas.blockAt(p)]));
+                    result.phatexels.push_back(inWorld(phatexel, points.position[texel],
+                                                       frames[atlas.blockAt(p)],
+                                                       atlas.triangleSurface[points.triangle[texel]]));
             }
         });
     }

@@ -18,6 +18,7 @@ struct WorldPhatexel {
     glm::vec3 end{0};    // where the light came from; the unit direction toward it where it is infinitely far
     float distance = 0;  // metres from origin to end, or kFarDistance
     glm::vec3 radiance{0};  // W/(m2 sr)
+    uint32_t surface = 0;   // Scene::surfaces
 };
 
 /// Valid PHATexels of one source of light (all its layers), tile by tile.
@@ -39,6 +40,7 @@ class SurfaceTiles {
         glm::vec3 normal{0};  // mean of its valid texels'; unit
         glm::uvec2 originTexel{0};
         uint32_t chart = 0;
+        uint32_t firstSurface = ~0u, lastSurface = 0;  // the least and the largest of its valid texels'
     };
 
     SurfaceTiles(const Atlas& atlas, const TexelPoints& points);

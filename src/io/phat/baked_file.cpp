@@ -146,6 +146,15 @@ void appendPayloads(const Payloads& payloads, json& extension, GlbBuilder& glb, 
                                                             {"byteLength", payloads[i].bytes.size()}};
 }
 
+// Whether a chart has pieces of several surfaces.
+bool sharesCharts(const Atlas& atlas) {
+    for (size_t t = 0; t < atlas.triangleChart.size(); ++t)
+        if (atlas.triangleChart[t] != kNoChart &&
+            atlas.charts[atlas.triangleChart[t]].surface != atlas.triangleSurface[t])
+            return true;
+    return false;
+}
+
 std::vector<uint8_t> bakedBytes(const GltfSource& source, const Scene& scene, const Bake& bake,
                                 const BakeRecord& record, Progress* progress,
                                 std::vector<std::string>& notes) {
@@ -159,6 +168,7 @@ std::vector<uint8_t> bakedBytes(const GltfSource& source, const Scene& scene, co
         extension["version"] = kStorageFormatVersion;
         extension["storage"] = nameOf(storageNames(), record.storage);
     }
+    if (sharesCharts(bake.atlas)) extension["version"] = kSharedChartsFormatVersion;
     extension["record"] = {{"generator", record.generator},
                            {"input", record.source},
                            {"settings", record.settings},

@@ -131,8 +131,9 @@ void readTriangleCharts(PayloadReader& reader, const json& object, const Scene& 
     for (size_t t = 0; t < atlas.triangleChart.size(); ++t) {
         const uint32_t index = atlas.triangleChart[t];
         if (index == kNoChart) continue;
-        if (index >= atlas.charts.size() || atlas.charts[index].surface != scene.triangleSurface[t])
-            fail("a triangle belongs to a chart that does not exist");
+        if (index >= atlas.charts.size()) fail("a triangle belongs to a chart that does not exist");
+        if (scene.surfaces[atlas.charts[index].surface].node != scene.surfaces[scene.triangleSurface[t]].node)
+            fail("a triangle and its chart belong to different nodes");
         const glm::vec2 low(atlas.charts[index].originTexel());
         const glm::vec2 high = low + glm::vec2(atlas.charts[index].sizeTexels());
         for (const glm::vec2& texel : atlas.triangleTexels[t])
@@ -154,6 +155,7 @@ Atlas readAtlas(PayloadReader& reader, const json& extension, const Scene& scene
     if (!(atlas.unitMeters > 0 && std::isfinite(atlas.unitMeters)))
         fail("the unit of length is not positive");
     readCharts(reader, object, scene.surfaces.size(), atlas);
+    atlas.triangleSurface = scene.triangleSurface;
     readTriangleTexels(reader, object, wholeNumber(extension, "texCoord"), scene, atlas);
     readTriangleCharts(reader, object, scene, atlas);
     return atlas;
@@ -241,10 +243,12 @@ const json* findExtension(const json& gltf) {
 // Also where the version is checked: it says whether there is a choice.
 PhatexelStorage storageOf(const json& extension) {
     const uint64_t version = wholeNumber(extension, "version");
-    if (version == kBakedFormatVersion) return PhatexelStorage::packed;
-    if (version != kStorageFormatVersion)
-        fail(fmt::format("has format version {}; this program reads versions {} and {}", version,
-                         kBakedFormatVersion, kStorageFormatVersion));
+    if (version < kBakedFormatVersion || version > kSharedChartsFormatVersion)
+        fail(fmt::format("has format version {}; this program reads versions {} to {}", version,
+                         kBakedFormatVersion, kSharedChartsFormatVersion));
+    const bool mayBePacked = version != kStorageFormatVersion;
+    if (version == kBakedFormatVersion || (mayBePacked && !extension.contains("storage")))
+        return PhatexelStorage::packed;
     const auto name = extension.at("storage").get<std::string>();
     const auto found = storageNames().find(name);
     if (found == storageNames().end()) fail(fmt::format("has PHATexels in an unknown storage, \"{}\"", name));

@@ -12,6 +12,8 @@ namespace phat {
 inline constexpr uint64_t kBakedFormatVersion = 3;
 /// Of files whose PHATexels are not packed: they say how, and programs that know version 3 alone refuse them.
 inline constexpr uint64_t kStorageFormatVersion = 4;
+/// Of files with charts that have pieces of several surfaces; the PHATexels of these may be packed or not.
+inline constexpr uint64_t kSharedChartsFormatVersion = 5;
 // A chart owns tiles, and 16 bits count those of a side with room to spare.
 inline constexpr uint64_t kMaxAtlasSide = 1 << 16;
 inline constexpr uint64_t kMaxEnvironmentSide = 1 << 15;

@@ -72,7 +72,7 @@ inline void expectSoundAtlas(const Scene& scene, const Atlas& atlas, const Atlas
             continue;
         }
         const Chart& chart = atlas.charts[atlas.triangleChart[t]];
-        EXPECT_EQ(chart.surface, scene.triangleSurface[t]);
+        EXPECT_EQ(scene.surfaces[chart.surface].node, scene.surfaces[scene.triangleSurface[t]].node);
         const glm::vec2 low = glm::vec2(chart.originTexel()) - 1e-2f;
         const glm::vec2 high = glm::vec2(chart.originTexel() + chart.sizeTexels()) + 1e-2f;
         const auto& corner = atlas.triangleTexels[t];

@@ -10,6 +10,7 @@
 #include "core/atlas/atlas_checks.h"
 #include "core/atlas/atlas_shapes.h"
 #include "core/atlas/texel_neighbors.h"
+#include "support/scene_builder.h"
 
 namespace phat {
 namespace {
@@ -166,6 +167,90 @@ TEST(PieceGroup, ManyTinyBudgetsAreKept) {
         const Atlas atlas = atlasOf(scene, budget, stats);
         EXPECT_LT(double(atlas.texelCount()), 1.25 * double(budget)) << budget;
     }
+}
+
+/// The same boxes as manyBoxes, each a surface; every second one of node 1.
+Scene boxesOfTwoNodes(int side) {
+    Scene scene;
+    for (int i = 0; i < side * side; ++i) {
+        addBox(scene, {0.2f * float(i % side), 0.2f * float(i / side), 0}, glm::vec3(0.05f, 0.04f, 0.03f));
+        scene.surfaces.back().node = uint32_t(i % 2);
+    }
+    scene.nodes.resize(2);
+    return scene;
+}
+
+TEST(PieceGroup, SurfacesOfANodeShareCharts) {
+    const Scene scene = boxesOfTwoNodes(12);
+    AtlasStats stats;
+    const Atlas atlas = atlasOf(scene, 40'000, stats);
+    EXPECT_LT(atlas.charts.size(), 100u) << "of 144 surfaces";
+    std::map<uint32_t, std::set<uint32_t>> surfacesOf, nodesOf;  // per chart
+    for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
+        const uint32_t surface = scene.triangleSurface[t];
+        surfacesOf[atlas.triangleChart[t]].insert(surface);
+        nodesOf[atlas.triangleChart[t]].insert(scene.surfaces[surface].node);
+    }
+    size_t shared = 0;
+    for (const auto& [chart, surfaces] : surfacesOf) {
+        shared += surfaces.size() > 1;
+        EXPECT_EQ(nodesOf[chart].size(), 1u) << "a node moves alone";
+        EXPECT_EQ(surfaces.count(atlas.charts[chart].surface), 1u);
+    }
+    EXPECT_GT(shared, 10u);
+}
+
+// Texels of two surfaces never lie together, even where both are as in the atlas: a wall may stand between
+// them.
+TEST(PieceGroup, LightStaysOnItsSurface) {
+    Scene scene;
+    for (int i = 0; i < 400; ++i) {
+        const glm::vec3 low(0.05f * float(i % 20), 0.05f * float(i / 20), 0), x(0.05f, 0, 0), y(0, 0.05f, 0);
+        shapes::add(scene, {low, low + x, low + x + y, low + y}, {{0, 1, 2}, {0, 2, 3}});
+    }
+    AtlasStats stats;
+    const Atlas atlas = atlasOf(scene, 20'000, stats);
+    const TexelPoints points = buildTexelPoints(scene, atlas);
+    size_t others = 0;
+    for (size_t i = 0; i < points.state.size(); ++i)
+        for (size_t j = i; j < std::min(i + 30, points.state.size()); ++j) {
+            if (!points.valid(i) || !points.valid(j) || atlas.chartAt(i) != atlas.chartAt(j)) continue;
+            if (scene.triangleSurface[points.triangle[i]] == scene.triangleSurface[points.triangle[j]])
+                continue;
+            ++others;
+            ASSERT_FALSE(lieTogether(atlas, points, i, j));
+        }
+    EXPECT_GT(others, 1000u) << "no chart has several surfaces";
+}
+
+// Reflections are looked up by the chart: what is outside of a house does not shine into it.
+TEST(PieceGroup, PiecesInsideAndOutsideShareNoChart) {
+    Scene scene;
+    test::addRoom(scene, Material(), glm::vec3(2));
+    const size_t walls = scene.triangles.size();
+    for (int i = 0; i < 16; ++i)
+        for (const float y : {1.9f, 2.1f})
+            test::addQuad(scene, Material(), {0.2f + 0.1f * float(i), y, 1}, {0, 0, 0.05f}, {0.05f, 0, 0});
+    const RayScene rays(scene);
+    AtlasSettings settings;
+    settings.texelBudget = 60'000;
+    SilentProgress progress;
+    const Atlas atlas = buildAtlas(rays, {}, settings, progress);
+    std::map<uint32_t, std::set<bool>> outside;  // per chart
+    for (uint32_t t = uint32_t(walls); t < scene.triangles.size(); ++t)
+        outside[atlas.triangleChart[t]].insert(scene.positions[scene.triangles[t].x].y > 2);
+    EXPECT_LT(outside.size(), 16u) << "of 32 pieces";
+    for (const auto& [chart, sides] : outside) EXPECT_EQ(sides.size(), 1u);
+}
+
+// The halves of a floor on both sides of a wall.
+TEST(JoinCoplanar, PlanesOfTwoSurfacesStayApart) {
+    Scene scene;
+    for (const float x : {0.0f, 1.0f})
+        shapes::add(scene, {{x, 0, 0}, {x + 1, 0, 0}, {x + 1, 1, 0}, {x, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
+    AtlasStats stats;
+    EXPECT_EQ(atlasOf(scene, 20'000, stats).charts.size(), 2u);
+    EXPECT_EQ(atlasOf(shapes::joined(scene), 20'000, stats).charts.size(), 1u);
 }
 
 /// A floor of boards in one surface, a joint between them.

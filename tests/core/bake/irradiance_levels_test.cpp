@@ -6,6 +6,7 @@
 
 #include <numeric>
 
+#include "core/atlas/atlas_shapes.h"
 #include "support/scene_builder.h"
 
 namespace phat {
@@ -24,8 +25,8 @@ struct Floor {
         SilentProgress progress;
         atlas = buildAtlas(scene, {Sides::front}, settings, progress);
         points = buildTexelPoints(scene, atlas);
-        const std::vector<uint8_t> all(atlas.texelCount(), 1);
-        level = makeLevel(atlas, all, kLevelSteps[0], [](glm::uvec2) { return true; });
+        const std::vector<uint8_t> receives = irradianceTexels(atlas, points);
+        level = makeLevel({atlas, points, receives}, kLevelSteps[0], [](glm::uvec2) { return true; });
         level.value.assign(level.texel.size(), glm::vec3(1));
         level.distanceTexels.assign(level.texel.size(), 1e6f);
     }
@@ -74,6 +75,85 @@ TEST(IrradianceLevels, BrightRegionsStay) {
     EXPECT_NEAR(
         (*std::max_element(map.begin(), map.end(), [](glm::vec3 a, glm::vec3 b) { return a.x < b.x; })).x, 5,
         0.5);
+}
+
+/// Small boxes, each a surface, whose faces share charts.
+Scene boxes() {
+    Scene scene;
+    for (int i = 0; i < 100; ++i) {
+        Scene box = shapes::cube(1);
+        for (glm::vec3& p : box.positions)
+            p = p * glm::vec3(0.05f, 0.03f, 0.04f) + 0.2f * glm::vec3(float(i % 10), float(i / 10), 0);
+        shapes::add(scene, box.positions, box.triangles);
+    }
+    return scene;
+}
+
+// Groups of texels have several small pieces; each piece has its own nodes, and its texels take their light
+// alone.
+TEST(IrradianceLevels, LightOfAPieceStaysOnIt) {
+    const Scene scene = boxes();
+    AtlasSettings settings;
+    settings.texelBudget = 40'000;
+    SilentProgress progress;
+    const Atlas atlas = buildAtlas(scene, {}, settings, progress);
+    const TexelPoints points = buildTexelPoints(scene, atlas);
+    const std::vector<uint8_t> receives = irradianceTexels(atlas, points);
+    IrradianceLevel level =
+        makeLevel({atlas, points, receives}, kLevelSteps[0], [](glm::uvec2) { return true; });
+    const auto lightOf = [&](size_t texel) {
+        return glm::vec3(float(1 + scene.triangleSurface[points.triangle[texel]] % 7));
+    };
+    size_t groups = 0;
+    for (const uint32_t node : level.node) groups += node != kNoNode;
+    EXPECT_GT(level.texel.size(), groups * 5 / 4) << "no group has several pieces";
+    for (const uint32_t texel : level.texel) level.value.push_back(lightOf(texel));
+    level.distanceTexels.assign(level.texel.size(), 1e6f);
+    IrradianceMap map;
+    finish(interpolateLevels({level}, atlas, points, {}, map, kNoSlicing));
+    for (size_t i = 0; i < map.size(); ++i) {
+        if (!receives[i]) continue;
+        ASSERT_NE(level.nodeOf(atlas, points, uint32_t(i)), kNoNode);
+        ASSERT_NEAR(map[i].x, lightOf(i).x, 1e-4f) << i;
+    }
+}
+
+// A piece rarely begins where a group does. A node in the middle of the group would be nearer the piece's
+// border than the texels that it stands for, and light that falls off toward an edge would be taken for less
+// than it is.
+TEST(IrradianceLevels, NodesAreInTheMiddleOfTheirTexels) {
+    Scene scene;  // of small plates
+    for (int i = 0; i < 300; ++i) {
+        const glm::vec3 low = 0.2f * glm::vec3(float(i % 20), float(i / 20), 0);
+        const glm::vec3 x(0.05f + 0.001f * float(i % 7), 0, 0), y(0, 0.04f + 0.001f * float(i % 9), 0);
+        shapes::add(scene, {low, low + x, low + x + y, low + y}, {{0, 1, 2}, {0, 2, 3}});
+    }
+    AtlasSettings settings;
+    settings.texelBudget = 60'000;
+    SilentProgress progress;
+    const Atlas atlas = buildAtlas(scene, {}, settings, progress);
+    const TexelPoints points = buildTexelPoints(scene, atlas);
+    const std::vector<uint8_t> receives = irradianceTexels(atlas, points);
+    const IrradianceLevel level =
+        makeLevel({atlas, points, receives}, kLevelSteps[0], [](glm::uvec2) { return true; });
+    const auto positionOf = [&](size_t texel) {
+        return glm::dvec2(texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x);
+    };
+    std::vector<std::vector<uint32_t>> texels(level.node.size());
+    for (uint32_t i = 0; i < receives.size(); ++i)
+        if (receives[i]) texels[level.groupOf(i, atlas.sizeTexels.x)].push_back(i);
+    size_t partial = 0;
+    for (size_t group = 0; group < texels.size(); ++group) {
+        const uint32_t node = level.node[group];
+        if (node == kNoNode || level.next[node] != kNoNode) continue;
+        partial += texels[group].size() < 16;
+        glm::dvec2 middle(0);
+        for (const uint32_t texel : texels[group]) middle += positionOf(texel) / double(texels[group].size());
+        const double off = glm::distance(positionOf(level.texel[node]), middle);
+        for (const uint32_t texel : texels[group])
+            ASSERT_LE(off, glm::distance(positionOf(texel), middle) + 1e-5);
+    }
+    EXPECT_GT(partial, 100u);
 }
 
 }  // namespace

@@ -202,5 +202,39 @@ TEST(SeamStitch, LightStaysPositive) {
     for (const glm::vec3 value : map) ASSERT_TRUE(glm::all(glm::greaterThanEqual(value, glm::vec3(0))));
 }
 
+// A change on one of the small pieces that share a chart does not reach the others.
+TEST(SeamStitch, OtherPiecesKeepTheirLight) {
+    Sheet sheet;
+    for (int i = 0; i < 60; ++i) {
+        Scene tube = shapes::cylinder(0.03f, 0.05f);
+        for (glm::vec3& p : tube.positions) p += 0.1f * glm::vec3(float(i % 10), float(i / 10), 0);
+        shapes::add(sheet.scene, tube.positions, tube.triangles);
+    }
+    AtlasSettings settings;
+    settings.texelBudget = 20'000;
+    SilentProgress progress;
+    sheet.atlas = buildAtlas(sheet.scene, {}, settings, progress);
+    sheet.points = buildTexelPoints(sheet.scene, sheet.atlas);
+    sheet.receives = irradianceTexels(sheet.atlas, sheet.points);
+    sheet.seams = findSeams(sheet.scene, sheet.atlas);
+    const auto isFirst = [&](size_t texel) {
+        return sheet.scene.triangleSurface[sheet.points.triangle[texel]] == 0;
+    };
+    IrradianceMap map(sheet.atlas.texelCount(), glm::vec3(1));
+    for (size_t i = 0; i < map.size(); ++i)
+        if (sheet.points.valid(i) && isFirst(i) && sheet.points.normal[i].x > 0) map[i] = glm::vec3(3);
+    const IrradianceMap before = map;
+    stitch(map, sheet, 3);
+    size_t changed = 0;
+    for (size_t i = 0; i < map.size(); ++i) {
+        if (!sheet.points.valid(i)) continue;
+        if (isFirst(i))
+            changed += map[i] != before[i];
+        else
+            ASSERT_NEAR(map[i].x, 1, 1e-4f) << i;
+    }
+    EXPECT_GT(changed, 10u);
+}
+
 }  // namespace
 }  // namespace phat

@@ -174,6 +174,35 @@ TEST(PhatGather, ReconnectionBeatsTheFixedFilter) {
     EXPECT_LT(reconnected.meanDifference, 0.8 * fixed.meanDifference);
 }
 
+// Pieces of two surfaces may share a chart, and have a wall between them.
+TEST(PhatGather, LightOfAnotherSurfaceStaysThere) {
+    Scene scene = room(metal(0.4f), Material());
+    const uint32_t first = uint32_t(scene.surfaces.size());
+    for (const float x : {0.6f, 0.72f})
+        addQuad(scene, metal(0.4f), {x, 0.2f, 0.8f}, {0, 0, 0.1f}, {0.1f, 0, 0});
+    World world(scene);
+    const uint32_t triangle = scene.surfaces[first].firstTriangle;
+    ASSERT_EQ(world.baked.atlas.triangleChart[triangle], world.baked.atlas.triangleChart[triangle + 2]);
+
+    const auto reflected = [&](float radiusMeters) {
+        PhatGatherSettings settings;
+        settings.component = Component::glossyIndirect;
+        settings.radiusMeters = radiusMeters;
+        const Integrator gather = world.gather(settings);
+        PixelSample sample{Rng(1)};
+        return gather(rayToward({0.65f, 0.2f, 0.85f}), sample);
+    };
+    const glm::vec3 before[] = {reflected(0), reflected(0.2f)};
+    EXPECT_GT(luminance(before[0]), 0.0f);
+    for (PhatexelLayer& layer : world.baked.phatexture.indirect)
+        for (size_t i = 0; i < layer.texels.size(); ++i)
+            if (world.baked.points.valid(i) &&
+                scene.triangleSurface[world.baked.points.triangle[i]] == first + 1)
+                layer.texels[i].radiance = packRgb9e5(glm::vec3(1000));
+    EXPECT_EQ(reflected(0), before[0]);
+    EXPECT_EQ(reflected(0.2f), before[1]);
+}
+
 TEST(PhatGather, ComponentsAddUp) {
     Material floor = metal(0.5f);
     floor.metallic = 0.5f;

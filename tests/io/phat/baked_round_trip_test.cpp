@@ -117,6 +117,40 @@ TEST_F(BakedRoundTrip, ReturnsTheBakeBitByBit) {
     EXPECT_FALSE(isBakedFile(source));
 }
 
+// Charts whose pieces are of several surfaces raise the version, whatever the storage.
+TEST_F(BakedRoundTrip, ChartsOfSeveralSurfacesHaveAVersionOfTheirOwn) {
+    const LoadedScene loaded = loadGltf(source);
+    const std::vector<Surface>& surfaces = loaded.scene.surfaces;
+    for (const auto storage : {PhatexelStorage::packed, PhatexelStorage::paper}) {
+        BakeRecord record = test::someRecord();
+        record.storage = storage;
+        Bake bake = test::randomBake(loaded.scene, 1, false, 7);
+        const auto versionAfterWriting = [&] {
+            writeBakedFile(target, source, loaded.scene, bake, record);
+            return openGltf(target).json["extensions"][kPhatExtension]["version"].get<int>();
+        };
+        // As if a chart began with a piece of the mesh's other primitive.
+        constexpr uint32_t kOther = 2;
+        const auto pair =
+            std::find_if(bake.atlas.charts.begin(), bake.atlas.charts.end(), [&](const Chart& c) {
+                return c.surface + kOther < surfaces.size() &&
+                       surfaces[c.surface].node == surfaces[c.surface + kOther].node;
+            });
+        ASSERT_NE(pair, bake.atlas.charts.end());
+        pair->surface += kOther;
+        EXPECT_EQ(versionAfterWriting(), 5);
+        const BakedScene read = readBakedFile(target);
+        EXPECT_EQ(read.record.storage, storage);
+        expectSame(bake.atlas, read.atlas);
+        EXPECT_EQ(read.atlas.triangleSurface, loaded.scene.triangleSurface);
+
+        --pair->surface;
+        ASSERT_NE(surfaces[pair->surface].node, surfaces[pair->surface + 1].node);
+        versionAfterWriting();
+        EXPECT_THROW(readBakedFile(target), FileError);
+    }
+}
+
 // Half angles beside a cell's border (.19 degrees, see PackedPhatexel16), 24 bits (.06), and what keeps the
 // direction clear of the border: a hundredth of a cell, which is at most .25 radians wide.
 constexpr float kPaperRadians = 0.0034f + 0.0011f + 0.0026f;
