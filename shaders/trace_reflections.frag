@@ -20,23 +20,22 @@ layout(location = 1) out uvec4 placeOut;
 
 const float kFar = 1e30;
 
+// Pixels that trace no ray are discarded; the target is cleared.
 void main() {
-    hitOut = uvec4(0u);
-    placeOut = uvec4(0u);
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     int rays = int(texelFetch(guides, pixel, 0).z >> 24);
-    if (ray >= rays) return;
+    if (ray >= rays) discard;
     PixelLobe l = pixelLobe(pixel, lobe);
     uvec4 point = texelFetch(points, pixel, 0);
     vec3 position = uintBitsToFloat(point.xyz);
     vec3 normalGeometric = octahedralToDirection(unpackSnorm2x16(point.w));
     mat3 worldFromLocal = frameFromNormal(l.normal);
     vec3 towardEye = normalize(eyeWorld - position * (1.0 - eyeAtInfinity)), wo = towardEye * worldFromLocal;
-    if (wo.z <= 0.0) return;
+    if (wo.z <= 0.0) discard;
     vec3 h = squareToVisibleNormal(sampleNumbersOf(ray, pixel, rays).xy, wo, l.alpha);
     vec3 wi = reflect(-wo, h);
     vec3 direction = normalize(worldFromLocal * wi);
-    if (wi.z <= 0.0 || dot(direction, normalGeometric) <= 0.0) return;
+    if (wi.z <= 0.0 || dot(direction, normalGeometric) <= 0.0) discard;
     // source: Heitz 2018, section 4: f cos / pdf is F G2 / G1.
     float masking = smithG1(wo.z, l.alpha);
     float weight = schlick(vec3(l.f0), l.f90, dot(wo, h)).x * smithV(wi.z, wo.z, l.alpha) * 4.0 * wi.z * wo.z / masking;

@@ -41,7 +41,14 @@ Json runBench(BenchOptions options) {
     const View view = chooseViews(options.render, baked.loaded.scene).front();
 
     const HeadlessContext context;
-    Renderer renderer({baked.loaded.scene, baked.atlas, baked.points, baked.phatexture}, shaderFolder());
+    const Scene& scene = baked.loaded.scene;
+    std::optional<SceneBvh> built;
+    const bool traces = options.render.reflections != Reflections::lookup && canHaveBvh(scene);
+    if (traces && !baked.bvh) built = buildSceneBvh(scene);
+    const SceneBvh* bvh = !traces ? nullptr : built ? &*built : &*baked.bvh;
+    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, bvh}, shaderFolder());
+    FrameSettings frame = frameOf(options.render, view);
+    frame.tracedByGpu = options.render.reflections;
     Json report{{"program", "phat " PHAT_VERSION},
                 {"gpu", context.gpuName()},
                 {"driver", context.versionName()},
@@ -50,10 +57,10 @@ Json runBench(BenchOptions options) {
                 {"texels", baked.atlas.texelCount()},
                 {"width", view.width},
                 {"height", view.height},
+                {"reflections", nameOf(kReflectionNames, options.render.reflections)},
                 {"quality", nameOf(kQualityNames, options.render.quality)},
                 {"frames", options.frames}};
-    report.update(benchFrames(renderer, frameOf(options.render, view),
-                              {options.frames, baked.atlas.unitMeters}, progress));
+    report.update(benchFrames(renderer, frame, {options.frames, baked.atlas.unitMeters}, progress));
     return report;
 }
 
@@ -75,6 +82,10 @@ void printTable(const Json& report) {
         time("  " + pass, milliseconds);
     time("all passes", report["gpuMilliseconds"]);
     time("by clock", report["frameMilliseconds"]);
+    if (report.contains("raysPerPixel")) {
+        line("rays", fmt::format("{:9.2f} a pixel", report["raysPerPixel"].get<double>()));
+        line("", fmt::format("{:9.1f} million a second", 1e-6 * report["raysPerSecond"].get<double>()));
+    }
     if (!report.contains("reads")) return;
     for (const auto& [source, reads] : report["reads"].items())
         line("reads", fmt::format("{:9.1f} a pixel, at most {:.0f}, of {} light", reads["mean"].get<double>(),
@@ -96,11 +107,14 @@ void addBenchCommand(CLI::App& app) {
         ->check(CLI::Range(1, kMaxFrames))
         ->capture_default_str();
     declare.choice("--quality", kQualityNames, options->render.quality, "fast, default or high");
+    declare.choice("--reflections", kReflectionNames, options->render.reflections,
+                   "auto traces rays for what PHATexels are too coarse for; rays for all; lookup for none");
     declare.flag("--table", options->table, "Print a table instead of JSON");
     declare.flag("--quiet", options->render.quiet, "No progress");
     command->footer(
-        "The view moves to and fro; each frame is of one sample a pixel, reflections looked up. Times are\n"
-        "medians by the GPU's clock, in milliseconds.\n"
+        "The view moves to and fro; each frame is of one sample a pixel. Times are medians by the GPU's "
+        "clock,\n"
+        "in milliseconds. raysPerSecond: reflection rays over the time of all passes that rays need.\n"
         "Example: phat bench --table");
     command->callback([=] {
         if (*size) {

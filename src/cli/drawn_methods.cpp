@@ -78,6 +78,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
         reports.push_back(
             drawnReport(options, view, renderer.lastFrameTimes(), cost, context.rendererName()));
         json& report = reports.back();
+        if (bvh) report["reflectionRays"] = renderer.lastFrameRays();
         reportExposure(options, exposure, report);
         reportNotes(file, report);
         if (renderer.bytesPerPhatexel() > 0) report["bytesPerPhatexel"] = renderer.bytesPerPhatexel();

@@ -44,6 +44,7 @@ double milliseconds(const std::vector<double>& seconds) {
 struct Measured {
     std::vector<FrameTimes> gpu;
     std::vector<double> clock;  // seconds
+    std::vector<double> rays;
 };
 
 Measured measure(Renderer& renderer, FrameSettings frame, const BenchSettings& settings, Progress& progress) {
@@ -54,6 +55,7 @@ Measured measure(Renderer& renderer, FrameSettings frame, const BenchSettings& s
     for (int i = -kWarmUpFrames; i < settings.frames; ++i) {
         progress.throwIfStopped();
         frame.camera = moved(first, periodsAt(i, settings.frames), settings.unitMeters);
+        ++frame.seed;
         const Stopwatch start;
         renderer.draw(frame, sum);
         const FrameTimes times = renderer.lastFrameTimes();  // waits for the GPU
@@ -61,6 +63,7 @@ Measured measure(Renderer& renderer, FrameSettings frame, const BenchSettings& s
         if (i < 0) continue;
         measured.clock.push_back(start.seconds());
         measured.gpu.push_back(times);
+        measured.rays.push_back(double(renderer.lastFrameRays()));
     }
     return measured;
 }
@@ -91,6 +94,7 @@ Json countedReads(Renderer& renderer, FrameSettings frame, float unitMeters) {
 
 Json benchFrames(Renderer& renderer, FrameSettings frame, const BenchSettings& settings, Progress& progress) {
     frame.samplesPerPixel = 1;
+    frame.followsLast = true;
     const Measured measured = measure(renderer, frame, settings, progress);
     std::vector<double> gpu;
     for (const FrameTimes& times : measured.gpu) gpu.push_back(times.gpu());
@@ -98,6 +102,13 @@ Json benchFrames(Renderer& renderer, FrameSettings frame, const BenchSettings& s
                 {"passMilliseconds", passesOf(measured.gpu)},
                 {"gpuMilliseconds", milliseconds(gpu)},
                 {"frameMilliseconds", milliseconds(measured.clock)}};
+    if (frame.tracedByGpu != Reflections::lookup) {
+        const double rays = medianOf(measured.rays);
+        std::vector<double> seconds;
+        for (const FrameTimes& times : measured.gpu) seconds.push_back(times.rays);
+        report["raysPerPixel"] = std::round(100 * rays / double(frame.width) / double(frame.height)) / 100;
+        report["raysPerSecond"] = std::round(rays / std::max(medianOf(seconds), 1e-9));
+    }
     if (renderer.bytesPerPhatexel() > 0) report["reads"] = countedReads(renderer, frame, settings.unitMeters);
     return report;
 }

@@ -69,6 +69,7 @@ RayFrame rayFrameOf(const DisplayInput& input, const CameraMatrices& camera, con
             settings.seed + sample.view.frame,
             settings.rays,
             *input.rayHistory,
+            *input.rayCounter,
             settings.followsLast};
 }
 

@@ -164,7 +164,12 @@ void traceLobe(const RayPass& pass, const RayTargets& targets, const RayFrame& f
     for (int ray = 0; ray < frame.budget.maxPerPixel; ++ray) {
         bindTrace(pass, targets, frame, lobe);
         pass.trace.program.set("ray", ray);
+        glBindFramebuffer(GL_FRAMEBUFFER, targets.raysTarget.name());
+        const GLuint noRay[4] = {0, 0, 0, 0};
+        glClearBufferuiv(GL_COLOR, 0, noRay);
+        frame.counter.begin();
         pass.trace.draw(targets.raysTarget, size);
+        frame.counter.end();
         bindShade(pass, targets, frame);
         pass.shade.program.set("ray", ray);
         glEnable(GL_BLEND);

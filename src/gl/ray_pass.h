@@ -8,6 +8,7 @@
 #include "gl/bvh_upload.h"
 #include "gl/hit_tables.h"
 #include "gl/lookup_pass.h"
+#include "gl/ray_counter.h"
 #include "gl/relight_pass.h"
 #include "gl/renderer.h"
 #include "gl/shadow_maps.h"
@@ -74,6 +75,7 @@ struct RayFrame {
     uint32_t seed = 0;
     RayBudget budget;
     RayHistory& history;
+    RayCounter& counter;
     bool follows = false;  // whether the last frame's rays count
 };
 

@@ -123,6 +123,10 @@ FrameTimes Renderer::lastFrameTimes() const {
     return times;
 }
 
+uint64_t Renderer::lastFrameRays() const {
+    return state_->rayCounter.rays();
+}
+
 double Renderer::bytesPerPhatexel() const {
     return state_->bytesPerPhatexel;
 }

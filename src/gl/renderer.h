@@ -209,6 +209,9 @@ class Renderer {
     void restartTimes();
     /// Waits for the GPU.
     FrameTimes lastFrameTimes() const;
+    /// Reflection rays that the GPU traced for the same samples; those toward emitters do not count. Waits
+    /// for the GPU.
+    uint64_t lastFrameRays() const;
     /// On the GPU, for one PHATexel of the indirect light: itself, and all that the lookup reads beside it. 0
     /// where nothing can be looked up.
     double bytesPerPhatexel() const;

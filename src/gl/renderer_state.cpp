@@ -50,7 +50,10 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
 
     // A query needs a complete framebuffer; a context without a window has none of its own.
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
-    if (std::exchange(clockRestarts, false)) clock.restart();
+    if (std::exchange(clockRestarts, false)) {
+        clock.restart();
+        rayCounter.restart();
+    }
     glDisable(GL_BLEND);
     if (!shadows.depth) {
         shadows = renderShadowMaps(lights, scene, {materials, glass}, commons.shadows);
@@ -74,6 +77,7 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
              rayTracingPass,
              rays ? &currentRayScene() : nullptr,
              rays ? &rayHistory : nullptr,
+             rays ? &rayCounter : nullptr,
              texelsShown ? &inspecting() : nullptr,
              clock,
              environmentTurn}};

@@ -78,6 +78,7 @@ struct Renderer::State {
     std::optional<GpuRayScene> rayScene;
     std::optional<RayPass> rayPass;
     RayHistory rayHistory;
+    RayCounter rayCounter;
     std::optional<CommonPass> common;
     std::optional<DisplayPass> display, displayPaper, countingDisplay;
     std::optional<ShaderProgram> inspectProgram;

@@ -38,8 +38,9 @@ struct DisplayInput {
     const LookupPass* lookupPass;
     const ReflectionPass* reflectionPass;
     const RayPass* rayPass;
-    const GpuRayScene* rayScene;  // this and the next as `rayPass`
+    const GpuRayScene* rayScene;  // this and the next two as `rayPass`
     RayHistory* rayHistory;
+    RayCounter* rayCounter;
     const ShaderProgram* inspectProgram;  // inspect.frag, drawn instead of the light
     PassClock& clock;
     float environmentTurn = 0;  // see background.frag

@@ -54,15 +54,22 @@ TEST(Bench, MeasuresTheRenderersPassesOfABakedFile) {
         EXPECT_EQ(report["quality"], quality);
         EXPECT_EQ(report["scene"], "small.phat.glb");
         for (const char* name : {"gpu", "driver"}) EXPECT_FALSE(report[name].get<std::string>().empty());
+        EXPECT_GT(report["passMilliseconds"].value("rays", 0.0), 0);
+        EXPECT_GT(report["raysPerPixel"].get<double>(), 0.1);
+        EXPECT_LT(report["raysPerPixel"].get<double>(), 8);
         lookups.push_back(report["reads"]["indirect"]["mean"]);
         EXPECT_GT(report["reads"]["area"]["mean"], 0);
     }
     // 2 samples a pixel and 32.
     EXPECT_GT(lookups[1], 4 * lookups[0]);
+    const ProgramResult lookedUp =
+        runPhat({"bench", baked, "--size", "64x36", "--frames", "1", "--reflections", "lookup", "--quiet"});
+    EXPECT_FALSE(json::parse(lookedUp.out)["passMilliseconds"].contains("rays")) << lookedUp.err;
+    EXPECT_FALSE(json::parse(lookedUp.out).contains("raysPerPixel"));
     const ProgramResult table =
         runPhat({"bench", baked, "--size", "64x36", "--frames", "1", "--table", "--quiet"});
-    for (const char* words :
-         {"GPU", "  lookup", "all passes", " ms\n", "64 x 36, quality default", "of area light"})
+    for (const char* words : {"GPU", "  lookup", "all passes", " ms\n", "64 x 36, quality default",
+                              "of area light", "million a second"})
         EXPECT_NE(table.out.find(words), std::string::npos) << words << '\n' << table.out;
     EXPECT_EQ(table.err, "");
 }

@@ -269,6 +269,18 @@ TEST(GpuRays, FramesBeforeTakeNoiseAway) {
     EXPECT_LT(together, 0.6 * alone);
 }
 
+// Mirrors trace one ray a pixel, and pixels that show no lobe none.
+TEST(GpuRays, AreCounted) {
+    GpuWorld gpu(floorAndCeiling(metal(0), lambert(0.5f)));
+    gpu.frame.samplesPerPixel = 3;
+    Renderer renderer(gpu.input(), kShaderFolder);
+    renderer.render(gpu.frame);
+    EXPECT_EQ(renderer.lastFrameRays(), 3u * 32 * 24);
+    gpu.frame.tracedByGpu = Reflections::lookup;
+    renderer.render(gpu.frame);
+    EXPECT_EQ(renderer.lastFrameRays(), 0u);
+}
+
 // Files of programs that knew no trees, and scenes too large for them.
 TEST(GpuRays, WithoutTreesReflectionsAreLookedUp) {
     GpuWorld gpu(floorAndCeiling(metal(0), emitter(glm::vec3(5))));
