@@ -57,7 +57,7 @@ struct Inspection {
 
 /// How many reflection rays the GPU traces for a frame.
 struct RayBudget {
-    float perNeighborhood = 16;  // that count for a pixel's lobe, its neighbours' included
+    float perNeighborhood = 24;  // that count for a pixel's lobe, its neighbours' included
     int maxPerPixel = 8;         // of a lobe's own, at most 32
     int lightSamples = 1;        // of a lobe of a pixel, toward emitters
 };

@@ -91,6 +91,8 @@ bool Pictures::mayTrace(const ViewerState& state, const Side& side) const {
 // At rest where the GPU is one; a moving view with as many rays as its time allows.
 void Pictures::traceOnGpu(const ViewerState& state, const Side& side, bool atRest, FrameSettings& settings) {
     if (!showsReflections(state, side)) return;
+    // The first picture does not wait for the rays' programs, which a software driver compiles when they draw.
+    if (!atRest && state.lastInput == std::chrono::steady_clock::time_point()) return;
     settings.tracedByGpu = Reflections::automatic;
     if (atRest) return;
     settings.rays = kRayLevels[size_t(rayLevel_)];
