@@ -25,10 +25,8 @@ namespace {
 
 // Dear ImGui needs a second and third frame to settle after an event.
 constexpr int kFramesAfterEvent = 3;
-
 // How often a window at rest looks whether its file has changed.
 constexpr double kLookAtFileSeconds = 1;
-
 // `prefix` with the first number of which no file has any of the endings, so that nothing is overwritten.
 template <class... Endings>
 std::string freeName(const char* prefix, const Endings&... endings) {
@@ -148,16 +146,15 @@ void Viewer::tryOpen(const std::string& path) {
 }
 
 void Viewer::useBake() {
-    const BakedScene& baked = state_.document->baked;
     pictures_.takeNewBake();
-    state_.document->forgetUpdatedLight();
+    Document& d = *state_.document;
+    d.forgetUpdatedLight();
     light_.reset();
     state_.renderer.reset();
     moved_.reset();
-    state_.renderer =
-        std::make_unique<Renderer>(RendererInput{state_.document->scene(), baked.atlas, baked.points,
-                                                 baked.phatexture, state_.document->bvh()},
-                                   options_.shaderFolder);
+    state_.renderer = std::make_unique<Renderer>(
+        RendererInput{d.scene(), d.baked.atlas, d.baked.points, d.baked.phatexture, d.bvh()},
+        options_.shaderFolder);
     rendererIsNew_ = true;
     state_.touch();
 }
@@ -197,9 +194,9 @@ void Viewer::applyChanges() {
     if (changes.any) {
         const SceneEdits& edits = document.edits.now();
         if (changes.moved) {
-            state_.renderer->moveScene(document.shown(), document.baked.atlas, document.baked.points,
-                                       document.posed.snapshot()->worldFromRest());
+            const BakedScene& baked = document.baked;
             moved_ = document.posed.snapshot();
+            state_.renderer->moveScene(document.shown(), baked.atlas, baked.points, moved_->worldFromRest());
         }
         state_.renderer->setMaterials(edits.materials);
         state_.renderer->setLights(document.shown().lights);

@@ -13,20 +13,6 @@
 namespace phat::test {
 namespace {
 
-Material metal(float roughness) {
-    Material material;
-    material.roughness = roughness;
-    return material;
-}
-
-/// A floor (surface 0) under a ceiling (surface 1) two metres above.
-Scene floorAndCeiling(const Material& floor, const Material& ceiling, float size = 8) {
-    Scene scene;
-    addFloor(scene, floor, size);
-    addCeiling(scene, ceiling, size, 2);
-    return scene;
-}
-
 /// Traces from the floor's middle, seen from an eye that looks down at 45 degrees.
 struct FloorProbe : WorldOfRays {
     using WorldOfRays::WorldOfRays;
@@ -59,7 +45,7 @@ struct FloorProbe : WorldOfRays {
 };
 
 TEST(TracedReflections, MirrorShowsAlbedoTimesIrradiance) {
-    RendererWorld world = worldOfQuads(floorAndCeiling(metal(0), lambert(0.5f)), 4);
+    RendererWorld world = worldOfQuads(floorAndCeiling(whiteMetal(0), lambert(0.5f)), 4);
     setIrradiance(world, 1, 3);
     const LobeIncident incident = FloorProbe(world).mean(0, 4);
     EXPECT_NEAR(incident.indirect.x, 0.5f * 3 / kPi, 2e-3f);  // RGB9E5 rounds by up to 2^-9
@@ -67,7 +53,7 @@ TEST(TracedReflections, MirrorShowsAlbedoTimesIrradiance) {
 }
 
 TEST(TracedReflections, EmissionCountsOnceAndAsAreaLight) {
-    const RendererWorld world = worldOfQuads(floorAndCeiling(metal(0), emitter(glm::vec3(7)), 400), 4);
+    const RendererWorld world = worldOfQuads(floorAndCeiling(whiteMetal(0), emitter(glm::vec3(7)), 400), 4);
     const FloorProbe probe(world);
     for (float roughness : {0.0f, 0.1f, 0.18f}) {
         const LobeIncident incident = probe.mean(roughness, 4096);
@@ -81,7 +67,7 @@ TEST(TracedReflections, EmissionCountsOnceAndAsAreaLight) {
 TEST(TracedReflections, SmallLampBringsItsShareOfTheLobe) {
     constexpr float kSide = 0.04f, kRoughness = 0.18f;
     Scene scene;
-    addFloor(scene, metal(0), 8);
+    addFloor(scene, whiteMetal(0), 8);
     addCeiling(scene, emitter(glm::vec3(1000)), kSide, 2);
     const glm::vec3 shift(0.2f, 0, -2);  // where the mirror image lies
     for (uint32_t i = scene.surfaces[1].firstVertex; i < scene.positions.size(); ++i)
@@ -109,7 +95,7 @@ TEST(TracedReflections, SmallLampBringsItsShareOfTheLobe) {
 }
 
 TEST(TracedReflections, MirrorInAMirrorIsNotBlack) {
-    Scene scene = floorAndCeiling(metal(0), metal(0));
+    Scene scene = floorAndCeiling(whiteMetal(0), whiteMetal(0));
     addQuad(scene, lambert(0.5f), {-4, 0, -4}, {8, 0, 0}, {0, 8, 0});  // behind, up beside both
     RendererWorld world = worldOfQuads(std::move(scene), 4);
     setIrradiance(world, 2, 3);
@@ -119,7 +105,7 @@ TEST(TracedReflections, MirrorInAMirrorIsNotBlack) {
 }
 
 TEST(TracedReflections, ThreadsDoNotChangeThem) {
-    RendererWorld world = worldOfQuads(floorAndCeiling(metal(0), metal(0.3f)), 4);
+    RendererWorld world = worldOfQuads(floorAndCeiling(whiteMetal(0), whiteMetal(0.3f)), 4);
     setIrradiance(world, 0, 1);
     const FloorProbe probe(world);
     const auto with = [&](size_t threads) {
@@ -136,7 +122,7 @@ TEST(TracedReflections, ThreadsDoNotChangeThem) {
 // The picture of a ceiling on a floor with so many texels a metre.
 uint64_t raysFor(float roughness, float height, float texelsPerMeter) {
     Scene scene;
-    addFloor(scene, metal(roughness), 4);
+    addFloor(scene, whiteMetal(roughness), 4);
     addCeiling(scene, lambert(0.5f), 4, height);
     RendererWorld world = worldOfQuads(std::move(scene), texelsPerMeter);
     fillWithLookups(world, 2, 0);
@@ -174,7 +160,7 @@ struct MirrorUnderPanel {
     }
     TracedReflections traced(Reflections reflections) { return {traceable->scene, reflections, silent}; }
 
-    RendererWorld world = worldOfQuads(floorAndCeiling(metal(0.05f), emitter(glm::vec3(5))), 4);
+    RendererWorld world = worldOfQuads(floorAndCeiling(whiteMetal(0.05f), emitter(glm::vec3(5))), 4);
     FrameSettings settings;
     std::optional<WorldOfRays> traceable;
     SilentProgress silent;
@@ -228,10 +214,7 @@ TEST(TracedReflections, AnUnfinishedSampleLeavesNothing) {
 // brighter, and the border lies where geometry says, to the pixel.
 TEST(TracedReflections, AgreeWithTheRasterisersGeometry) {
     const HeadlessContext context;
-    Scene scene;
-    addFloor(scene, metal(0), 8);
-    addQuad(scene, emitter(glm::vec3(1)), {-4, 2, -4}, {4, 0, 0}, {0, 0, 8});
-    addQuad(scene, emitter(glm::vec3(9)), {0, 2, -4}, {4, 0, 0}, {0, 0, 8});
+    Scene scene = mirrorUnderTwoPanels();
     RendererWorld world = worldOfQuads(std::move(scene), 4);
     fillWithLookups(world, 3, 2);
     const WorldOfRays traceable(world);
@@ -245,27 +228,7 @@ TEST(TracedReflections, AgreeWithTheRasterisersGeometry) {
     settings.samplesPerPixel = 1;
     PictureSum sum;
     drawFrame(renderer, settings, &traced, sum);
-    const Image image = readMean(sum);
-    const glm::vec3 eye(settings.camera.worldFromCamera[3]);
-    int dark = 0, bright = 0, wrong = 0;
-    for (int y = 0; y < image.height; ++y) {
-        for (int x = 0; x < image.width; ++x) {
-            const glm::vec3 d = pixelDirection(settings.camera, x, y, image.width, image.height);
-            if (d.y > -0.1f) continue;
-            const glm::vec3 floor = eye - eye.y / d.y * d;
-            const glm::vec3 seen = floor + 2 / -d.y * glm::vec3(d.x, -d.y, d.z);
-            if (glm::any(glm::greaterThan(glm::abs(glm::vec2(floor.x, floor.z)), glm::vec2(3.9f))) ||
-                glm::any(glm::greaterThan(glm::abs(glm::vec2(seen.x, seen.z)), glm::vec2(3.9f))) ||
-                std::abs(seen.x) < 0.05f)
-                continue;
-            wrong += std::abs(image.at(x, y).x - (seen.x < 0 ? 1 : 9)) > 0.1f;
-            ++(seen.x < 0 ? dark : bright);
-        }
-    }
-    EXPECT_GT(dark, 200);
-    EXPECT_GT(bright, 200);
-    // GGX has long tails: of a mirror's rays (alpha .001) one in a thousand leaves by more than 3 degrees.
-    EXPECT_LT(wrong, 0.01 * (dark + bright));
+    expectMirroredBorder(readMean(sum), settings.camera);
 }
 
 }  // namespace

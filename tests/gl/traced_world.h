@@ -7,6 +7,17 @@
 
 namespace phat::test {
 
+/// That reflects all light.
+Material whiteMetal(float roughness);
+
+/// A floor (surface 0) under a ceiling (surface 1) two metres above.
+Scene floorAndCeiling(const Material& floor, const Material& ceiling, float size = 8);
+
+/// A mirror under two panels of radiance 1 (x < 0) and 9.
+Scene mirrorUnderTwoPanels();
+/// Of its picture: the border between the panels is mirrored where geometry says, to the pixel.
+void expectMirroredBorder(const Image& image, const Camera& camera);
+
 /// Of all texels of a surface's chart.
 void setIrradiance(RendererWorld& world, uint32_t surface, float wattsPerSquareMeter);
 
