@@ -2,14 +2,12 @@
 // twin: src/gl/hit_images.cpp.
 import { ShaderProgram, createFramebuffer, createTexture2D } from './gl.js';
 import { resetState } from './fixed.js';
+import { kMeansSide, kNoLayer } from './hit_materials.js';
 import { emissionMap, metallicRoughnessMap } from './material.js';
 import { webglTexture } from './three_internals.js';
 
-export const kNoLayer = 255; // twin: shaders/lib/hit_surface.glsl
 const kMaxSide = 1024,
     kMaxBytes = 32 << 20; // of each array
-// Of the grid of means that stands for a picture where one number or a few are taken of it.
-export const kMeansSide = 64;
 // Texels along an axis that are read for a mean: enough for all of a picture that is shrunk by this.
 const kMostTexels = 16;
 

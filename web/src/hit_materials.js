@@ -2,8 +2,10 @@
 // twin: addMaterial in src/gl/hit_tables.cpp, shaders/lib/hit_surface.glsl.
 import { ClampToEdgeWrapping, DataUtils, DoubleSide, MirroredRepeatWrapping } from 'three';
 import { emissionMap, emissionOf, isGlass, isUnlit, metallicRoughnessMap } from './material.js';
-import { kNoLayer } from './hit_images.js';
 
+export const kNoLayer = 255; // twin: shaders/lib/hit_surface.glsl
+// Side of the grid of means that stands for a picture where one number or a few are taken of it (HitImages.meansOf).
+export const kMeansSide = 64;
 export const kMaterialWords = 16;
 const kUnlit = 1,
     kDoubleSided = 2,

@@ -3,8 +3,7 @@
 import { DoubleSide } from 'three';
 import { kChartsOffset, kVertexWords } from './surfaces.js';
 import { emissionMap, emissionOf, isUnlit } from './material.js';
-import { half, kMaterialWords, matrixOf, packHitMaterial, placedMap } from './hit_materials.js';
-import { kMeansSide } from './hit_images.js';
+import { half, kMaterialWords, kMeansSide, matrixOf, packHitMaterial, placedMap } from './hit_materials.js';
 
 const kTriangleWords = 24,
     kEmitterWords = 16;
