@@ -12,11 +12,34 @@ uniform usampler2D hits;  // see lib/packed_rays.glsl
 uniform usampler2D places;
 uniform vec3 brightest;   // radiance that nothing exceeds
 uniform float raySpread;  // radians that a ray of a mirror stands for
+uniform bool hasGlass;    // whether any material is glass
 
 layout(location = 0) out vec4 indirectOut;  // times the ray's weight
 
 // twin: shade_reflections.frag.
 const float kSpreadPerAlpha = 0.25;
+
+// Panes that light passes on its way.
+const int kMostPanes = 4;
+
+bool isGlass(int triangle) {
+    uint material = hitTexel(hitFirstTriangle + kHitTriangleTexels * triangle + 2).w;
+    return unpackHalf2x16(hitTexel(kHitMaterialTexels * int(material) + 3).y).x > 0.0;
+}
+
+// As in shadow maps, glass casts no shadow.
+bool isShadowed(vec3 origin, vec3 direction, float meters) {
+    for (int i = 0; i < kMostPanes; ++i) {
+        BvhHit hit = traceBvh(origin, direction, meters, !hasGlass);
+        if (hit.triangle < 0) return false;
+        if (!hasGlass || !isGlass(hit.triangle)) return true;
+        float passed = hit.distance + max(1e-4 * hit.distance, originUnitMeters / 65536.0);
+        origin += passed * direction;
+        meters -= passed;
+        if (meters <= 0.0) return false;
+    }
+    return true;
+}
 
 void main() {
     indirectOut = vec4(0.0);
@@ -35,7 +58,7 @@ void main() {
         PunctualSample from = samplePunctual(light, found.position);
         vec3 reflected = evaluateBrdf(viewed, from.towardLight * worldFromLocal) * from.irradiance;
         if (maxComponent(reflected) <= 0.0) continue;
-        if (!anyHit(origin, from.towardLight, from.distance * (1.0 - 1e-4))) sum += reflected;
+        if (!isShadowed(origin, from.towardLight, from.distance * (1.0 - 1e-4))) sum += reflected;
     }
     sum = min(sum, brightest);
     // A broken vertex must not spread over the picture.

@@ -211,6 +211,7 @@ export class RayPass {
         program.bind('lightTable', kAfterTrees + 1, gl.TEXTURE_2D, scene.lights);
         program.set('shadowMaps', kUnused);
         program.set('lightCount', scene.lightCount);
+        program.set('hasGlass', scene.hasGlass);
         program.set('originUnitMeters', this.unitMeters);
         this.drawTo(this.targets.indirectTarget);
     }

@@ -7,6 +7,7 @@ import { structureOf } from './hit_materials.js';
 import { createOpacity } from './hit_opacity.js';
 import { brightestRadiance, hasColors, hitTable, materialRows } from './hit_tables.js';
 import { lightTable } from './light_table.js';
+import { isGlass } from './material.js';
 import { createTable, kTableWidth } from './tables.js';
 import { uploadTexture } from './three_internals.js';
 
@@ -48,6 +49,7 @@ export class RayScene {
             this.lights = createTable(gl, gl.RGBA32F, rows);
             Object.assign(this, { lightRows: rows, lightCount: count });
         }
+        this.hasGlass = this.materials.some(isGlass);
         this.brightest = brightestRadiance(this.materials, environment?.image.data, count);
     }
 

@@ -1,5 +1,5 @@
 // A room with a mirror for a wall, as a .glb: behind the eye are a pane that a picture cuts out, one that is half
-// transparent, a wall with a picture, a lamp that shines by one, and a light at a point.
+// transparent, one of glass, a wall with a picture, a lamp that shines by one, and a light at a point.
 import { GlbBuilder, png } from './built_room.js';
 
 export function mirrorRoom() {
@@ -55,6 +55,9 @@ export function mirrorRoom() {
     room.add(material([0.1, 0.2, 0.9, 0.5], { ...pane, alphaMode: 'BLEND' }), [
         [[0.2, 0.4, 1.2], [1.2, 0, 0], [0, 1.4, 0]],
     ]);
+    // Between the light and the right wall.
+    const glass = { doubleSided: true, extensions: { KHR_materials_transmission: { transmissionFactor: 1 } } };
+    room.add(material([1, 1, 1], glass, { roughnessFactor: 0 }), [[[1.6, 1.2, 1], [0, 0, 0.95], [0, 1.6, 0]]]);
     const lamp = {
         emissiveFactor: [1, 1, 1],
         emissiveTexture: { index: shining },
