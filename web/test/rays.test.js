@@ -88,7 +88,7 @@ async function compare(t, { file, site }, reflections, noisy = [0, 0, 0, 0]) {
         apart = maeOverMean(lookedUp, expected);
     t.diagnostic(`MAE/mean ${error.toFixed(5)}; of the lookup ${apart.toFixed(5)}`);
     assert.ok(error < 0.01, `MAE/mean ${error}`);
-    assert.ok(error < 0.4 * apart, `${error}, and the lookup is ${apart} apart`);
+    assert.ok(error < 0.1 * apart, `${error}, and the lookup is ${apart} apart`);
     assert.ok(await page.evaluate(() => viewer.light.tracedMilliseconds > 0));
     assert.equal(await page.evaluate(() => viewer.renderer.getContext().getError()), 0);
     assert.deepEqual(page.problems, []);
