@@ -127,10 +127,13 @@ export class BakedLight {
         return this;
     }
 
-    // Begins to read what rays are traced through, once. Where that cannot be read, reflections are looked up.
-    async loadTrees() {
-        if (this.isLoadingTrees) return;
-        this.isLoadingTrees = true;
+    // Reads what rays are traced through, once. Where that cannot be read, reflections are looked up.
+    loadTrees() {
+        this.loadingTrees ??= this.beginTrees();
+        return this.loadingTrees;
+    }
+
+    async beginTrees() {
         try {
             const trees = await this.readTrees();
             if (!this.disposed) this.bake = { ...this.bake, trees };
