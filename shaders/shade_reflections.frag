@@ -4,7 +4,9 @@
 #include "lib/hit_light.glsl"
 #include "lib/hit_surface.glsl"
 #include "lib/packed_rays.glsl"
+#ifndef WITHOUT_PUNCTUAL_LIGHTS
 #include "lib/lights.glsl"
+#endif
 
 uniform usampler2D hits;    // see lib/packed_rays.glsl
 uniform usampler2D places;
@@ -78,13 +80,16 @@ vec3 bakedLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFromLo
     return sum;
 }
 
+// Without them trace_hit_lights.frag adds them.
 vec3 punctualLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFromLocal) {
     vec3 sum = vec3(0.0);
+#ifndef WITHOUT_PUNCTUAL_LIGHTS
     for (int light = 0; light < lightCount; ++light) {
         PunctualSample from = samplePunctual(light, position);
         vec3 reflected = evaluateBrdf(viewed, from.towardLight * worldFromLocal) * from.irradiance;
         if (maxComponent(reflected) > 0.0) sum += reflected * hardShadow(light, position, s.normal);
     }
+#endif
     return sum;
 }
 

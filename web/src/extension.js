@@ -20,6 +20,7 @@ import { injectLight } from './inject.js';
 import { isBlended } from './material.js';
 import { Rendering } from './rendering.js';
 import { gatherSurfaces, surfaceMeshes, triangleCount } from './surfaces.js';
+import { readTrees } from './trees.js';
 
 // loader.register((parser) => new PhatexturesExtension(parser))
 export class PhatexturesExtension {
@@ -40,6 +41,7 @@ export class PhatexturesExtension {
             atlas,
             surfaces,
             lookup: null,
+            trees: null,
         });
     }
 }
@@ -50,6 +52,9 @@ export class BakedLight {
         this.enabled = true;
         this.quality = 'default';
         this.seed = 0;
+        this.reflections = 'auto';
+        this.reflectionMilliseconds = 10;
+        this.tracedMilliseconds = 0;
         this.wipe = 1;
         this.waitsForPrograms = true;
         this.clock = null; // for measurements: its ended(pass) is called where a pass ends
@@ -78,6 +83,8 @@ export class BakedLight {
         this.materials.forEach(({ undo }) => this.undo.push(undo));
         this.ready = this.load(parser, description);
         this.ready.catch(() => {}); // whoever awaits it is told
+        this.canTrace = Boolean(description.bvh);
+        this.readTrees = () => readTrees(parser, description, bake.surfaces);
         this.environment = null;
     }
 
@@ -119,6 +126,23 @@ export class BakedLight {
             this.onProgress?.();
         }
         return this;
+    }
+
+    // Reads what rays are traced through, once. Where that cannot be read, reflections are looked up.
+    loadTrees() {
+        this.loadingTrees ??= this.beginTrees();
+        return this.loadingTrees;
+    }
+
+    async beginTrees() {
+        try {
+            const trees = await this.readTrees();
+            if (!this.disposed) this.bake = { ...this.bake, trees };
+        } catch (error) {
+            this.canTrace = false;
+            console.warn(error.message);
+        }
+        this.onProgress?.();
     }
 
     // Before a surface is drawn: the light of the picture that it is drawn in.

@@ -10,7 +10,7 @@ async function inflate(bytes) {
     return new Response(stream).arrayBuffer();
 }
 
-function fail(reason) {
+export function fail(reason) {
     throw new Error(`the baked light cannot be read: ${reason}`);
 }
 

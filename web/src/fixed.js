@@ -23,6 +23,13 @@ export function resetState(gl, width, height) {
     gl.viewport(0, 0, width, height);
 }
 
+// As uploads of typed arrays want it; three.js leaves it as its last image wanted it.
+export function prepareUploads(gl) {
+    gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
+    for (const flag of [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL]) gl.pixelStorei(flag, false);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+}
+
 export function whiteTexture(gl) {
     return createTexture2D(gl, gl.RGBA8, 1, 1, new Uint8Array([255, 255, 255, 255]));
 }

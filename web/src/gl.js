@@ -166,6 +166,7 @@ function clientFormat(gl, format) {
     switch (format) {
         case gl.RGBA8:
             return [gl.RGBA, gl.UNSIGNED_BYTE];
+        case gl.RGBA16F:
         case gl.RGBA32F:
             return [gl.RGBA, gl.FLOAT];
         case gl.RGBA32UI:

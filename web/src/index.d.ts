@@ -26,6 +26,17 @@ export class BakedLight {
     enabled: boolean;
     /** Directions sampled a pixel: 2, 8 or 32. */
     quality: 'fast' | 'default' | 'high';
+    /**
+     * How reflections are found. `'lookup'`: among the samples of the bake, which are blurred where a surface is sharper than
+     * they are dense. `'rays'`: all by rays, whose hits are shaded by the bake, in whatever time it takes. `'auto'`, the
+     * default: by rays where they are sharp, and as many as fit into `reflectionMilliseconds`, none on slow devices; the file
+     * must have trees for rays, which `phat bake` writes.
+     */
+    reflections: 'auto' | 'lookup' | 'rays';
+    /** GPU time that rays of a picture may take with `'auto'`. Default: 10; Infinity: as many as there are. */
+    reflectionMilliseconds: number;
+    /** About how long the rays of the last picture took; 0 where its reflections were looked up. */
+    readonly tracedMilliseconds: number;
     /** Chooses among the noise patterns; give each picture another one where pictures are averaged. */
     seed: number;
     /** Left of this fraction of the picture all light is drawn, to the right only direct light. 1: all. */

@@ -8,7 +8,7 @@ const kFactorRows = 7;
 // channels of metallicRoughness apart; glTF does not.
 export const kSlots = [
     ['baseColorTexture', (m) => m.map],
-    ['metallicRoughnessTexture', (m) => m.roughnessMap ?? m.metalnessMap],
+    ['metallicRoughnessTexture', metallicRoughnessMap],
     ['normalTexture', (m) => m.normalMap],
     ['emissionTexture', () => null], // three.js adds what shines
     ['specularTexture', (m) => m.specularIntensityMap],
@@ -23,6 +23,25 @@ export const kOpaqueSlots = 9;
 
 export function hasClearcoat(material) {
     return material.clearcoat > 0;
+}
+
+export function metallicRoughnessMap(m) {
+    return m.roughnessMap ?? m.metalnessMap ?? null;
+}
+
+// Materials without shading shine by their base colour.
+export function isUnlit(m) {
+    return !m.isMeshStandardMaterial;
+}
+
+// What shines, without its picture: linear RGB.
+export function emissionOf(m) {
+    if (isUnlit(m)) return m.color?.toArray() ?? [1, 1, 1];
+    return m.emissive.toArray().map((x) => m.emissiveIntensity * x);
+}
+
+export function emissionMap(m) {
+    return (isUnlit(m) ? m.map : m.emissiveMap) ?? null;
 }
 
 // twin: isGlass in src/core/scene/transparency.h
@@ -54,7 +73,7 @@ export function packMaterial(m, rows = new Float32Array(4 * kMaterialRows)) {
             m.clearcoat ?? 0,
             m.clearcoatRoughness ?? 0,
             m.clearcoatNormalScale?.x ?? 1,
-            m.isMeshStandardMaterial ? 0 : 1,
+            isUnlit(m) ? 1 : 0,
         ],
         16,
     );

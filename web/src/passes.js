@@ -6,25 +6,15 @@
 import { createTextureArray } from './gl.js';
 import { Programs, kPreview, kWhole } from './programs.js';
 import { sampleNumberTables } from './sample_numbers.js';
-import { drawSplitSum, resetState, whiteTexture } from './fixed.js';
-import {
-    alphaMode,
-    hasClearcoat,
-    isBlended,
-    kMaterialRows,
-    kOpaque,
-    kOpaqueSlots,
-    kSlots,
-    packMaterial,
-} from './material.js';
+import { drawSplitSum, prepareUploads, resetState, whiteTexture } from './fixed.js';
+import { hasClearcoat, isBlended, kOpaqueSlots, kSlots } from './material.js';
+import { Rays } from './rays.js';
+import { SurfaceDrawing } from './surface_drawing.js';
 import { createVertices } from './vertices.js';
 import { createTargets, disposeTargets } from './targets.js';
-import { requireRevision, uploadTexture, webglTexture } from './three_internals.js';
+import { requireRevision } from './three_internals.js';
 import { uploadAtlas, uploadProbes, uploadScrambles, uploadInverseCdfs } from './tables.js';
 
-// Of the 16 units that every device has the display pass needs none for punctual lights, which are three.js's own.
-const kFirstMaterialUnit = 7,
-    kTransmissionUnit = 5;
 const kFloatOne = 0x3f800000; // bits
 // Views whose pictures are kept: a page's own and a second one, as long as both are drawn.
 const kKeptSizes = 2,
@@ -35,6 +25,8 @@ const kSampling = {
     default: { sampleCount: 8, lightBits: 4 },
     high: { sampleCount: 32, lightBits: 4 },
 };
+// What a lookup costs, over one of 'fast'.
+export const kRelativeCost = { fast: 1, default: 3, high: 8 };
 
 export class Passes {
     // `bake`: { surfaces, atlas }, see BakedLight.
@@ -45,24 +37,17 @@ export class Passes {
         this.lookup = null;
         const gl = (this.gl = renderer.getContext());
         gl.getExtension('EXT_color_buffer_float');
-        this.prepareUploads();
+        prepareUploads(gl);
         this.vertices = createVertices(gl, bake.surfaces);
         this.noVertices = gl.createVertexArray();
         this.white = whiteTexture(gl);
         this.atlas = uploadAtlas(gl, bake.atlas);
         this.targets = [];
         this.frameCount = 0;
-        this.rows = new Float32Array(4 * kMaterialRows);
+        this.drawing = new SurfaceDrawing(gl, renderer, bake.surfaces, this.white);
+        this.rays = new Rays(gl, renderer, this.noVertices);
         this.createPrograms(bake.surfaces.drawRanges.some(({ mesh }) => hasClearcoat(mesh.material)));
         this.splitSum = drawSplitSum(gl);
-    }
-
-    prepareUploads() {
-        const { gl } = this;
-        gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
-        for (const flag of [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL])
-            gl.pixelStorei(flag, false);
-        gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     }
 
     // What is loaded of it by now, or null. Leaves WebGL's state to the caller, as `draw` does.
@@ -72,7 +57,7 @@ export class Passes {
             { atlas } = this.bake;
         this.lookup = lookup;
         this.freeLookup();
-        this.prepareUploads();
+        prepareUploads(gl);
         this.inverseCdfs = uploadInverseCdfs(gl, lookup.guides);
         this.probes = uploadProbes(gl, lookup.distances, atlas.width / 8, atlas.height / 8);
         this.phatexels = createTextureArray(
@@ -85,6 +70,7 @@ export class Passes {
         this.scrambles =
             lookup.layers.length > 1 ? uploadScrambles(gl, lookup.layers, atlas.blockCount) : null;
         this.programs.setScrambles(Boolean(this.scrambles));
+        this.rays.dropPrograms();
     }
 
     freeLookup() {
@@ -96,19 +82,25 @@ export class Passes {
         const area = Boolean(this.bake.atlas.areaIrradiance);
         this.clearcoat = clearcoat;
         this.layers = (clearcoat ? 2 : 1) * (area ? 2 : 1);
+        this.rays.dropPrograms();
         this.programs = new Programs(this.gl, { clearcoat, area });
         this.programs.setScrambles(Boolean(this.scrambles));
     }
 
     // Pictures of a view's size. Views of two sizes may be drawn in turn; what is not used any more is freed.
     targetsFor({ width, height }) {
-        const { gl } = this,
+        const { gl, layers } = this,
             hasBlended = this.hasBlended(),
-            fits = (t) => t.width === width && t.height === height && Boolean(t.blended) === hasBlended;
-        const lobeCount = this.clearcoat ? 2 : 1,
-            { layers } = this;
+            traces = this.rays.level > 0,
+            lobeCount = this.clearcoat ? 2 : 1;
+        const fits = (t) =>
+            t.width === width &&
+            t.height === height &&
+            Boolean(t.blended) === hasBlended &&
+            (!traces || Boolean(t.rays));
         const targets =
-            this.targets.find(fits) ?? createTargets(gl, { width, height, layers, lobeCount, hasBlended });
+            this.targets.find(fits) ??
+            createTargets(gl, { width, height, layers, lobeCount, hasBlended, traces });
         targets.lastUse = ++this.frameCount;
         const all = [targets, ...this.targets.filter((t) => t !== targets)];
         const isKept = (t, i) => i < kKeptSizes && this.frameCount - t.lastUse < kKeptFrames;
@@ -126,45 +118,6 @@ export class Passes {
         return this.bake.surfaces.drawRanges.some(({ mesh }) => isBlended(mesh.material));
     }
 
-    // `slotCount`: how many of the slots the program reads; 0: nothing of the material.
-    bindMaterial(program, material, slotCount) {
-        const { gl, renderer } = this;
-        packMaterial(material, this.rows);
-        // Blending itself is three.js's.
-        program.set('alphaMode', isBlended(material) ? kOpaque : alphaMode(material));
-        kSlots.slice(0, slotCount).forEach(([sampler, textureOf], i) => {
-            const texture = textureOf(material);
-            const uploaded = texture && webglTexture(renderer, texture);
-            const unit = i < kOpaqueSlots ? kFirstMaterialUnit + i : kTransmissionUnit;
-            program.bind(sampler, unit, gl.TEXTURE_2D, uploaded ?? this.white);
-        });
-        program.set('material', this.rows);
-    }
-
-    uploadMaps() {
-        for (const { mesh } of this.bake.surfaces.drawRanges) {
-            for (const [, textureOf] of kSlots) {
-                const texture = textureOf(mesh.material);
-                if (texture) uploadTexture(this.renderer, texture);
-            }
-        }
-    }
-
-    drawSurfaces(program, view, slotCount) {
-        const { gl } = this;
-        program.set('clipFromWorld', view.clipFromWorld);
-        program.offer('eyeWorld', view.eye);
-        program.offer('eyeAtInfinity', view.eyeAtInfinity);
-        this.bake.surfaces.drawRanges.forEach(({ mesh, first, count }, i) => {
-            if (isBlended(mesh.material) !== view.blended || !view.isVisible(mesh)) return;
-            if (mesh.material.side === 2) gl.disable(gl.CULL_FACE);
-            else gl.enable(gl.CULL_FACE);
-            program.offer('surfaceIndex', i);
-            if (slotCount > 0) this.bindMaterial(program, mesh.material, slotCount);
-            gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
-        });
-    }
-
     drawDepth(view, target) {
         const { gl } = this;
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.lightTarget);
@@ -176,8 +129,18 @@ export class Passes {
         gl.colorMask(false, false, false, false);
         const { depth: program } = this.programs;
         program.use();
-        this.drawSurfaces(program, view, 1);
+        this.drawing.draw(program, view, 1);
         gl.colorMask(true, true, true, true);
+        gl.depthFunc(gl.EQUAL);
+        gl.depthMask(false);
+    }
+
+    // State of the passes that draw the surfaces after their depth, wherever others have drawn in between.
+    beginSurfaces(view) {
+        const { gl } = this;
+        resetState(gl, view.width, view.height);
+        gl.bindVertexArray(this.vertices.vertexArray);
+        gl.enable(gl.DEPTH_TEST);
         gl.depthFunc(gl.EQUAL);
         gl.depthMask(false);
     }
@@ -188,14 +151,43 @@ export class Passes {
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.lobesTarget);
         gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]); // no surface
         program.use();
-        this.drawSurfaces(program, view, kOpaqueSlots);
+        this.drawing.draw(program, view, kOpaqueSlots);
     }
 
-    lookUp(view, shared, target, quality, seed) {
+    // Glossy light: of PHATexels, and of rays where they are traced.
+    lookUp(view, shared, target, light) {
+        const lookup = this.programs.stage === kWhole ? this.lookup : null,
+            traces = this.tracesIn(view);
+        let pass = null;
+        if (lookup) this.rays.beginLookup(kRelativeCost[light.quality]);
+        if (traces) pass = this.beginRays(view, shared, light);
+        else if (lookup) this.drawLobes(view, target);
+        this.drawLookup(view, shared, target, light);
+        if (lookup) this.rays.endLookup();
+        if (!pass) return;
+        this.rays.trace(pass);
+        this.clock?.ended('rays');
+        this.gl.bindVertexArray(this.vertices.vertexArray);
+        this.gl.enable(this.gl.DEPTH_TEST);
+    }
+
+    // Blended surfaces have what the lookup finds.
+    tracesIn(view) {
+        return this.rays.level > 0 && !view.blended;
+    }
+
+    beginRays(view, shared, light) {
+        const targets = shared.rays,
+            pass = this.rays.passOf(light, { view, shared, targets, passes: this });
+        this.beginSurfaces(view);
+        this.drawing.draw(pass.beginLobes(light.reflections === 'rays'), view, kOpaqueSlots);
+        return pass;
+    }
+
+    drawLookup(view, shared, target, { quality, seed }) {
         const { gl, atlas } = this,
             { lookup: program } = this.programs,
             lookup = this.programs.stage === kWhole ? this.lookup : null;
-        if (lookup) this.drawLobes(view, target);
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.incidentTarget);
         // A lobe without samples shows the mean over the hemisphere (display.frag). Of area lights that would
         // be far too much nearly everywhere: until their PHATexels are there, they are black, with a weight
@@ -224,7 +216,7 @@ export class Passes {
         program.set('ranks', ranks);
         program.set('sampleCount', sampleCount);
         program.set('lightBits', lightBits);
-        this.drawSurfaces(program, view, 0);
+        this.drawing.draw(program, view, 0);
         this.clock?.ended('lookup');
         this.poolSums(shared, target);
         this.clock?.ended('pool');
@@ -245,8 +237,6 @@ export class Passes {
         };
         pool(shared.incident, shared.pooledTarget, [1, 0]);
         pool(shared.pooled, target.incidentTarget, [0, 1]);
-        gl.bindVertexArray(this.vertices.vertexArray);
-        gl.enable(gl.DEPTH_TEST);
     }
 
     // Diffuse light, which all pictures show.
@@ -262,7 +252,7 @@ export class Passes {
     preview(view, target, show) {
         const { preview: program } = this.programs;
         this.beginLight(program, target, show);
-        this.drawSurfaces(program, view, 1);
+        this.drawing.draw(program, view, 1);
     }
 
     display(view, shared, target, show) {
@@ -272,16 +262,16 @@ export class Passes {
         program.bind('incident', 0, gl.TEXTURE_2D_ARRAY, shared.incident);
         program.bind('tileLight', 1, gl.TEXTURE_2D, atlas.tileLight);
         program.bind('splitSumTable', 4, gl.TEXTURE_2D, this.splitSum);
-        program.set('tracedLayer', 0);
-        this.drawSurfaces(program, view, kSlots.length);
+        program.set('tracedLayer', this.tracesIn(view) ? this.layers : 0);
+        this.drawing.draw(program, view, kSlots.length);
     }
 
-    // `view`: { width, height, clipFromWorld, eye, eyeAtInfinity, isVisible(mesh) }; the rest: see
-    // BakedLight. Returns the view's targets. Leaves WebGL's state to the caller.
-    draw(view, { quality, seed, wipe, waitsForPrograms, clock }) {
-        this.clock = clock;
-        clock?.ended('three.js'); // what it did before the first surface
-        this.uploadMaps();
+    // `view`: { width, height, clipFromWorld, worldFromClip, pixelRadians, eye, eyeAtInfinity, isVisible(mesh) }; `light`:
+    // a BakedLight. Returns the view's targets. Leaves WebGL's state to the caller.
+    draw(view, light) {
+        this.clock = light.clock;
+        this.clock?.ended('three.js'); // what it did before the first surface
+        this.drawing.uploadMaps();
         const coatAppears =
             !this.clearcoat && this.bake.surfaces.drawRanges.some(({ mesh }) => hasClearcoat(mesh.material));
         if (coatAppears) {
@@ -289,29 +279,34 @@ export class Passes {
             this.createPrograms(true);
             this.freeTargets();
         }
-        this.programs.choose(Boolean(this.lookup), waitsForPrograms);
+        this.programs.choose(Boolean(this.lookup), light.waitsForPrograms);
+        this.chooseRays(view, light);
         const targets = this.targetsFor(view);
         for (const kind of ['opaque', 'blended'])
             if (targets[kind])
-                this.drawKind(
-                    { ...view, blended: kind === 'blended' },
-                    targets,
-                    targets[kind],
-                    quality,
-                    seed,
-                    wipe,
-                );
+                this.drawKind({ ...view, blended: kind === 'blended' }, targets, targets[kind], light);
         return targets;
     }
 
-    drawKind(view, shared, target, quality, seed, wipe) {
+    chooseRays({ width, height }, light) {
+        const { defines, stage, scrambles } = this.programs;
+        if (stage === kWhole) this.rays.choose(light, width * height, { defines, scrambles });
+        else this.rays.level = 0;
+    }
+
+    // Whether the last picture showed all that is loaded.
+    isWhole() {
+        return this.programs.isWhole() && !this.rays.isAwaited;
+    }
+
+    drawKind(view, shared, target, light) {
         const { gl } = this;
         resetState(gl, view.width, view.height);
         gl.bindVertexArray(this.vertices.vertexArray);
         this.drawDepth(view, target);
         this.clock?.ended('depth');
-        if (this.programs.stage > kPreview) this.lookUp(view, shared, target, quality, seed);
-        const left = Math.round(wipe * view.width);
+        if (this.programs.stage > kPreview) this.lookUp(view, shared, target, light);
+        const left = Math.round(light.wipe * view.width);
         gl.enable(gl.SCISSOR_TEST);
         for (const [x, width, show] of [
             [0, left, [1, 1, 1]],
@@ -331,6 +326,7 @@ export class Passes {
         const { gl } = this;
         this.freeTargets();
         this.programs.dispose();
+        this.rays.dispose();
         this.freeLookup();
         for (const texture of [...Object.values(this.atlas), this.white, this.splitSum])
             gl.deleteTexture(texture);

@@ -18,8 +18,12 @@ function viewOf(root, camera) {
     if (camera.isOrthographicCamera)
         eye.set(0, 0, 1).transformDirection(camera.matrixWorld).transformDirection(rootFromWorld);
     else eye.setFromMatrixPosition(camera.matrixWorld).applyMatrix4(rootFromWorld);
+    // Of the whole height; 0 where the rays are parallel.
+    const radians = camera.isOrthographicCamera ? 0 : 2 * Math.atan(1 / camera.projectionMatrix.elements[5]);
     return {
         clipFromWorld: clipFromWorld.elements,
+        worldFromClip: clipFromWorld.clone().invert().elements,
+        radians,
         eye: eye.toArray(),
         eyeAtInfinity: camera.isOrthographicCamera ? 1 : 0,
     };
@@ -61,11 +65,13 @@ export class Rendering {
             this.passes ??= this.createPasses(gl, light.bake);
             this.passes.useLookup(light.bake.lookup);
             const isDrawn = (mesh) => light.enabled && isVisible(mesh) && camera.layers.test(mesh.layers);
+            const { radians, ...view } = viewOf(light.root, camera);
             const targets = this.passes.draw(
-                { ...viewOf(light.root, camera), width, height, isVisible: isDrawn },
+                { ...view, pixelRadians: radians / height, width, height, isVisible: isDrawn },
                 light,
             );
-            light.isWhole = this.passes.programs.isWhole();
+            light.isWhole = this.passes.isWhole();
+            light.tracedMilliseconds = this.passes.rays.milliseconds;
             this.drawnFor = { frame, camera, target, shown: { targets, corner: [x, y] } };
         } finally {
             renderer.resetState();

@@ -1,8 +1,9 @@
-// The numbers that the lookup samples directions with.
-// twin: src/core/base/sobol.cpp, setSampleNumbers in src/gl/lookup_pass.cpp.
+// The numbers that the lookup and reflection rays sample directions with.
+// twin: src/core/base/sobol.cpp, src/gl/sample_numbers.cpp.
 
 const kRanks = 16,
-    kMaxSamples = 32; // twin: shaders/lib/lookup.glsl
+    kMaxSamples = 32,
+    kPlaces = 9; // twin: shaders/lib/sample_numbers.glsl
 
 // A primitive polynomial over GF(2) of degree s with inner coefficients a, and the first numbers m.
 function directionNumbers(s, a, m) {
@@ -60,6 +61,13 @@ export function sampleNumberTables(sampleCount, seed) {
             4 * k,
         );
     return { sampleNumbers, ranks };
+}
+
+// Of the sequence's points 1, 2, 4 ..., for pixels that take different numbers of samples.
+export function placeNumbers() {
+    const numbers = new Uint32Array(4 * kPlaces);
+    for (let i = 0; i < kPlaces; ++i) numbers.set(sobolBits(1 << i), 4 * i);
+    return numbers;
 }
 
 // Position of picture `index` of `count` inside the pixel. twin: jitterOf in src/gl/camera_matrices.cpp.

@@ -3,9 +3,17 @@
 import { createTexture2D, createTextureArray } from './gl.js';
 import { kNoChart } from './file.js';
 
-const kTableWidth = 2048; // twin: shaders/lib/table.glsl
+export const kTableWidth = 2048; // twin: shaders/lib/table.glsl
 const kTablesWide = 512; // twin: shaders/lib/lookup_tables.glsl
 const kTableSide = 16;
+
+// Words or floats, four a texel.
+export function createTable(gl, format, values) {
+    const rows = Math.max(1, Math.ceil(values.length / 4 / kTableWidth)),
+        padded = new values.constructor(4 * kTableWidth * rows);
+    padded.set(values);
+    return createTexture2D(gl, format, kTableWidth, rows, padded);
+}
 
 // The guide as it is inverted: each cell's part of the unit square, in 255ths.
 export function inverseCdfOf(weights) {

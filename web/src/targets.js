@@ -1,19 +1,19 @@
 // Pictures between the passes, of the frame's size.
-// twin: LookupTargets in src/gl/lookup_pass.h, FrameTargets in src/gl/display_pass.h.
+// twin: LookupTargets in src/gl/lookup_pass.h, FrameTargets in src/gl/display_pass.h, RayTargets in src/gl/ray_pass.h.
 import { createFramebuffer, createTexture2D, createTextureArray } from './gl.js';
 
 // `layers`: of the sums, see shaders/lib/sums_out.glsl; `lobeCount`: with clear coats 2. Returns { width, height,
 // incident, pooled, pooledTarget, reflectances, baseLobes, coatLobes, opaque, blended }; the last, if requested, like
-// `opaque` { depth, light, lobesTarget, incidentTarget, lightTarget }.
-export function createTargets(gl, { width, height, layers, lobeCount, hasBlended }) {
+// `opaque` { depth, light, lobesTarget, incidentTarget, lightTarget }; and `rays`, if `traces`, see createRayTargets.
+export function createTargets(gl, { width, height, layers, lobeCount, hasBlended, traces }) {
     const texture = (format) => createTexture2D(gl, format, width, height);
-    const array = () => createTextureArray(gl, gl.RGBA32UI, width, height, layers);
+    const array = (count) => createTextureArray(gl, gl.RGBA32UI, width, height, count);
     const target = (sums, depth) => {
         const attachments = Array.from({ length: layers }, (_, layer) => ({ texture: sums, layer }));
         return createFramebuffer(gl, attachments, depth);
     };
-    const incident = array();
-    const pooled = array();
+    const incident = array(layers + (traces ? 2 * lobeCount : 0));
+    const pooled = array(layers);
     const reflectances = texture(gl.RGBA32UI);
     const baseLobes = texture(gl.RGBA32F);
     const coatLobes = lobeCount > 1 ? texture(gl.RGBA32F) : null;
@@ -27,12 +27,45 @@ export function createTargets(gl, { width, height, layers, lobeCount, hasBlended
         const lobesTarget = createFramebuffer(gl, lobes, depth);
         targets[kind] = { depth, light, lobesTarget, incidentTarget: target(incident, depth), lightTarget };
     }
+    if (traces) targets.rays = createRayTargets(gl, texture, { targets, lobes, layers, lobeCount });
     return targets;
 }
 
+// Between the passes of the rays; what they hit is overwritten by their means, when they are shaded.
+function createRayTargets(gl, texture, { targets, lobes, layers, lobeCount }) {
+    const { incident, opaque } = targets,
+        [points, guides, hits, places] = Array.from({ length: 4 }, () => texture(gl.RGBA32UI)),
+        [indirectSums, areaSums] = [0, 1].map(() => texture(gl.RGBA16F));
+    const incidentTargets = Array.from({ length: lobeCount }, (_, lobe) => {
+        const first = layers + 2 * lobe;
+        return createFramebuffer(
+            gl,
+            [first, first + 1].map((layer) => ({ texture: incident, layer })),
+        );
+    });
+    return {
+        points,
+        guides,
+        hits,
+        places,
+        indirectSums,
+        areaSums,
+        lobesTarget: createFramebuffer(gl, [...lobes, points], opaque.depth),
+        guidesTarget: createFramebuffer(gl, [guides]),
+        raysTarget: createFramebuffer(gl, [hits, places]),
+        sumsTarget: createFramebuffer(gl, [indirectSums, areaSums]),
+        indirectTarget: createFramebuffer(gl, [indirectSums]),
+        areaTarget: createFramebuffer(gl, [areaSums]),
+        meansTarget: createFramebuffer(gl, [hits]),
+        pooledTarget: createFramebuffer(gl, [places]),
+        incidentTargets,
+    };
+}
+
 export function disposeTargets(gl, targets) {
-    const { opaque = {}, blended = {}, ...shared } = targets;
-    for (const object of Object.values({ ...shared }).concat(Object.values(opaque), Object.values(blended))) {
+    const { opaque, blended, rays, ...shared } = targets;
+    const all = [shared, opaque, blended, rays, rays?.incidentTargets].flatMap((of) => Object.values(of ?? {}));
+    for (const object of all) {
         if (object instanceof WebGLTexture) gl.deleteTexture(object);
         else if (object instanceof WebGLFramebuffer) gl.deleteFramebuffer(object);
     }

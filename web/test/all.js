@@ -5,5 +5,7 @@ import './package.test.js';
 import './pictures.test.js';
 import './plugin.test.js';
 import './programs.test.js';
+import './ray_tables.test.js';
+import './rays.test.js';
 import './rooms.test.js';
 import './site.test.js';

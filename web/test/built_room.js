@@ -1,8 +1,8 @@
 // A room with two panes, as a .glb: left one that a texture makes opaque on its right half, right a rough one.
 import { deflateSync } from 'node:zlib';
 
-// A picture of pixels [r, g, b] in one row.
-function png(pixels) {
+// A picture of pixels [r, g, b], or [r, g, b, a], in one row.
+export function png(pixels) {
     const crcTable = Array.from({ length: 256 }, (_, n) => {
         for (let k = 0; k < 8; ++k) n = n & 1 ? 0xedb88320 ^ (n >>> 1) : n >>> 1;
         return n >>> 0;
@@ -21,7 +21,7 @@ function png(pixels) {
         const body = Buffer.concat([Buffer.from(type, 'latin1'), data]);
         return Buffer.concat([word(data.length), body, word(crc(body))]);
     };
-    const header = Buffer.concat([word(pixels.length), word(1), Buffer.from([8, 2, 0, 0, 0])]);
+    const header = Buffer.concat([word(pixels.length), word(1), Buffer.from([8, pixels[0].length === 4 ? 6 : 2, 0, 0, 0])]);
     return Buffer.concat([
         Buffer.from('\x89PNG\r\n\x1a\n', 'latin1'),
         chunk('IHDR', header),
@@ -30,7 +30,7 @@ function png(pixels) {
     ]);
 }
 
-class GlbBuilder {
+export class GlbBuilder {
     constructor() {
         this.bytes = [];
         this.length = 0;

@@ -36,10 +36,10 @@ function holdPrograms() {
     };
 }
 
-// Of the last picture that the page drew by itself.
+// Of the last picture that the page drew by itself. Between two frames there may be none, when the view has come to rest.
 const shownBy = async (page) => {
-    const values = await page.evaluate(() => [...viewer.picture.read()]);
-    return Float32Array.from(values);
+    const values = await page.waitForFunction(() => viewer.picture.samples > 0 && [...viewer.picture.read()]);
+    return Float32Array.from(await values.jsonValue());
 };
 
 test('the first picture is there before the lookup is compiled, and the last one is the same', async () => {

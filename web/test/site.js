@@ -41,17 +41,19 @@ export async function loaded(page) {
     return page;
 }
 
-// Mean linear radiance of `count` pictures. Fast, because SwiftShader is slow.
-export async function pixelsOf(page, count = 1, quality = 'fast') {
+// Mean linear radiance of `count` pictures. Fast, because SwiftShader is slow. Whether the device would be fast enough for
+// rays is not left to chance.
+export async function pixelsOf(page, count = 1, quality = 'fast', reflections = 'lookup') {
     const bytes = await page.evaluate(
-        ([n, q]) => {
+        ([n, q, r]) => {
+            if (viewer.light) viewer.light.reflections = r;
             const data = new Uint8Array(viewer.render(n, q).buffer);
             let text = '';
             for (let i = 0; i < data.length; i += 8192)
                 text += String.fromCharCode(...data.subarray(i, i + 8192));
             return btoa(text);
         },
-        [count, quality],
+        [count, quality, reflections],
     );
     return new Float32Array(new Uint8Array(Buffer.from(bytes, 'base64')).buffer);
 }

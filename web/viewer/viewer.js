@@ -11,6 +11,7 @@ import {
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { PhatexturesExtension, isSupported, jitterOf } from '../src/index.js';
 import { isGlass } from '../src/material.js';
+import { kRelativeCost } from '../src/passes.js';
 import { bench, framesAsked } from './bench.js';
 import { Navigation, defaultCamera, sphereOf } from './navigation.js';
 import { createPanel } from './panel.js';
@@ -23,7 +24,9 @@ const kSamples = 32;
 // may take longer.
 const kMovingSeconds = 0.04,
     kRestSeconds = 0.6;
-const kRelativeCost = { fast: 1, default: 3, high: 8 };
+// Of these times, what rays may take; where the rest is not enough for all pixels, there are none while a view moves.
+const kMovingRaySeconds = 0.01,
+    kRestRaySeconds = 0.1;
 const kNear = 0.01; // units of length
 const kMinScale = 0.25,
     kScaleSteps = 8;
@@ -197,8 +200,17 @@ class Viewer {
         if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
         gl.deleteSync(fence);
         this.pending = null;
-        if (pixels) this.secondsPerPixel = (now - since) / 1000 / pixels;
+        const seconds = (now - since - (this.light?.tracedMilliseconds ?? 0)) / 1000;
+        if (pixels && seconds > 0) this.secondsPerPixel = seconds / pixels;
         return true;
+    }
+
+    // What rays may take of the time of a picture.
+    raySeconds(moving) {
+        if (!moving) return kRestRaySeconds;
+        const { width, height } = this.picture.target,
+            left = kMovingSeconds - this.secondsPerPixel * width * height;
+        return this.scale < 1 ? 0 : Math.min(Math.max(left, 0), kMovingRaySeconds);
     }
 
     viewChanged() {
@@ -223,6 +235,7 @@ class Viewer {
         if (moving) this.settle();
         if (this.picture.samples === 0 || moving)
             this.fitScale(quality, moving ? kMovingSeconds : kRestSeconds);
+        if (this.light) this.light.reflectionMilliseconds = 1000 * this.raySeconds(moving);
         this.addSample(quality);
         this.present();
         const { width, height } = this.picture.target;
@@ -249,8 +262,10 @@ class Viewer {
         const [x, y] = jitterOf(picture.samples, count);
         camera.setViewOffset(width, height, -x, y, width, height);
         if (light) this.scene.background = light.environment;
+        const traced = light?.tracedMilliseconds > 0;
         picture.add(this.scene, camera);
-        this.isWhole = light?.isWhole ?? true;
+        // A mean is of pictures whose reflections were found in one way.
+        this.isWhole = !light || (light.isWhole && light.tracedMilliseconds > 0 === traced);
     }
 
     present() {

@@ -1,0 +1,284 @@
+// Lobes that the GPU traces, see src/gl/ray_pass.h for the order of the passes; what punctual lights add at hits is a pass
+// of its own here, because three.js's shadow maps are not those of the shaders.
+// twin: src/gl/ray_pass.cpp.
+import { ShaderProgram } from './gl.js';
+import { placeNumbers, sampleNumberTables } from './sample_numbers.js';
+
+// Texture units; those of a pixel's lobes come first.
+const kPointsUnit = 3,
+    kGuidesUnit = 4,
+    kTreesUnit = 5,
+    kAfterTrees = 9,
+    kHitUnits = 3,
+    kUnused = 15;
+// twin: kSharpAlpha in src/gl/display_pass.cpp.
+const kSharpAlpha = 0.1;
+
+export class RayPrograms {
+    // `defines`: of all passes; `hasOpacity`: whether rays pass some surfaces.
+    constructor(gl, { defines, scrambles, hasOpacity }) {
+        const ofLookup = scrambles ? [...defines, 'SCRAMBLES'] : defines,
+            ofTrees = hasOpacity ? [...defines, 'BVH_OPACITY'] : defines;
+        const fullscreen = (file, more) => new ShaderProgram(gl, 'fullscreen.vert', file, more);
+        this.all = {
+            lobes: new ShaderProgram(gl, 'surface.vert', 'lobes.frag', [...defines, 'TRACED']),
+            guides: fullscreen('reflection_guides.frag', defines),
+            trace: fullscreen('trace_reflections.frag', ofTrees),
+            shade: fullscreen('shade_reflections.frag', [...ofLookup, 'WITHOUT_PUNCTUAL_LIGHTS']),
+            hitLights: fullscreen('trace_hit_lights.frag', ofTrees),
+            lights: fullscreen('trace_lights.frag', ofTrees),
+            mean: fullscreen('mean_reflections.frag', []),
+            pool: fullscreen('pool_reflections.frag', []),
+            reproject: fullscreen('reproject_reflections.frag', []),
+        };
+    }
+
+    isReady() {
+        return Object.values(this.all).every((program) => program.isReady());
+    }
+
+    dispose() {
+        Object.values(this.all).forEach((program) => program.dispose());
+    }
+}
+
+// A frame for which rays are traced: { gl, noVertices, programs, view, shared, targets, scene, passes, rays, seed }.
+// `view`: see Passes.draw; `shared`: the targets of the lookup; `targets`: of the rays; `passes`: with the textures of the
+// atlas and the lookup; `rays`: see raysOf.
+export class RayPass {
+    constructor(frame) {
+        Object.assign(this, frame);
+        this.programs = frame.programs.all;
+        this.numbers = {
+            ...sampleNumberTables(this.rays.maxRays, this.seed),
+            placeNumbers: placeNumbers(),
+        };
+        const { passes } = this;
+        this.unitMeters = passes.bake.atlas.unitMeters;
+    }
+
+    // Before the surfaces are drawn by the program that it returns. `tracesAll`: whether all lobes are traced.
+    beginLobes(tracesAll) {
+        const { gl, targets, passes } = this,
+            { lobes: program } = this.programs;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, targets.lobesTarget);
+        gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]); // no surface
+        program.use();
+        program.bind('tilePatches', 0, gl.TEXTURE_2D, passes.atlas.tilePatches);
+        program.bind('charts', 1, gl.TEXTURE_2D, passes.atlas.charts);
+        program.bind('probes', 2, gl.TEXTURE_2D, passes.probes);
+        program.set('unitMeters', this.unitMeters);
+        program.set('frame', this.seed);
+        program.set('sharpAlpha', tracesAll ? 1 : kSharpAlpha);
+        return program;
+    }
+
+    // Writes to the layers of `shared.incident` that follow the lookup's own.
+    trace() {
+        const { gl, targets } = this;
+        for (const switched of [gl.DEPTH_TEST, gl.CULL_FACE, gl.BLEND]) gl.disable(switched);
+        gl.blendEquation(gl.FUNC_ADD);
+        gl.blendFunc(gl.ONE, gl.ONE);
+        gl.bindVertexArray(this.noVertices);
+        targets.incidentTargets.forEach((_, lobe) => this.traceLobe(lobe));
+    }
+
+    traceLobe(lobe) {
+        const { gl, targets, scene } = this;
+        this.makeGuides(lobe);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, targets.sumsTarget);
+        for (const buffer of [0, 1]) gl.clearBufferfv(gl.COLOR, buffer, [0, 0, 0, 0]);
+        for (let ray = 0; ray < this.rays.maxRays; ++ray) {
+            this.traceRay(lobe, ray);
+            gl.enable(gl.BLEND);
+            this.shade(ray);
+            if (scene.lightCount > 0) this.lightHits();
+            gl.disable(gl.BLEND);
+        }
+        if (scene.hits.emitterCount > 0) {
+            gl.enable(gl.BLEND);
+            this.traceLights(lobe);
+            gl.disable(gl.BLEND);
+        }
+        this.pool(lobe);
+    }
+
+    drawTo(target) {
+        const { gl } = this;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
+
+    bindLobes(program, lobe) {
+        const { gl, shared } = this;
+        program.bind('reflectances', 0, gl.TEXTURE_2D, shared.reflectances);
+        program.bind('baseLobes', 1, gl.TEXTURE_2D, shared.baseLobes);
+        if (shared.coatLobes) program.bind('coatLobes', 2, gl.TEXTURE_2D, shared.coatLobes);
+        program.set('lobe', lobe);
+    }
+
+    bindEye(program) {
+        const { view } = this;
+        program.set('eyeWorld', view.eye);
+        program.set('eyeAtInfinity', view.eyeAtInfinity);
+        program.set('originUnitMeters', this.unitMeters);
+    }
+
+    bindView(program) {
+        const { view } = this;
+        this.bindEye(program);
+        program.set('worldFromClip', view.worldFromClip);
+        program.set('viewport', [view.width, view.height]);
+    }
+
+    bindPixels(program) {
+        const { gl, targets } = this;
+        program.bind('points', kPointsUnit, gl.TEXTURE_2D, targets.points);
+        program.bind('guides', kGuidesUnit, gl.TEXTURE_2D, targets.guides);
+    }
+
+    setNumbers(program, tables = this.numbers) {
+        for (const [name, numbers] of Object.entries(tables)) program.set(name, numbers);
+    }
+
+    makeGuides(lobe) {
+        const { gl, targets } = this,
+            { guides: program } = this.programs;
+        program.use();
+        this.bindLobes(program, lobe);
+        program.bind('points', kPointsUnit, gl.TEXTURE_2D, targets.points);
+        this.bindView(program);
+        program.set('raysPerNeighborhood', this.rays.raysPerNeighborhood);
+        program.set('maxRays', this.rays.maxRays);
+        this.drawTo(targets.guidesTarget);
+    }
+
+    traceRay(lobe, ray) {
+        const { trace: program } = this.programs;
+        program.use();
+        this.bindLobes(program, lobe);
+        this.bindPixels(program);
+        this.scene.bindTrees(program, kTreesUnit);
+        this.bindEye(program);
+        this.setNumbers(program);
+        program.set('ray', ray);
+        const { gl, targets } = this;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, targets.raysTarget);
+        gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]); // no ray
+        this.drawTo(targets.raysTarget);
+    }
+
+    // The ray's hits in the first two units, the surfaces there in the next ones.
+    bindHits(program) {
+        const { gl, targets, scene } = this;
+        program.bind('hits', 0, gl.TEXTURE_2D, targets.hits);
+        program.bind('places', 1, gl.TEXTURE_2D, targets.places);
+        scene.bindHits(program, 2);
+        program.set('brightest', scene.brightest);
+        program.set('raySpread', this.view.pixelRadians);
+        return 2 + kHitUnits;
+    }
+
+    shade(ray) {
+        const { gl, scene, passes } = this,
+            { atlas, lookup } = passes,
+            { shade: program } = this.programs;
+        program.use();
+        let unit = this.bindHits(program);
+        program.bind('tilePatches', unit++, gl.TEXTURE_2D, atlas.tilePatches);
+        program.bind('phatexels', unit++, gl.TEXTURE_2D_ARRAY, passes.phatexels);
+        program.bind('inverseCdfs', unit++, gl.TEXTURE_2D, passes.inverseCdfs);
+        program.bind('charts', unit++, gl.TEXTURE_2D, atlas.charts);
+        program.bind('probes', unit++, gl.TEXTURE_2D, passes.probes);
+        if (passes.scrambles) program.bind('scrambles', unit++, gl.TEXTURE_2D, passes.scrambles);
+        program.bind('splitSumTable', unit++, gl.TEXTURE_2D, passes.splitSum);
+        program.bind('environment', unit++, gl.TEXTURE_2D, scene.environment);
+        gl.bindSampler(unit, scene.linear);
+        program.bind('irradiance', unit++, gl.TEXTURE_2D_ARRAY, atlas.irradiance);
+        program.set('unitMeters', this.unitMeters);
+        program.set('guideCount', lookup.guideCount);
+        program.set('layerCount', lookup.layerCount);
+        program.set('areaGuideCount', lookup.areaGuideCount);
+        program.set('turn', 0);
+        this.setNumbers(program);
+        program.set('ray', ray);
+        this.drawTo(this.targets.sumsTarget);
+        gl.bindSampler(unit - 1, null);
+    }
+
+    lightHits() {
+        const { gl, scene, passes } = this,
+            { hitLights: program } = this.programs;
+        program.use();
+        this.bindHits(program);
+        scene.bindTrees(program, kTreesUnit);
+        program.bind('splitSumTable', kAfterTrees, gl.TEXTURE_2D, passes.splitSum);
+        program.bind('lightTable', kAfterTrees + 1, gl.TEXTURE_2D, scene.lights);
+        program.set('shadowMaps', kUnused);
+        program.set('lightCount', scene.lightCount);
+        program.set('hasGlass', scene.hasGlass);
+        program.set('originUnitMeters', this.unitMeters);
+        this.drawTo(this.targets.indirectTarget);
+    }
+
+    traceLights(lobe) {
+        const { gl, targets, scene, passes } = this,
+            { lights: program } = this.programs,
+            { lightSamples } = this.rays;
+        program.use();
+        this.bindLobes(program, lobe);
+        this.bindPixels(program);
+        scene.bindTrees(program, kTreesUnit);
+        scene.bindHits(program, kAfterTrees);
+        program.bind('splitSumTable', kAfterTrees + kHitUnits, gl.TEXTURE_2D, passes.splitSum);
+        program.bind('rayWeights', kAfterTrees + kHitUnits + 1, gl.TEXTURE_2D, targets.indirectSums);
+        this.bindEye(program);
+        program.set('brightest', scene.brightest);
+        program.set('lightSamples', lightSamples);
+        // Others than the rays', whose weights they are multiplied by.
+        this.setNumbers(program, { ...this.numbers, ...sampleNumberTables(lightSamples, ~this.seed >>> 0) });
+        for (let sample = 0; sample < lightSamples; ++sample) {
+            program.set('lightSample', sample);
+            this.drawTo(targets.areaTarget);
+        }
+    }
+
+    // Means of the pixels' rays, in `hits`, with those of their neighbours.
+    pool(lobe) {
+        const { gl, targets } = this,
+            { mean, pool: program } = this.programs;
+        mean.use();
+        mean.bind('indirectSums', 0, gl.TEXTURE_2D, targets.indirectSums);
+        mean.bind('areaSums', 1, gl.TEXTURE_2D, targets.areaSums);
+        mean.set('brightest', this.scene.brightest);
+        this.drawTo(targets.meansTarget);
+        program.use();
+        program.bind('guides', 1, gl.TEXTURE_2D, targets.guides);
+        this.bindView(program);
+        for (const [from, to, alongWhich] of [
+            [targets.hits, targets.pooledTarget, [1, 0]],
+            [targets.places, targets.meansTarget, [0, 1]],
+        ]) {
+            program.bind('lights', 0, gl.TEXTURE_2D, from);
+            program.set('alongWhich', alongWhich);
+            this.drawTo(to);
+        }
+        this.write(lobe);
+    }
+
+    // For display.frag. Frames before do not count on the page.
+    write(lobe) {
+        const { gl, shared, targets } = this,
+            { reproject: program } = this.programs;
+        program.use();
+        program.bind('lights', 0, gl.TEXTURE_2D, targets.hits);
+        program.bind('guides', 1, gl.TEXTURE_2D, targets.guides);
+        program.bind('reflectances', 2, gl.TEXTURE_2D, shared.reflectances);
+        program.bind('lastLights', 3, gl.TEXTURE_2D, targets.hits);
+        program.bind('lastGuides', 4, gl.TEXTURE_2D, targets.guides);
+        this.bindView(program);
+        program.set('follows', false);
+        program.set('lobe', lobe);
+        this.drawTo(targets.incidentTargets[lobe]);
+    }
+}

@@ -1,0 +1,159 @@
+// What rays read of a room: trees, surfaces, emitters, lights, the environment.
+// twin: GpuRayScene in src/gl/ray_pass.h, src/gl/bvh_upload.cpp.
+import { createTexture2D } from './gl.js';
+import { prepareUploads } from './fixed.js';
+import { HitImages } from './hit_images.js';
+import { structureOf } from './hit_materials.js';
+import { createOpacity } from './hit_opacity.js';
+import { brightestRadiance, hasColors, hitTable, materialRows } from './hit_tables.js';
+import { lightTable } from './light_table.js';
+import { isGlass } from './material.js';
+import { createTable, kTableWidth } from './tables.js';
+import { uploadTexture } from './three_internals.js';
+
+// Of half floats.
+const kMostRadiance = 65504;
+
+export class RayScene {
+    constructor(gl, renderer, bake, noVertices) {
+        Object.assign(this, { gl, renderer, bake, noVertices });
+        const { trees, surfaces } = bake;
+        prepareUploads(gl);
+        this.nodes = createTable(gl, gl.RGBA32UI, trees.nodes);
+        this.triangles = createTable(gl, gl.RGBA32UI, trees.triangles);
+        this.materials = [...new Set(surfaces.drawRanges.map(({ mesh }) => mesh.material))];
+        this.colored = hasColors(surfaces.vertices);
+        this.structure = '';
+        this.lightRows = null;
+        this.linear = gl.createSampler();
+        for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+            gl.samplerParameteri(this.linear, filter, gl.LINEAR);
+        for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T])
+            gl.samplerParameteri(this.linear, wrap, gl.CLAMP_TO_EDGE);
+    }
+
+    // Follows materials, lights and the environment. pre: the textures of the passes (material.js) are uploaded. Leaves
+    // WebGL's state to the caller.
+    update({ root, unitMeters, environment }) {
+        for (const m of this.materials) if (m.emissiveMap) uploadTexture(this.renderer, m.emissiveMap);
+        prepareUploads(this.gl);
+        const structure = this.materials.map(structureOf).join();
+        if (structure !== this.structure) this.rebuild();
+        else this.updateRows();
+        this.structure = structure;
+        if (this.environmentFrom !== environment || !this.environment) this.uploadEnvironment(environment);
+        const { rows, count } = lightTable(root, unitMeters),
+            { gl } = this;
+        if (!this.lightRows || !isSame(rows, this.lightRows)) {
+            gl.deleteTexture(this.lights ?? null);
+            this.lights = createTable(gl, gl.RGBA32F, rows);
+            Object.assign(this, { lightRows: rows, lightCount: count });
+        }
+        this.hasGlass = this.materials.some(isGlass);
+        this.brightest = brightestRadiance(this.materials, environment?.image.data, count);
+    }
+
+    rebuild() {
+        const { gl, renderer, bake, materials, noVertices } = this,
+            { surfaces, trees } = bake;
+        this.freeTables();
+        this.images = new HitImages(gl, renderer, materials, noVertices);
+        this.rows = materialRows(materials, this.images, this.colored);
+        const { table, ...hits } = hitTable({
+            surfaces,
+            trees,
+            materials,
+            images: this.images,
+            rows: this.rows,
+        });
+        this.hits = { ...hits, table: createTable(gl, gl.RGBA32UI, table) };
+        if (trees.firstTransparent < trees.order.length)
+            this.opacity = createOpacity(gl, renderer, { surfaces, trees, materials }, noVertices);
+    }
+
+    // After a slider has moved.
+    updateRows() {
+        const rows = materialRows(this.materials, this.images, this.colored);
+        if (isSame(rows, this.rows)) return;
+        this.rows = rows;
+        const { gl } = this,
+            texels = rows.length / 4;
+        gl.bindTexture(gl.TEXTURE_2D, this.hits.table);
+        for (let first = 0; first < texels; first += kTableWidth) {
+            const width = Math.min(texels - first, kTableWidth),
+                words = rows.subarray(4 * first, 4 * (first + width));
+            gl.texSubImage2D(
+                gl.TEXTURE_2D,
+                0,
+                0,
+                first / kTableWidth,
+                width,
+                1,
+                gl.RGBA_INTEGER,
+                gl.UNSIGNED_INT,
+                words,
+            );
+        }
+    }
+
+    // Row 0 at +Y, as shaders/background.frag has it; three.js has it at -Y.
+    uploadEnvironment(environment) {
+        const { gl } = this,
+            { width, height, data } = environment?.image ?? { width: 1, height: 1, data: new Float32Array(4) },
+            pixels = new Float32Array(data.length);
+        for (let y = 0; y < height; ++y)
+            pixels.set(data.subarray(4 * width * y, 4 * width * (y + 1)), 4 * width * (height - 1 - y));
+        gl.deleteTexture(this.environment ?? null);
+        const clamped = pixels.map((x) => Math.min(x, kMostRadiance));
+        this.environment = createTexture2D(gl, gl.RGBA16F, width, height, clamped);
+        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.REPEAT);
+        for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+            gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
+        this.environmentFrom = environment;
+    }
+
+    // What lib/bvh.glsl reads, in four units from `unit` on.
+    bindTrees(program, unit) {
+        const { gl, opacity, bake } = this,
+            { trees } = bake;
+        program.set('bvhGridStep', trees.gridStep);
+        program.set('bvhRoot', trees.root);
+        program.bind('bvhNodes', unit, gl.TEXTURE_2D, this.nodes);
+        program.bind('bvhTriangles', unit + 1, gl.TEXTURE_2D, this.triangles);
+        if (!opacity) return;
+        program.set('bvhFirstTransparent', trees.firstTransparent);
+        program.set('bvhFirstMaterial', opacity.firstMaterial);
+        program.bind('bvhOpacity', unit + 2, gl.TEXTURE_2D, opacity.opacity);
+        program.bind('bvhAlphas', unit + 3, gl.TEXTURE_2D, opacity.alphas);
+    }
+
+    // What lib/hit_surface.glsl reads, in three units from `unit` on.
+    bindHits(program, unit) {
+        const { gl, hits, images } = this;
+        program.set('hitFirstTriangle', hits.firstTriangle);
+        program.set('hitFirstEmitter', hits.firstEmitter);
+        program.set('emitterCount', hits.emitterCount);
+        program.bind('hitTable', unit, gl.TEXTURE_2D, hits.table);
+        program.bind('hitColors', unit + 1, gl.TEXTURE_2D_ARRAY, images.colors);
+        program.bind('hitRoughness', unit + 2, gl.TEXTURE_2D_ARRAY, images.roughness);
+    }
+
+    freeTables() {
+        const { gl, hits, opacity } = this;
+        for (const texture of [hits?.table, opacity?.opacity, opacity?.alphas]) gl.deleteTexture(texture ?? null);
+        this.images?.dispose();
+        this.images = this.hits = this.opacity = null;
+    }
+
+    dispose() {
+        const { gl } = this;
+        this.freeTables();
+        for (const texture of [this.nodes, this.triangles, this.environment, this.lights])
+            gl.deleteTexture(texture ?? null);
+        gl.deleteSampler(this.linear);
+    }
+}
+
+function isSame(a, b) {
+    return a.length === b.length && a.every((x, i) => x === b[i]);
+}

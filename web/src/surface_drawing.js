@@ -1,0 +1,55 @@
+// Draws the surfaces with their materials, as the passes do.
+// twin: src/gl/surface_drawing.h.
+import { alphaMode, isBlended, kMaterialRows, kOpaque, kOpaqueSlots, kSlots, packMaterial } from './material.js';
+import { uploadTexture, webglTexture } from './three_internals.js';
+
+// Of the 16 units that every device has the display pass needs none for punctual lights, which are three.js's own.
+const kFirstMaterialUnit = 7,
+    kTransmissionUnit = 5;
+
+export class SurfaceDrawing {
+    // `white`: a texture for slots without one.
+    constructor(gl, renderer, surfaces, white) {
+        Object.assign(this, { gl, renderer, surfaces, white });
+        this.rows = new Float32Array(4 * kMaterialRows);
+    }
+
+    // `slotCount`: how many of the slots the program reads; 0: nothing of the material.
+    bindMaterial(program, material, slotCount) {
+        const { gl, renderer } = this;
+        packMaterial(material, this.rows);
+        // Blending itself is three.js's.
+        program.set('alphaMode', isBlended(material) ? kOpaque : alphaMode(material));
+        kSlots.slice(0, slotCount).forEach(([sampler, textureOf], i) => {
+            const texture = textureOf(material);
+            const uploaded = texture && webglTexture(renderer, texture);
+            const unit = i < kOpaqueSlots ? kFirstMaterialUnit + i : kTransmissionUnit;
+            program.bind(sampler, unit, gl.TEXTURE_2D, uploaded ?? this.white);
+        });
+        program.set('material', this.rows);
+    }
+
+    uploadMaps() {
+        for (const { mesh } of this.surfaces.drawRanges) {
+            for (const [, textureOf] of kSlots) {
+                const texture = textureOf(mesh.material);
+                if (texture) uploadTexture(this.renderer, texture);
+            }
+        }
+    }
+
+    draw(program, view, slotCount) {
+        const { gl } = this;
+        program.set('clipFromWorld', view.clipFromWorld);
+        program.offer('eyeWorld', view.eye);
+        program.offer('eyeAtInfinity', view.eyeAtInfinity);
+        this.surfaces.drawRanges.forEach(({ mesh, first, count }, i) => {
+            if (isBlended(mesh.material) !== view.blended || !view.isVisible(mesh)) return;
+            if (mesh.material.side === 2) gl.disable(gl.CULL_FACE);
+            else gl.enable(gl.CULL_FACE);
+            program.offer('surfaceIndex', i);
+            if (slotCount > 0) this.bindMaterial(program, mesh.material, slotCount);
+            gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
+        });
+    }
+}
