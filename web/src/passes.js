@@ -164,9 +164,8 @@ export class Passes {
         else if (lookup) this.drawLobes(view, target);
         this.drawLookup(view, shared, target, light);
         if (lookup) this.rays.endLookup();
-        if (!pass) return;
-        this.rays.trace(pass);
-        this.clock?.ended('rays');
+        if (pass) this.rays.trace(pass);
+        if (pass) this.clock?.ended('rays');
         this.gl.bindVertexArray(this.vertices.vertexArray);
         this.gl.enable(this.gl.DEPTH_TEST);
     }
