@@ -23,9 +23,9 @@ Method methodOf(const RenderOptions& options) {
 }
 
 // pre: a context is current.
-bool tracesOnGpu(const RenderOptions& options) {
+bool tracesOnGpu(const RenderOptions& options, const Scene& scene) {
     if (options.tracer != Tracer::automatic) return options.tracer == Tracer::gpu;
-    return !drawsInSoftware();
+    return prefersGpuRays(scene);
 }
 
 // What traced reflections read.
@@ -55,7 +55,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     std::optional<SceneBvh> built;
     const SceneBvh* bvh = nullptr;
     if (method == Method::phat && options.reflections != Reflections::lookup) {
-        if (tracesOnGpu(options))
+        if (tracesOnGpu(options, scene))
             bvh = baked.bvh ? &*baked.bvh : &built.emplace(buildSceneBvh(scene));
         else
             tracing.emplace(baked, options.reflections, progress);

@@ -122,7 +122,8 @@ void declareMethods(const DeclareOption& declare, RenderOptions& options) {
         "--reflections", kReflectionNames, options.reflections,
         "phat: auto traces rays for what PHATexels are too coarse for; rays for all; lookup for none");
     declare.choice("--trace", kTracerNames, options.tracer,
-                   "phat: which processor traces them; auto is gpu unless OpenGL is drawn in software");
+                   "phat: which processor traces them; auto is gpu, unless OpenGL is drawn in software or "
+                   "there is glass");
     declare.choice("--component", kComponentNames, options.component,
                    "all, direct, indirect, glossy-indirect or diffuse-indirect");
     declare.choice("--quality", kQualityNames, options.quality, "phat: fast, default or high");

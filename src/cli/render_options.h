@@ -47,7 +47,7 @@ struct AnimatedFrames {
 
 /// Where reflection rays are traced.
 enum class Tracer : uint8_t {
-    automatic,  // by the GPU, unless OpenGL is drawn in software
+    automatic,  // see prefersGpuRays
     gpu,
     cpu,
 };

@@ -1,8 +1,16 @@
 #include "gl/traced_frame.h"
 
+#include <algorithm>
+
 #include "core/base/stopwatch.h"
+#include "core/scene/transparency.h"
+#include "gl/gl_context.h"
 
 namespace phat {
+
+bool prefersGpuRays(const Scene& scene) {
+    return !drawsInSoftware() && std::none_of(scene.materials.begin(), scene.materials.end(), isGlass);
+}
 
 ReflectionCost drawFrame(Renderer& renderer, const FrameSettings& settings, const TracedReflections* traced,
                          PictureSum& sum) {

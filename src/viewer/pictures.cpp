@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "gl/gl_context.h"
 #include "gl/textures.h"
 #include "viewer/refine_plan.h"
 
@@ -91,7 +90,8 @@ bool Pictures::mayTrace(const ViewerState& state, const Side& side) const {
 // At rest where the GPU is one; a moving view with as many rays as its time allows.
 void Pictures::traceOnGpu(const ViewerState& state, const Side& side, bool atRest, FrameSettings& settings) {
     if (!showsReflections(state, side)) return;
-    // The first picture does not wait for the rays' programs, which a software driver compiles when they draw.
+    // The first picture does not wait for the rays' programs, which a software driver compiles when they
+    // draw.
     if (!atRest && state.lastInput == std::chrono::steady_clock::time_point()) return;
     settings.tracedByGpu = Reflections::automatic;
     if (atRest) return;
@@ -110,7 +110,7 @@ void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 
     settings.samplesPerPixel = samplesPerPixel;
     settings.samplesPerDraw = 1;
     settings.mayPreview = true;
-    const bool byGpu = !rays || !drawsInSoftware();
+    const bool byGpu = !rays || prefersGpuRays(state.document->shown());
     if (byGpu) traceOnGpu(state, side, rays, settings);
     const TracedReflections* traced =
         byGpu ? nullptr : &reflections(state, sum.samples == 0 ? kRaySeconds : 0);
