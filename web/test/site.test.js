@@ -278,8 +278,8 @@ test('measures its passes when asked', async (t) => {
     // Medians of the parts and of the whole, of two frames.
     const sum = Object.values(passes).reduce((a, b) => a + b);
     assert.ok(report.frameMilliseconds > 0.2 * sum && report.gpuMilliseconds > 0.2 * sum);
-    // `phat bench` prints the same, and reads besides.
-    const ours = JSON.parse(await phat('bench', room.file, '--size', '32x18', '--frames', '1', '--quiet'));
+    // `phat bench` prints the same, and besides reads, and of rays their number.
+    const ours = JSON.parse(await phat('bench', room.file, '--size', '32x18', '--frames', '1', '--reflections', 'lookup', '--quiet'));
     const names = (object) => Object.keys(object).filter((name) => name !== 'reads' && name !== 'triangles');
     assert.deepEqual(names(report), names(ours));
     for (const pass of Object.keys(ours.passMilliseconds)) assert.ok(pass in passes, pass);

@@ -180,6 +180,7 @@ export async function bench(viewer, count) {
         texels: light.bake.atlas.width * light.bake.atlas.height,
         width: picture.target.width,
         height: picture.target.height,
+        reflections: light.reflections,
         quality: viewer.quality,
         frames: frames.length,
         timer: clock.name,
