@@ -25,9 +25,6 @@ const int kSources = 2;
 #else
 const int kSources = 1;
 #endif
-// Angle of the cone that a ray of a rough lobe stands for, over alpha: rays are neighbours' rays, too.
-const float kSpreadPerAlpha = 0.25;
-
 // Paths by way of two sharp lobes are rare and bright, so that the second is taken at least so rough as a part of the
 // first's width, and its light at most so much brighter than the mean: both are biases.
 // source: Kaplanyan and Dachsbacher 2013, "Path Space Regularization".
@@ -114,15 +111,14 @@ void main() {
     if (found.triangle < 0) {
         area = environmentRadiance(found.direction);
     } else {
-        // A GGX lobe's density at its peak is about 1 / (4 pi alpha^2).
-        float alpha = inversesqrt(4.0 * kPi * max(found.pdf, 0.1));
-        float width = (raySpread + kSpreadPerAlpha * alpha) * found.distance;
-        HitSurface s = hitSurface(found.triangle, found.barycentric, found.backFace, -found.direction, width);
+        HitSurface s = hitSurface(found.triangle, found.barycentric, found.backFace, -found.direction,
+                                  rayWidth(found, raySpread));
         mat3 worldFromLocal = frameFromNormal(s.normal);
         ViewedBrdf viewed = viewedBrdf(s.brdf, -found.direction * worldFromLocal);
         area = s.emission * emissionWeight(found, s);
-        if (maxComponent(s.brdf.diffuseColor + s.brdf.f0) > 0.0 || s.brdf.f90 > 0.0) {
-            indirect = bakedLight(found.position, s, viewed, worldFromLocal, sampleNumbersOf(ray, pixel, found.count).zwxy, kRegularized * alpha) +
+        if (reflects(s.brdf)) {
+            vec4 u = sampleNumbersOf(ray, pixel, found.count).zwxy;
+            indirect = bakedLight(found.position, s, viewed, worldFromLocal, u, kRegularized * rayAlpha(found)) +
                        punctualLight(found.position, s, viewed, worldFromLocal);
         }
     }

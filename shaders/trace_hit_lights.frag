@@ -16,11 +16,8 @@ uniform bool hasGlass;    // whether any material is glass
 
 layout(location = 0) out vec4 indirectOut;  // times the ray's weight
 
-// twin: shade_reflections.frag.
-const float kSpreadPerAlpha = 0.25;
-
 // Panes that light passes on its way.
-const int kMostPanes = 4;
+const int kMaxPanes = 4;
 
 bool isGlass(int triangle) {
     uint material = hitTexel(hitFirstTriangle + kHitTriangleTexels * triangle + 2).w;
@@ -29,7 +26,7 @@ bool isGlass(int triangle) {
 
 // As in shadow maps, glass casts no shadow.
 bool isShadowed(vec3 origin, vec3 direction, float meters) {
-    for (int i = 0; i < kMostPanes; ++i) {
+    for (int i = 0; i < kMaxPanes; ++i) {
         BvhHit hit = traceBvh(origin, direction, meters, !hasGlass);
         if (hit.triangle < 0) return false;
         if (!hasGlass || !isGlass(hit.triangle)) return true;
@@ -46,11 +43,10 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     TracedRay found = unpackRay(texelFetch(hits, pixel, 0), texelFetch(places, pixel, 0));
     if (found.count == 0 || found.triangle < 0) return;
-    float alpha = inversesqrt(4.0 * kPi * max(found.pdf, 0.1));
-    float width = (raySpread + kSpreadPerAlpha * alpha) * found.distance;
     vec3 towardEye = -found.direction;
-    HitSurface s = hitSurface(found.triangle, found.barycentric, found.backFace, towardEye, width);
-    if (maxComponent(s.brdf.diffuseColor + s.brdf.f0) <= 0.0 && s.brdf.f90 <= 0.0) return;
+    HitSurface s =
+        hitSurface(found.triangle, found.barycentric, found.backFace, towardEye, rayWidth(found, raySpread));
+    if (!reflects(s.brdf)) return;
     mat3 worldFromLocal = frameFromNormal(s.normal);
     ViewedBrdf viewed = viewedBrdf(s.brdf, towardEye * worldFromLocal);
     vec3 origin = offsetOrigin(found.position, s.normal, towardEye), sum = vec3(0.0);

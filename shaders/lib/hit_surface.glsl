@@ -35,6 +35,10 @@ struct HitSurface {
     uint emitter;     // number + 1; 0: none
 };
 
+bool reflects(Brdf brdf) {
+    return maxComponent(brdf.diffuseColor + brdf.f0) > 0.0 || brdf.f90 > 0.0;
+}
+
 uvec4 hitTexel(int index) {
     return texelFetch(hitTable, tableTexel(index), 0);
 }

@@ -1,4 +1,5 @@
 // A reflection ray and what it hit, between the passes that trace and that shade it.
+#include "lib/hemisphere_map.glsl"
 #include "lib/octahedral.glsl"
 
 struct TracedRay {
@@ -14,6 +15,18 @@ struct TracedRay {
 };
 
 const float kMaxPdf = 6e4;
+// Angle of the cone that a ray of a rough lobe stands for, over alpha: rays are neighbours' rays, too.
+const float kSpreadPerAlpha = 0.25;
+
+// About the alpha of the lobe that the ray was drawn from: a GGX lobe's density at its peak is 1 / (4 pi alpha^2).
+float rayAlpha(TracedRay ray) {
+    return inversesqrt(4.0 * kPi * max(ray.pdf, 0.1));
+}
+
+// Metres across what the ray stands for at its hit. `spread`: radians, of a mirror's.
+float rayWidth(TracedRay ray, float spread) {
+    return (spread + kSpreadPerAlpha * rayAlpha(ray)) * ray.distance;
+}
 
 void packRay(TracedRay ray, out uvec4 hit, out uvec4 place) {
     uint triangle = ray.triangle < 0 ? 0u : uint(ray.triangle + 1) | (ray.backFace ? 0x80000000u : 0u);

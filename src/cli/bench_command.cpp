@@ -36,16 +36,14 @@ Json runBench(BenchOptions options) {
     if (input.empty()) input = sceneFolder() + "/" + kOwnScene;
     catchInterrupts();
     ProgressBar progress(progressStyle(options.render.quiet), {});
-    const SceneFile file = loadBaked(options.render, progress);
-    const BakedScene& baked = file.baked;
+    SceneFile file = loadBaked(options.render, progress);
+    BakedScene& baked = file.baked;
     const View view = chooseViews(options.render, baked.loaded.scene).front();
 
     const HeadlessContext context;
     const Scene& scene = baked.loaded.scene;
-    std::optional<SceneBvh> built;
-    const bool traces = options.render.reflections != Reflections::lookup && canHaveBvh(scene);
-    if (traces && !baked.bvh) built = buildSceneBvh(scene);
-    const SceneBvh* bvh = !traces ? nullptr : built ? &*built : &*baked.bvh;
+    const bool traces = options.render.reflections != Reflections::lookup;
+    const SceneBvh* bvh = traces ? bvhOf(scene, baked.bvh) : nullptr;
     Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, bvh}, shaderFolder());
     FrameSettings frame = frameOf(options.render, view);
     frame.tracedByGpu = options.render.reflections;

@@ -44,21 +44,18 @@ struct RayTracing {
 }  // namespace
 
 std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) {
-    const SceneFile file = loadBaked(options, progress);
-    const BakedScene& baked = file.baked;
+    SceneFile file = loadBaked(options, progress);
+    BakedScene& baked = file.baked;
     const Scene& scene = baked.loaded.scene;
     const std::vector<View> views = chooseViews(options, scene);
 
     const HeadlessContext context;
     const Method method = methodOf(options);
     std::optional<RayTracing> tracing;
-    std::optional<SceneBvh> built;
     const SceneBvh* bvh = nullptr;
     if (method == Method::phat && options.reflections != Reflections::lookup) {
-        if (tracesOnGpu(options, scene))
-            bvh = baked.bvh ? &*baked.bvh : &built.emplace(buildSceneBvh(scene));
-        else
-            tracing.emplace(baked, options.reflections, progress);
+        if (tracesOnGpu(options, scene)) bvh = bvhOf(scene, baked.bvh);
+        if (!bvh) tracing.emplace(baked, options.reflections, progress);
     }
     Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, bvh}, shaderFolder());
     std::vector<json> reports;

@@ -177,6 +177,22 @@ LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuin
     return t;
 }
 
+int bindPhatexels(const ShaderProgram& program, const GpuAtlas& atlas, const GpuLookup& lookup,
+                  int firstUnit) {
+    int unit = firstUnit;
+    program.bind("tilePatches", unit++, atlas.tilePatches.name());
+    program.bind("phatexels", unit++, atlas.phatexels.name());
+    program.bind("inverseCdfs", unit++, lookup.inverseCdfs.name());
+    program.bind("probes", unit++, lookup.probes.name());
+    program.bind("charts", unit++, atlas.charts.name());
+    if (lookup.scrambles) program.bind("scrambles", unit++, lookup.scrambles.name());
+    program.set("unitMeters", atlas.unitMeters);
+    program.set("guideCount", lookup.guideCount);
+    program.set("layerCount", lookup.layerCount);
+    program.set("areaGuideCount", lookup.areaGuideCount);
+    return unit;
+}
+
 void bindLobes(const ShaderProgram& program, const LookupTargets& targets, int firstUnit) {
     program.bind("reflectances", firstUnit, targets.reflectances.name());
     program.bind("baseLobes", firstUnit + 1, targets.baseLobes.name());
@@ -195,17 +211,7 @@ void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup&
     const GLuint none[4] = {0, 0, 0, 0};
     for (int i = 0; i < lookedUpLayers(pass); ++i) glClearBufferuiv(GL_COLOR, i, none);
     const ShaderProgram& program = pass.lookupProgram;
-    program.bind("tilePatches", 0, atlas.tilePatches.name());
-    program.bind("phatexels", 1, atlas.phatexels.name());
-    program.bind("inverseCdfs", 2, lookup.inverseCdfs.name());
-    program.bind("probes", 3, lookup.probes.name());
-    program.bind("charts", 4, atlas.charts.name());
-    if (lookup.scrambles) program.bind("scrambles", 5, lookup.scrambles.name());
-    bindLobes(program, targets, 6);
-    program.set("unitMeters", atlas.unitMeters);
-    program.set("guideCount", lookup.guideCount);
-    program.set("layerCount", lookup.layerCount);
-    program.set("areaGuideCount", lookup.areaGuideCount);
+    bindLobes(program, targets, bindPhatexels(program, atlas, lookup, 0));
     program.set("lightBits", sampling.lightBits);
     const int samples = std::clamp(sampling.sampleCount, 1, int(kMaxSamples));
     program.set("sampleCount", samples);

@@ -61,6 +61,9 @@ struct LookupSampling {
     int sampleCount = 8;  // directions of a lobe, at most 32
     int lightBits = 3;    // see shaders/lib/lookup.glsl
 };
+/// Binds what lib/lookup_tables.glsl reads to the units from `firstUnit` on. Returns the unit after the last.
+int bindPhatexels(const ShaderProgram& program, const GpuAtlas& atlas, const GpuLookup& lookup,
+                  int firstUnit);
 /// Binds what lib/lobe_pixels.glsl reads to three units from `firstUnit` on.
 inline constexpr int kLobeUnits = 3;
 void bindLobes(const ShaderProgram& program, const LookupTargets& targets, int firstUnit);

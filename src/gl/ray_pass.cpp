@@ -24,10 +24,6 @@ void bindView(const ShaderProgram& program, const RayFrame& frame) {
     program.set("viewport", glm::vec2(frame.lookupTargets.size));
 }
 
-void setNumbers(const ShaderProgram& program, const RayFrame& frame) {
-    setSampleNumbers(program, uint32_t(frame.budget.maxPerPixel), frame.seed);
-}
-
 const RayTargets::Frame& frameOf(const RayTargets& targets, uint32_t number, int lobe) {
     return targets.frames[number % 2][size_t(lobe)];
 }
@@ -55,22 +51,6 @@ void bindTrace(const RayPass& pass, const RayTargets& targets, const RayFrame& f
     bindBvh(frame.scene.bvh, program, kBvhUnit);
     bindEye(program, frame);
     program.set("lobe", lobe);
-    setNumbers(program, frame);
-}
-
-// What the lookup reads of the PHATexels, from `unit` on.
-int bindPhatexels(const ShaderProgram& program, const RayFrame& frame, int unit) {
-    program.bind("tilePatches", unit++, frame.atlas.tilePatches.name());
-    program.bind("phatexels", unit++, frame.atlas.phatexels.name());
-    program.bind("inverseCdfs", unit++, frame.lookup.inverseCdfs.name());
-    program.bind("charts", unit++, frame.atlas.charts.name());
-    program.bind("probes", unit++, frame.lookup.probes.name());
-    if (frame.lookup.scrambles) program.bind("scrambles", unit++, frame.lookup.scrambles.name());
-    program.set("unitMeters", frame.atlas.unitMeters);
-    program.set("guideCount", frame.lookup.guideCount);
-    program.set("layerCount", frame.lookup.layerCount);
-    program.set("areaGuideCount", frame.lookup.areaGuideCount);
-    return unit;
 }
 
 void bindShade(const RayPass& pass, const RayTargets& targets, const RayFrame& frame) {
@@ -78,7 +58,7 @@ void bindShade(const RayPass& pass, const RayTargets& targets, const RayFrame& f
     program.bind("hits", 0, targets.hits.name());
     program.bind("places", 1, targets.places.name());
     bindHits(frame.scene.hits, program, 2);
-    int unit = bindPhatexels(program, frame, 2 + kHitUnits);
+    int unit = bindPhatexels(program, frame.atlas, frame.lookup, 2 + kHitUnits);
     program.bind("splitSumTable", unit++, frame.surfaces.splitSum.name());
     program.bind("lightTable", unit++, frame.shadows.lightTable.name());
     program.bind("shadowMaps", unit++, frame.shadows.depth.name());
@@ -89,7 +69,6 @@ void bindShade(const RayPass& pass, const RayTargets& targets, const RayFrame& f
     program.set("turn", frame.environmentTurn);
     program.set("brightest", frame.scene.brightest);
     program.set("raySpread", frame.pixelRadians);
-    setNumbers(program, frame);
 }
 
 void traceLights(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
@@ -161,6 +140,8 @@ void traceLobe(const RayPass& pass, const RayTargets& targets, const RayFrame& f
     glClearBufferfv(GL_COLOR, 0, nothing);
     glClearBufferfv(GL_COLOR, 1, nothing);
     glBlendFunc(GL_ONE, GL_ONE);
+    for (const ShaderProgram* program : {&pass.trace.program, &pass.shade.program})
+        setSampleNumbers(*program, uint32_t(frame.budget.maxPerPixel), frame.seed);
     for (int ray = 0; ray < frame.budget.maxPerPixel; ++ray) {
         bindTrace(pass, targets, frame, lobe);
         pass.trace.program.set("ray", ray);
@@ -189,7 +170,6 @@ RayPass createRayPass(const std::string& folder, const LookupPass& lookup, const
                       const std::vector<std::string>& bvhDefines) {
     RayPass pass;
     pass.clearcoat = lookup.clearcoat;
-    pass.areaLights = lookup.areaLights;
     std::vector<std::string> defines;
     if (lookup.clearcoat) defines.push_back("CLEARCOAT");
     if (lookup.areaLights) defines.push_back("AREA");

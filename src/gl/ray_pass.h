@@ -26,7 +26,6 @@ struct RayPass {
     ShaderProgram lobes;
     FullscreenProgram guides, trace, shade, lights, mean, pool, reproject;
     bool clearcoat = false;
-    bool areaLights = false;
 };
 
 /// `bvhDefines`: of the trees. Throws GlError.

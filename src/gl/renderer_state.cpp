@@ -184,17 +184,19 @@ const ReflectionPass& Renderer::State::reflections() {
 }
 
 const GpuRayScene& Renderer::State::currentRayScene() {
-    if (!rayScene) {
-        rayScene.emplace(GpuRayScene{uploadBvh(*shownScene, *restBvh),
-                                     uploadHits(*shownScene, *shownAtlas, *restBvh),
-                                     brightestRadiance(*shownScene)});
-        raysMoved = true;
-    } else if (raysEdited) {
-        Scene edited = *shownScene;
-        edited.materials = materials;
-        updateOpacity(rayScene->bvh, edited, *restBvh);
-        updateHits(rayScene->hits, edited, *shownAtlas, *restBvh);
-        rayScene->brightest = brightestRadiance(edited);
+    if (!rayScene || raysEdited) {
+        // The scene keeps the materials that it was read with.
+        Scene now = *shownScene;
+        now.materials = materials;
+        if (!rayScene) {
+            rayScene.emplace(
+                GpuRayScene{uploadBvh(now, *restBvh), uploadHits(now, *shownAtlas, *restBvh), {}});
+            raysMoved = true;
+        } else {
+            updateOpacity(rayScene->bvh, now, *restBvh);
+            updateHits(rayScene->hits, now, *shownAtlas, *restBvh);
+        }
+        rayScene->brightest = brightestRadiance(now);
     }
     if (raysMoved) moveBvh(rayScene->bvh, poseBvh(*restBvh, worldFromRest));
     if (raysMoved || raysEdited) rayHistory.valid = false;

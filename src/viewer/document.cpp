@@ -54,8 +54,7 @@ Document::Document(const std::string& file, const SceneLighting& asked, const st
 }
 
 const SceneBvh* Document::bvh() {
-    if (!baked.bvh && canHaveBvh(scene())) baked.bvh = buildSceneBvh(scene());
-    return baked.bvh ? &*baked.bvh : nullptr;
+    return bvhOf(scene(), baked.bvh);
 }
 
 Document::Changes Document::show() {

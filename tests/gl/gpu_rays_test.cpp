@@ -192,6 +192,16 @@ TEST(GpuRays, FollowEditsAndMoves) {
     EXPECT_NEAR(gpu.middle(renderer, Component::direct), 0, 1e-3f);
 }
 
+// Nothing of the rays is on the GPU before the first frame that traces some.
+TEST(GpuRays, KnowEditsFromBeforeTheirFirstFrame) {
+    GpuWorld gpu(floorAndCeiling(whiteMetal(0), emitter(glm::vec3(5))));
+    Renderer renderer(gpu.input(), kShaderFolder);
+    std::vector<Material> materials = gpu.world.scene.materials;
+    materials[1].emission = glm::vec3(3);
+    renderer.setMaterials(materials);
+    EXPECT_NEAR(gpu.middle(renderer, Component::direct), 3, 0.05f);
+}
+
 // A view that moves: with the frames before, the noise of a rough floor is a fraction of one frame's.
 TEST(GpuRays, FramesBeforeTakeNoiseAway) {
     Scene scene;

@@ -9,7 +9,7 @@ import { webglTexture } from './three_internals.js';
 const kMaxSide = 1024,
     kMaxBytes = 32 << 20; // of each array
 // Texels along an axis that are read for a mean: enough for all of a picture that is shrunk by this.
-const kMostTexels = 16;
+const kMaxTexels = 16;
 
 export class HitImages {
     // `materials`: all that rays may meet. pre: their textures are uploaded. Leaves WebGL's state to the caller.
@@ -72,7 +72,7 @@ export class HitImages {
         program.use();
         program.bind('picture', 0, gl.TEXTURE_2D, webglTexture(this.renderer, texture));
         program.set('cells', [side, side]);
-        program.set('most', kMostTexels);
+        program.set('maxTexels', kMaxTexels);
         gl.bindVertexArray(this.noVertices);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }

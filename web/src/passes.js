@@ -196,19 +196,7 @@ export class Passes {
             gl.clearBufferuiv(gl.COLOR, layer, [0, !lookup && isOfArea(layer) ? kFloatOne : 0, 0, 0]);
         if (!lookup) return;
         program.use();
-        program.bind('tilePatches', 0, gl.TEXTURE_2D, atlas.tilePatches);
-        program.bind('phatexels', 1, gl.TEXTURE_2D_ARRAY, this.phatexels);
-        program.bind('inverseCdfs', 2, gl.TEXTURE_2D, this.inverseCdfs);
-        program.bind('probes', 3, gl.TEXTURE_2D, this.probes);
-        program.bind('charts', 4, gl.TEXTURE_2D, atlas.charts);
-        if (this.scrambles) program.bind('scrambles', 5, gl.TEXTURE_2D, this.scrambles);
-        program.bind('reflectances', 6, gl.TEXTURE_2D, shared.reflectances);
-        program.bind('baseLobes', 7, gl.TEXTURE_2D, shared.baseLobes);
-        if (shared.coatLobes) program.bind('coatLobes', 8, gl.TEXTURE_2D, shared.coatLobes);
-        program.set('unitMeters', this.bake.atlas.unitMeters);
-        program.set('guideCount', lookup.guideCount);
-        program.set('layerCount', lookup.layerCount);
-        program.set('areaGuideCount', lookup.areaGuideCount);
+        this.bindLobes(program, shared, this.bindPhatexels(program, 0));
         const { sampleCount, lightBits } = kSampling[quality];
         const { sampleNumbers, ranks } = sampleNumberTables(sampleCount, seed);
         program.set('sampleNumbers', sampleNumbers);
@@ -219,6 +207,30 @@ export class Passes {
         this.clock?.ended('lookup');
         this.poolSums(shared, target);
         this.clock?.ended('pool');
+    }
+
+    // What shaders/lib/lookup_tables.glsl reads, from `unit` on. Returns the unit after the last.
+    bindPhatexels(program, unit) {
+        const { gl, atlas, lookup } = this;
+        program.bind('tilePatches', unit++, gl.TEXTURE_2D, atlas.tilePatches);
+        program.bind('phatexels', unit++, gl.TEXTURE_2D_ARRAY, this.phatexels);
+        program.bind('inverseCdfs', unit++, gl.TEXTURE_2D, this.inverseCdfs);
+        program.bind('probes', unit++, gl.TEXTURE_2D, this.probes);
+        program.bind('charts', unit++, gl.TEXTURE_2D, atlas.charts);
+        if (this.scrambles) program.bind('scrambles', unit++, gl.TEXTURE_2D, this.scrambles);
+        program.set('unitMeters', this.bake.atlas.unitMeters);
+        program.set('guideCount', lookup.guideCount);
+        program.set('layerCount', lookup.layerCount);
+        program.set('areaGuideCount', lookup.areaGuideCount);
+        return unit;
+    }
+
+    // What shaders/lib/lobe_pixels.glsl reads, from `unit` on.
+    bindLobes(program, shared, unit) {
+        const { gl } = this;
+        program.bind('reflectances', unit, gl.TEXTURE_2D, shared.reflectances);
+        program.bind('baseLobes', unit + 1, gl.TEXTURE_2D, shared.baseLobes);
+        if (shared.coatLobes) program.bind('coatLobes', unit + 2, gl.TEXTURE_2D, shared.coatLobes);
     }
 
     poolSums(shared, target) {

@@ -1,7 +1,7 @@
 // How many rays a picture may trace, from how long those of others took.
 
 // Levels: 0 traces none, each other one twice as many as the one before.
-export const kMostRays = 4;
+export const kMaxLevel = 4;
 // twin: RayBudget in src/gl/renderer.h, at the highest level.
 export function raysOf(level) {
     return { raysPerNeighborhood: 1.5 * 2 ** level, maxRays: 2 ** (level - 1), lightSamples: 1 };
@@ -15,7 +15,7 @@ const kReserve = 1.5;
 export function levelFor({ cost, pixels, milliseconds, last }) {
     const fitting = (reserve) => {
         const times = milliseconds / (reserve * cost * pixels);
-        return times >= 1 ? Math.min(kMostRays, 1 + Math.floor(Math.log2(times))) : 0;
+        return times >= 1 ? Math.min(kMaxLevel, 1 + Math.floor(Math.log2(times))) : 0;
     };
     const level = fitting(1);
     return level > last ? Math.max(last, fitting(kReserve)) : level;

@@ -110,10 +110,7 @@ export class RayPass {
     }
 
     bindLobes(program, lobe) {
-        const { gl, shared } = this;
-        program.bind('reflectances', 0, gl.TEXTURE_2D, shared.reflectances);
-        program.bind('baseLobes', 1, gl.TEXTURE_2D, shared.baseLobes);
-        if (shared.coatLobes) program.bind('coatLobes', 2, gl.TEXTURE_2D, shared.coatLobes);
+        this.passes.bindLobes(program, this.shared, 0);
         program.set('lobe', lobe);
     }
 
@@ -181,24 +178,13 @@ export class RayPass {
 
     shade(ray) {
         const { gl, scene, passes } = this,
-            { atlas, lookup } = passes,
             { shade: program } = this.programs;
         program.use();
-        let unit = this.bindHits(program);
-        program.bind('tilePatches', unit++, gl.TEXTURE_2D, atlas.tilePatches);
-        program.bind('phatexels', unit++, gl.TEXTURE_2D_ARRAY, passes.phatexels);
-        program.bind('inverseCdfs', unit++, gl.TEXTURE_2D, passes.inverseCdfs);
-        program.bind('charts', unit++, gl.TEXTURE_2D, atlas.charts);
-        program.bind('probes', unit++, gl.TEXTURE_2D, passes.probes);
-        if (passes.scrambles) program.bind('scrambles', unit++, gl.TEXTURE_2D, passes.scrambles);
+        let unit = passes.bindPhatexels(program, this.bindHits(program));
         program.bind('splitSumTable', unit++, gl.TEXTURE_2D, passes.splitSum);
         program.bind('environment', unit++, gl.TEXTURE_2D, scene.environment);
         gl.bindSampler(unit, scene.linear);
-        program.bind('irradiance', unit++, gl.TEXTURE_2D_ARRAY, atlas.irradiance);
-        program.set('unitMeters', this.unitMeters);
-        program.set('guideCount', lookup.guideCount);
-        program.set('layerCount', lookup.layerCount);
-        program.set('areaGuideCount', lookup.areaGuideCount);
+        program.bind('irradiance', unit++, gl.TEXTURE_2D_ARRAY, passes.atlas.irradiance);
         program.set('turn', 0);
         this.setNumbers(program);
         program.set('ray', ray);

@@ -12,7 +12,7 @@ import { createTable, kTableWidth } from './tables.js';
 import { uploadTexture } from './three_internals.js';
 
 // Of half floats.
-const kMostRadiance = 65504;
+const kMaxRadiance = 65504;
 
 export class RayScene {
     constructor(gl, renderer, bake, noVertices) {
@@ -104,7 +104,7 @@ export class RayScene {
         for (let y = 0; y < height; ++y)
             pixels.set(data.subarray(4 * width * y, 4 * width * (y + 1)), 4 * width * (height - 1 - y));
         gl.deleteTexture(this.environment ?? null);
-        const clamped = pixels.map((x) => Math.min(x, kMostRadiance));
+        const clamped = pixels.map((x) => Math.min(x, kMaxRadiance));
         this.environment = createTexture2D(gl, gl.RGBA16F, width, height, clamped);
         gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.REPEAT);
         for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])

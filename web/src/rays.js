@@ -2,7 +2,7 @@
 import { PassTimer } from './pass_timer.js';
 import { RayPass, RayPrograms } from './ray_pass.js';
 import { RayScene } from './ray_scene.js';
-import { costAfter, costFromLookup, kMostRays, levelFor, raysOf } from './ray_budget.js';
+import { costAfter, costFromLookup, kMaxLevel, levelFor, raysOf } from './ray_budget.js';
 
 export class Rays {
     constructor(gl, renderer, noVertices) {
@@ -24,7 +24,7 @@ export class Rays {
         const isBounded = reflections === 'auto' && milliseconds < Infinity;
         let wanted = 0;
         if (reflections !== 'lookup' && light.canTrace && light.progress === 1)
-            wanted = !isBounded ? kMostRays : this.cost > 0 ? this.levelWithin(milliseconds, pixels) : 0;
+            wanted = !isBounded ? kMaxLevel : this.cost > 0 ? this.levelWithin(milliseconds, pixels) : 0;
         const isReady = wanted > 0 && this.prepare(light, features, !isBounded);
         this.isAwaited = wanted > 0 && !isReady && light.canTrace;
         this.level = isReady ? wanted : 0;

@@ -4,18 +4,18 @@ import { test } from 'node:test';
 import { Object3D, PointLight, Scene, SpotLight } from 'three';
 import { aliasTable, brightestRadiance } from '../src/hit_tables.js';
 import { lightTable } from '../src/light_table.js';
-import { costAfter, costFromLookup, kMostRays, levelFor, raysOf } from '../src/ray_budget.js';
+import { costAfter, costFromLookup, kMaxLevel, levelFor, raysOf } from '../src/ray_budget.js';
 import { placeNumbers, sobolBits } from '../src/sample_numbers.js';
 import { gridOver, packNode } from '../src/trees.js';
 import { kVertexWords } from '../src/surfaces.js';
 
 test('the highest level has as many rays as phat render', () => {
-    assert.deepEqual(raysOf(kMostRays), { raysPerNeighborhood: 24, maxRays: 8, lightSamples: 1 });
+    assert.deepEqual(raysOf(kMaxLevel), { raysPerNeighborhood: 24, maxRays: 8, lightSamples: 1 });
     assert.deepEqual(raysOf(1), { raysPerNeighborhood: 3, maxRays: 1, lightSamples: 1 });
 });
 
 test('rays are as many as fit into the time, and none where there is too little', () => {
-    const levelOf = (cost, last = kMostRays) => levelFor({ cost, pixels: 1000, milliseconds: 8, last });
+    const levelOf = (cost, last = kMaxLevel) => levelFor({ cost, pixels: 1000, milliseconds: 8, last });
     assert.deepEqual([0.0005, 0.001, 0.0011, 0.002, 0.005, 0.008, 0.0081].map((cost) => levelOf(cost)), [4, 4, 3, 3, 1, 1, 0]);
     assert.equal(levelFor({ cost: 0.001, pixels: 4000, milliseconds: 8, last: 4 }), 2);
     assert.equal(levelFor({ cost: 0.001, pixels: 1000, milliseconds: 0, last: 4 }), 0);

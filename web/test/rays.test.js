@@ -7,7 +7,7 @@ import { after, before, test } from 'node:test';
 import { borrowBrowser, serve } from './browser.js';
 import { mirrorRoom } from './mirror_room.js';
 import { borrowRoom, maeOverMean, meanOf, phat, readExr } from './room.js';
-import { loaded, open, pixelsOf, rest } from './site.js';
+import { loaded, loseContext, open, pixelsOf, rest } from './site.js';
 
 const repository = new URL('../../', import.meta.url).pathname;
 const size = { width: 160, height: 90 };
@@ -170,20 +170,7 @@ test('where there are no trees, or none that can be read, reflections are looked
 test('rays survive the loss of the context', async (t) => {
     const page = await openAt(t, mirror.site);
     const pixels = await tracedPixels(page);
-    await page.evaluate(async () => {
-        const canvas = document.getElementById('view'),
-            lose = viewer.renderer.getContext().getExtension('WEBGL_lose_context');
-        const event = (name) =>
-            new Promise((done) => {
-                canvas.addEventListener(name, () => setTimeout(done), { once: true });
-            });
-        const lost = event('webglcontextlost'),
-            restored = event('webglcontextrestored');
-        lose.loseContext();
-        await lost;
-        lose.restoreContext();
-        await restored;
-    });
+    await loseContext(page);
     const again = await tracedPixels(page);
     assert.ok(maeOverMean(again, pixels) < 1e-6, `${maeOverMean(again, pixels)}`);
 });

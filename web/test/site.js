@@ -77,3 +77,21 @@ export async function drag(page, [fromX, fromY], [toX, toY]) {
     await page.mouse.move(toX, toY, { steps: 4 });
     await page.mouse.up();
 }
+
+// Of a page's view, which is restored then.
+export async function loseContext(page) {
+    await page.evaluate(async () => {
+        const canvas = document.getElementById('view'),
+            lose = viewer.renderer.getContext().getExtension('WEBGL_lose_context');
+        const event = (name) =>
+            new Promise((done) => {
+                canvas.addEventListener(name, () => setTimeout(done), { once: true });
+            });
+        const lost = event('webglcontextlost'),
+            restored = event('webglcontextrestored');
+        lose.loseContext();
+        await lost;
+        lose.restoreContext();
+        await restored;
+    });
+}

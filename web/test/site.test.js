@@ -13,6 +13,7 @@ import {
     forwardOf,
     isAlong,
     loaded,
+    loseContext,
     open as openIn,
     openRoom,
     pixelsOf,
@@ -229,20 +230,7 @@ test('survives the loss of its context', async () => {
     const page = await loaded(await open(server.url));
     await rest(page);
     const pixels = await pixelsOf(page);
-    await page.evaluate(async () => {
-        const canvas = document.getElementById('view'),
-            lose = viewer.renderer.getContext().getExtension('WEBGL_lose_context');
-        const event = (name) =>
-            new Promise((done) => {
-                canvas.addEventListener(name, () => setTimeout(done), { once: true });
-            });
-        const lost = event('webglcontextlost'),
-            restored = event('webglcontextrestored');
-        lose.loseContext();
-        await lost;
-        lose.restoreContext();
-        await restored;
-    });
+    await loseContext(page);
     assert.ok(maeOverMean(await pixelsOf(page), pixels) < 1e-6);
     await page.close();
 });

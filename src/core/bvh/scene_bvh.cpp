@@ -97,4 +97,9 @@ SceneBvh buildSceneBvh(const Scene& scene) {
     return bvh;
 }
 
+const SceneBvh* bvhOf(const Scene& rest, std::optional<SceneBvh>& known) {
+    if (!known && canHaveBvh(rest)) known = buildSceneBvh(rest);
+    return known ? &*known : nullptr;
+}
+
 }  // namespace phat

@@ -1,6 +1,7 @@
 #pragma once
 // The trees of a scene at rest, as they lie on the GPU: one for each group of triangles that moves as one.
 
+#include <optional>
 #include <vector>
 
 #include "core/bvh/bvh_node.h"
@@ -43,5 +44,7 @@ inline constexpr uint32_t kMaxBvhGroups = 1u << 20;
 SceneBvh buildSceneBvh(const Scene& rest);
 /// Whether it is within the limits.
 bool canHaveBvh(const Scene& scene);
+/// The trees in `known`, which are built first where there are none; null where the scene exceeds the limits.
+const SceneBvh* bvhOf(const Scene& rest, std::optional<SceneBvh>& known);
 
 }  // namespace phat

@@ -89,16 +89,30 @@ Scene boxes() {
     return scene;
 }
 
+// What nodes are made of: the texels of a scene's atlas that receive light.
+struct Receivers {
+    Receivers(const Scene& scene, uint64_t texelBudget)
+        : atlas(atlasOf(scene, texelBudget)),
+          points(buildTexelPoints(scene, atlas)),
+          receives(irradianceTexels(atlas, points)) {}
+
+    static Atlas atlasOf(const Scene& scene, uint64_t texelBudget) {
+        AtlasSettings settings;
+        settings.texelBudget = texelBudget;
+        SilentProgress progress;
+        return buildAtlas(scene, {}, settings, progress);
+    }
+
+    Atlas atlas;
+    TexelPoints points;
+    std::vector<uint8_t> receives;
+};
+
 // Groups of texels have several small pieces; each piece has its own nodes, and its texels take their light
 // alone.
 TEST(IrradianceLevels, LightOfAPieceStaysOnIt) {
     const Scene scene = boxes();
-    AtlasSettings settings;
-    settings.texelBudget = 40'000;
-    SilentProgress progress;
-    const Atlas atlas = buildAtlas(scene, {}, settings, progress);
-    const TexelPoints points = buildTexelPoints(scene, atlas);
-    const std::vector<uint8_t> receives = irradianceTexels(atlas, points);
+    const auto [atlas, points, receives] = Receivers(scene, 40'000);
     IrradianceLevel level =
         makeLevel({atlas, points, receives}, kLevelSteps[0], [](glm::uvec2) { return true; });
     const auto lightOf = [&](size_t texel) {
@@ -128,12 +142,7 @@ TEST(IrradianceLevels, NodesAreInTheMiddleOfTheirTexels) {
         const glm::vec3 x(0.05f + 0.001f * float(i % 7), 0, 0), y(0, 0.04f + 0.001f * float(i % 9), 0);
         shapes::add(scene, {low, low + x, low + x + y, low + y}, {{0, 1, 2}, {0, 2, 3}});
     }
-    AtlasSettings settings;
-    settings.texelBudget = 60'000;
-    SilentProgress progress;
-    const Atlas atlas = buildAtlas(scene, {}, settings, progress);
-    const TexelPoints points = buildTexelPoints(scene, atlas);
-    const std::vector<uint8_t> receives = irradianceTexels(atlas, points);
+    const auto [atlas, points, receives] = Receivers(scene, 60'000);
     const IrradianceLevel level =
         makeLevel({atlas, points, receives}, kLevelSteps[0], [](glm::uvec2) { return true; });
     const auto positionOf = [&](size_t texel) {
