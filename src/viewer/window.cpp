@@ -103,7 +103,27 @@ bool Window::handleEvents(double waitSeconds) {
 void Window::beginFrame() {
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
+    holdShortPresses();
     ImGui::NewFrame();
+}
+
+// Dear ImGui before 1.87 sees only which keys are down when a frame begins.
+void Window::holdShortPresses() {
+    ImGuiIO& io = ImGui::GetIO();
+    for (const KeyPress& press : pressed_) {
+        if (press.key < 0 || io.KeysDown[press.key]) continue;
+        io.KeysDown[press.key] = true;
+        io.KeyCtrl |= press.control;
+        io.KeyShift |= press.shift;
+        held_.push_back(press.key);
+    }
+}
+
+void Window::releaseHeld() {
+    ImGuiIO& io = ImGui::GetIO();
+    for (const int key : std::exchange(held_, {})) io.KeysDown[key] = false;
+    io.KeyCtrl = io.KeysDown[GLFW_KEY_LEFT_CONTROL] || io.KeysDown[GLFW_KEY_RIGHT_CONTROL];
+    io.KeyShift = io.KeysDown[GLFW_KEY_LEFT_SHIFT] || io.KeysDown[GLFW_KEY_RIGHT_SHIFT];
 }
 
 void Window::clear() {
@@ -114,6 +134,7 @@ void Window::clear() {
 
 void Window::endFrame() {
     ImGui::Render();
+    releaseHeld();
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     const glm::ivec2 size = framebufferSize();
     glViewport(0, 0, size.x, size.y);

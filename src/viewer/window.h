@@ -50,9 +50,14 @@ class Window {
     static void wake();
 
   private:
+    /// Keys that were pressed and let go since the last frame, which took long, count as down for one frame.
+    void holdShortPresses();
+    void releaseHeld();
+
     GLFWwindow* window_ = nullptr;
     float uiScale_ = 1;
     std::vector<KeyPress> pressed_;
+    std::vector<int> held_;  // GLFW_KEY_...
     std::vector<std::string> dropped_;
     glm::ivec4 windowedPlace_{0};  // x, y, width, height before full screen
 };
