@@ -14,8 +14,9 @@ import shutil
 import sys
 
 import goals
-from figures_cost import cost, pan, path_speed
+from figures_cost import cost, path_speed
 from figures_live import live, plot_live
+from figures_motion import motion
 from figures_page import write_page
 from figures_plot import line_plot, slope
 from figures_profile import pyramid_profile
@@ -374,7 +375,7 @@ def main():
                               for method in ("path", "photons-gather")}
     results["peers_elsewhere"] = figures.peers_elsewhere()
     results["cost"] = cost(figures)
-    results["pan"] = pan(figures)
+    results["motion"] = motion(figures)
     results["live"] = live(shop)
     plot_live(figures.docs / "live.svg", results["live"])
     results["path_speed"] = path_speed(figures)

@@ -1,13 +1,9 @@
-"""What pictures cost (shader instructions, reads, milliseconds), how still a pan is, and how fast the path tracer is."""
+"""What pictures cost (shader instructions, reads, milliseconds), and how fast the path tracer is."""
 
-import json
-import math
 import re
-import statistics
-import struct
 
-from figures_run import PEERS, PHAT, ROOT, SHADERS, compare, run
-from figures_surfaces import DATA, TABLE, Surface
+from figures_run import PEERS, SHADERS, compare, run
+from figures_surfaces import DATA
 
 # Passes of a frame of tabletop, which has area lights: method -> [(name, file, defines)]. src/gl has the same lists.
 PASSES = {
@@ -56,60 +52,6 @@ def cost(figures):
             rows.append({"method": method, "quality": quality, "instructions": counts, "reads": reads,
                          "milliseconds": {key: 1e3 * value for key, value in said["seconds"].items()}})
     return rows
-
-
-# --- a pan
-
-PAN_SIZE, PAN_DEGREES = "320x180", 6.0
-
-
-def with_cameras(source, target, rotations):
-    """A copy of a .glb whose first camera node is repeated, turned about the vertical by so many degrees."""
-    data = source.read_bytes()
-    length = struct.unpack_from("<I", data, 12)[0]
-    scene = json.loads(data[20:20 + length])
-    index, node = next((i, node) for i, node in enumerate(scene["nodes"]) if "camera" in node)
-    x, y, z, w = node["rotation"]
-    for degrees in rotations:
-        s, c = math.sin(math.radians(degrees) / 2), math.cos(math.radians(degrees) / 2)
-        turned = {**node, "name": f"pan{len(scene['nodes']):04d}", "rotation": [c * x + s * z, c * y + s * w, c * z - s * x, c * w - s * y]}
-        for nodes in (one["nodes"] for one in scene["scenes"] if index in one["nodes"]):
-            nodes.append(len(scene["nodes"]))
-        scene["cameras"].append({**scene["cameras"][node["camera"]], "name": turned["name"]})
-        scene["nodes"].append({**turned, "camera": len(scene["cameras"]) - 1})
-    text = json.dumps(scene, separators=(",", ":")).encode()
-    text += b" " * (-len(text) % 4)
-    rest = data[20 + length:]
-    target.write_bytes(struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest)) + struct.pack("<I4s", len(text), b"JSON") + text + rest)
-
-
-def pan(figures):
-    """Mean change from frame to frame over the mean, of the table's glossy indirect light at fixed pixels, while the
-    camera turns: {frames, degrees, spp, path: {mean, worst}, METHOD: ...}"""
-    shop, plan = figures.shop, figures.plan
-    count = plan.pan_frames
-    rotations = [PAN_DEGREES * (i / (count - 1) - 0.5) for i in range(count)]
-    result = {"frames": count, "degrees": PAN_DEGREES, "spp": plan.pan_spp}
-    surface = Surface("pan", "tabletop", PAN_SIZE, (), "")
-    # Pixels in the middle of the table, which show it in all frames.
-    mask = shop.path("pan-mask.exr")
-    window = (195, 105, 70, 25)
-    thin = shop.path("pan-thin.exr")
-    shop.make(mask.name, PEERS, "mask", ROOT / "scenes/tabletop.glb", "--material", TABLE, "--size", PAN_SIZE, "--window", *window,
-              keep=True)
-    shop.make(thin.name, PEERS, "thin", mask, "--count", 300, keep=True)
-    for method in ("path", "phat", "phat-pyramid"):
-        baked = method != "path"
-        scene = shop.path(f"pan{'.phat' if baked else ''}.glb")
-        with_cameras(figures.bake()[0] if baked else ROOT / "scenes/tabletop.glb", scene, rotations)
-        flags = () if baked else ("--pixels", thin)
-        shop.make(f"pan-{method}.json", PHAT, "render", scene, "--method", method, "--camera", "all", "--size", PAN_SIZE,
-                  "--component", "glossy-indirect", "--pixel-filter", "center", "--spp", 1 if baked else plan.pan_spp, *flags,
-                  "--json", "--quiet", keep=not baked, output=shop.path(f"pan-{method}.exr"))
-        frames = sorted(shop.folder.glob(f"pan-{method}.pan*.exr"))
-        changes = [compare(b, a, thin)["maeOverMean"] for a, b in zip(frames, frames[1:])]
-        result[method] = {"mean": statistics.mean(changes), "worst": max(changes)}
-    return result
 
 
 # --- the path tracer's speed

@@ -136,18 +136,25 @@ def cost_table(rows):
                   "SPIR-V instructions"], body)
 
 
-def pan_table(result):
-    path = result["path"]
-    return table(["method", "change from frame to frame, mean", "most", "times that of `path`"],
-                 [[f"`{name}`", f"{result[name]['mean']:.4f}", f"{result[name]['worst']:.4f}", f"{result[name]['mean'] / path['mean']:.2f}"]
-                  for name in ("path", "phat", "phat-pyramid")])
+def steadiness_table(motion):
+    def cells(kind, name):
+        one = motion[kind][name]
+        return [f"{one['mean']:.4f}", f"{one['worst']:.4f}", f"{one['mean'] / motion[kind]['path']['mean']:.2f}"]
+
+    return table(["method", "pan: mean", "most", "times that of `path`", "dolly: mean", "most", "times that of `path`"],
+                 [[name if " " in name else f"`{name}`", *cells("pan", name), *cells("dolly", name)] for name in motion["pan"]])
+
+
+def lag_table(lag):
+    return table(["method", "error in the first frame at rest", "settled", "frames until within a tenth of it"],
+                 [[name, f"{one['first']:.4f}", f"{one['settled']:.4f}", one["frames"]] for name, one in lag.items()])
 
 
 def write_page(path, figures, results):
     plan, best = figures.plan, figures.methods[0]
     quick = plan.name == "quick"
     equal_time, equal_error_table = equal_tables(figures, results)
-    paper, frame, speed, pan = results["paper"], results["frame"], results["path_speed"], results["pan"]
+    paper, frame, speed, motion = results["paper"], results["frame"], results["path_speed"], results["motion"]
     rays_a_texel = next(facts["raysPerTexel"] for facts in figures.peer_facts.values() if "raysPerTexel" in facts)
     pixels, spp = plan.reference.pixels, plan.reference.spp
     body = f"""# Results in detail
@@ -221,7 +228,8 @@ The default bakes of the other scenes against peers of as many bytes, on their f
 
 `{best}` in a single frame and in the mean of eight frames of a still view, and `phat-gather`, by the size of the table's texels (mm), view,
 material and roughness. Errors are two standard errors over bakes with different seeds, where there are several.
-"Lookup alone" is without rays for what PHATexels are too coarse for (`--reflections lookup`), as web pages and moving views are drawn. "Met" is judged without the reference's noise.
+`phat` traces what PHATexels are too coarse for on the CPU, "GPU rays" are those of moving views and of the page (`--trace gpu`), and
+"lookup alone" is without rays (`--reflections lookup`). "Met" is judged without the reference's noise.
 
 {goals_table(results["goals"])}
 
@@ -247,12 +255,18 @@ drawn by the texel, the others by the pixel. Reads are those of the indirect glo
 
 {cost_table(results["cost"])}
 
-## A pan
+## Moving views
 
-The camera turns by {pan['degrees']:g} degrees in {pan['frames']} frames; mean change of a pixel from one frame to the next over the mean, of 300 pixels
-in the middle of the table, one sample each; `path` has {pan['spp']} samples a pixel in every frame. Most of it is the picture's own motion.
+The camera turns by {motion['degrees']:g} degrees, or moves forward by {100 * motion['meters']:g} cm, in {motion['frames']} frames; mean change of a pixel from one
+frame to the next over the mean, of 300 pixels in the middle of the table, one sample each; `path` has {motion['spp']} samples a pixel in
+every frame. Most of it is the picture's own motion. "GPU rays" are those of a window that moves: earlier frames' rays
+count (`--follow`).
 
-{pan_table(pan)}
+{steadiness_table(motion)}
+
+A turn by {motion['turnDegrees']:g} degrees in {motion['turnFrames']} frames, after which the view rests while frames go on being drawn; MAE/mean against `path`:
+
+{lag_table(motion["lag"])}
 
 {live_section(results["live"])}## The path tracer
 

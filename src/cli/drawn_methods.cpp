@@ -64,6 +64,8 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
         FrameSettings frame = frameOf(options, view);
         frame.method = method;
         if (bvh) frame.tracedByGpu = options.reflections;
+        frame.followsLast = options.follow;
+        if (options.follow) frame.seed = uint32_t(reports.size());
         if (options.countReads) frame.inspection = {Inspected::reads};
         PictureSum sum;
         const ReflectionCost cost = drawFrame(renderer, frame, tracing ? &tracing->traced : nullptr, sum);

@@ -150,6 +150,11 @@ void declareFrames(const DeclareOption& declare, RenderOptions& options) {
                "phat: bake N times more, with other draws; the mean, of --spp samples each")
         ->check(CLI::Range(0, kMaxRefinements))
         ->excludes(animate);
+    declare
+        .flag("--follow", options.follow,
+              "phat: with --camera all: the cameras are frames of one moving view, in their order; the rays "
+              "of earlier frames count, traced by the GPU")
+        ->excludes("--animate", "--refine", "--trace");
 }
 
 void declareScene(const DeclareOption& declare, RenderOptions& options) {
@@ -194,7 +199,7 @@ void checkMethod(const CLI::App& command, const RenderMethod& method) {
     onlyFor({"--gather-rays"}, name == "photons-gather");
     onlyFor({"--keep-light"}, !method.needsBake);
     onlyFor({"--radius", "--trace-visibility"}, name == "phat-gather");
-    onlyFor({"--quality", "--count-reads", "--reflections", "--trace", "--animate", "--refine"},
+    onlyFor({"--quality", "--count-reads", "--reflections", "--trace", "--follow", "--animate", "--refine"},
             name == "phat");
 }
 
@@ -235,6 +240,9 @@ void finishRenderOptions(const CLI::App& command, RenderOptions& options) {
         options.height = pixels.y;
     }
     checkMethod(command, options.method);
+    if (options.follow && options.camera != kAllCameras)
+        throw CLI::ValidationError("--follow", "needs --camera all");
+    if (options.follow) options.tracer = Tracer::gpu;
     if (option("--animate")) options.animated = animatedFrames(command);
     if (!option("--spp")) options.samplesPerPixel = options.method.samplesPerPixel;
     if (options.countReads) options.samplesPerPixel = 1;

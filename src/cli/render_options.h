@@ -77,6 +77,7 @@ struct RenderOptions {
     PhatGatherSettings gather;                         // phat-gather
     Reflections reflections = Reflections::automatic;  // phat
     Tracer tracer = Tracer::automatic;                 // phat
+    bool follow = false;                               // phat: see FrameSettings::followsLast
     Component component = Component::all;
     std::optional<AnimatedFrames> animated;  // phat
     int refinements = 0;                     // phat: how often its light is made anew and averaged

@@ -32,7 +32,9 @@ TEST(ConductRender, DrawsABakedFileAndRefusesWhatDoesNotExist) {
                                                                    {"--set", "*.roughness=2"},
                                                                    {"--eye", "1,2"},
                                                                    {"--component", "half"},
-                                                                   {"--reflections", "some"}}) {
+                                                                   {"--reflections", "some"},
+                                                                   {"--follow", "--camera", "0"},
+                                                                   {"--follow", "--animate", "0:1"}}) {
         const auto result = with(wrong);
         EXPECT_EQ(result.exitCode, 2) << wrong[1] << result.err;
         EXPECT_NE(result.err.find("phat: "), std::string::npos);
@@ -58,6 +60,11 @@ TEST(ConductRender, DrawsABakedFileAndRefusesWhatDoesNotExist) {
         return total;
     };
     EXPECT_LT(brightness("*.baseColor=0"), 0.9 * brightness("*.baseColor=1,1,1"));
+
+    const auto film = with({"--follow", "--camera", "all", "--json", "--quiet"});
+    ASSERT_EQ(film.exitCode, 0) << film.err;
+    EXPECT_GT(nlohmann::json::parse(film.out)["reflectionRays"], 0);
+    EXPECT_TRUE(std::filesystem::exists(folder.file("picture.Camera.exr")));
 }
 
 }  // namespace
