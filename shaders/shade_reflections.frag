@@ -16,6 +16,7 @@ uniform float turn;
 uniform vec3 brightest;             // radiance that nothing exceeds
 uniform float raySpread;            // radians that a ray of a mirror stands for
 uniform int ray;
+uniform float regularized;          // of the ray's alpha, see below; 0: nothing is
 
 layout(location = 0) out vec4 indirectOut;  // times the ray's weight; the weight
 layout(location = 1) out vec4 areaOut;      // the same of emitters and the environment; weight over metres
@@ -28,7 +29,6 @@ const int kSources = 1;
 // Paths by way of two sharp lobes are rare and bright, so that the second is taken at least so rough as a part of the
 // first's width, and its light at most so much brighter than the mean: both are biases.
 // source: Kaplanyan and Dachsbacher 2013, "Path Space Regularization".
-const float kRegularized = 0.5;
 const float kMaxOverMean = 4.0;
 // Rougher lobes at hits take area lights' highlights from the irradiance and the direction of an emitter.
 const float kSharpAtHits = 0.15;
@@ -72,7 +72,7 @@ vec3 bakedLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFromLo
         if (wi.z <= 0.0) continue;
         vec3 found = phatexelToward(lookup, direction, u, source == 0 ? 0 : layerCount);
         vec3 mean = arriving / kPi;
-        sum += (albedo + coat) * (found.x < 0.0 ? mean : min(found, kMaxOverMean / sharpest * mean));
+        sum += (albedo + coat) * (found.x < 0.0 ? mean : min(found, kMaxOverMean / max(sharpest, 1e-4) * mean));
     }
     return sum;
 }
@@ -118,7 +118,7 @@ void main() {
         area = s.emission * emissionWeight(found, s);
         if (reflects(s.brdf)) {
             vec4 u = sampleNumbersOf(ray, pixel, found.count).zwxy;
-            indirect = bakedLight(found.position, s, viewed, worldFromLocal, u, kRegularized * rayAlpha(found)) +
+            indirect = bakedLight(found.position, s, viewed, worldFromLocal, u, regularized * rayAlpha(found)) +
                        punctualLight(found.position, s, viewed, worldFromLocal);
         }
     }

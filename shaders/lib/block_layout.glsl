@@ -1,5 +1,5 @@
-// Which texel of a block holds the sample of a point of its unit square.
-// twin: stratifiedSquare in src/core/phatexel/directions.h, of which this is the inverse; tests/gl compares the two.
+// Which texel of a block holds the sample of a point of its unit square, and which point a texel holds.
+// twin: stratifiedSquare in src/core/phatexel/directions.h; tests/gl compares the two.
 
 const int kBlockBits = 5;
 const int kBlockSize = 1 << kBlockBits;
@@ -31,4 +31,10 @@ ivec2 texelHolding(vec2 square, ivec2 corner, int bits, uint scramble) {
     uint finer = (1u << uint(2 * (kBlockBits - bits))) - 1u;
     uint morton = reverse10((code ^ scramble) & ~finer);
     return corner + ivec2(gatherBits(morton), gatherBits(morton >> 1));
+}
+
+// The point of the texel at `inBlock`; `jitter` in [0,1)^2 moves it within its cell.
+vec2 stratifiedSquare(ivec2 inBlock, uint scramble, vec2 jitter) {
+    uint code = reverse10(spreadBits(uint(inBlock.x)) | (spreadBits(uint(inBlock.y)) << 1)) ^ (scramble & 1023u);
+    return (vec2(gatherBits(code), gatherBits(code >> 1)) + jitter) / float(kBlockSize);
 }

@@ -15,21 +15,6 @@ LobeSums noLobeSums() {
     return LobeSums(vec4(0.0), vec4(0.0), vec4(0.0), vec3(0.0, 0.0, 1.0), 0u, 0.0);
 }
 
-// twin: packRgb9e5 in src/core/phatexel/phatexture.h; tests/gl compares the two.
-uint packRgb9e5(vec3 rgb) {
-    rgb = clamp(rgb, vec3(0.0), vec3(65408.0));
-    float largest = max(rgb.r, max(rgb.g, rgb.b));
-    int exponent = largest > 0.0 ? max(-16, int(floor(log2(largest)))) + 16 : 0;
-    float scale = exp2(float(exponent - 24));
-    // Rounding up may need one bit more, and log2 may be off by one at powers of two.
-    if (floor(largest / scale + 0.5) >= 512.0) {
-        ++exponent;
-        scale *= 2.0;
-    }
-    uvec3 mantissa = uvec3(floor(rgb / scale + 0.5));
-    return mantissa.r | (mantissa.g << 9) | (mantissa.b << 18) | (uint(exponent) << 27);
-}
-
 uvec2 packSum(vec4 sum) {
     return uvec2(packRgb9e5(sum.rgb / max(sum.a, 1e-30)), floatBitsToUint(sum.a));
 }

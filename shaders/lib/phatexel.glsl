@@ -17,9 +17,28 @@ struct Phatexel {
     bool valid;
 };
 
+uint packRgb9e5(vec3 rgb) {
+    rgb = clamp(rgb, vec3(0.0), vec3(65408.0));
+    float largest = max(rgb.r, max(rgb.g, rgb.b));
+    int exponent = largest > 0.0 ? max(-16, int(floor(log2(largest)))) + 16 : 0;
+    float scale = exp2(float(exponent - 24));
+    // Rounding up may need one bit more, and log2 may be off by one at powers of two.
+    if (floor(largest / scale + 0.5) >= 512.0) {
+        ++exponent;
+        scale *= 2.0;
+    }
+    uvec3 mantissa = uvec3(floor(rgb / scale + 0.5));
+    return mantissa.r | (mantissa.g << 9) | (mantissa.b << 18) | (uint(exponent) << 27);
+}
+
 vec3 unpackRgb9e5(uint bits) {
     float scale = exp2(float(int(bits >> 27) - 15 - 9));
     return vec3(float(bits & 511u), float((bits >> 9) & 511u), float((bits >> 18) & 511u)) * scale;
+}
+
+uint packOctahedral24(vec3 d) {
+    uvec2 code = uvec2(clamp(octahedralFromDirection(d) * 0.5 + 0.5, 0.0, 1.0) * float(kOctahedralMax) + 0.5);
+    return code.x | (code.y << 12);
 }
 
 vec3 unpackOctahedral24(uint bits) {
@@ -27,9 +46,17 @@ vec3 unpackOctahedral24(uint bits) {
     return octahedralToDirection(code * (2.0 / float(kOctahedralMax)) - 1.0);
 }
 
+const float kCodesPerOctave = 253.0 / 19.931569;
+
+uint packDistance(float meters) {
+    if (meters >= kFarDistance) return 255u;
+    float nearest = 1e-3 * unitMeters;
+    float code = log2(max(meters, nearest) / nearest) * kCodesPerOctave;
+    return uint(clamp(floor(code + 0.5), 0.0, 253.0)) + 1u;
+}
+
 float unpackDistance(uint code) {
     if (code == 255u) return kFarDistance;
-    const float kCodesPerOctave = 253.0 / 19.931569;
     return 1e-3 * unitMeters * exp2(float(int(code) - 1) / kCodesPerOctave);
 }
 

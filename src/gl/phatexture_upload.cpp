@@ -116,7 +116,7 @@ GlTexture uploadTileLight(const Scene& scene, const Atlas& atlas, const Phatextu
 constexpr float kLargestHalf = 65504.0f;
 
 GlTexture uploadIrradiance(const Phatexture& phatexture, glm::uvec2 size) {
-    GlTexture texture = createTextureArray(GL_RGB16F, size, 2);
+    GlTexture texture = createTextureArray(GL_RGBA16F, size, 2);
     const auto upload = [&](int index, const std::vector<uint32_t>& packed) {
         std::vector<glm::vec3> layer(size_t(size.x) * size.y, glm::vec3(0));
         for (size_t i = 0; i < packed.size(); ++i)
@@ -213,6 +213,25 @@ void updateGuides(const GpuAtlas& gpu, const LightUpdate::Guides& block) {
 void updateTileLight(const GpuAtlas& gpu, const std::vector<glm::vec4>& light) {
     glTextureSubImage2D(gpu.tileLight.name(), 0, 0, 0, GLsizei(gpu.sizeTexels.x / kTileSize),
                         GLsizei(gpu.sizeTexels.y / kTileSize), GL_RGBA, GL_FLOAT, light.data());
+}
+
+StoredLight readLight(const GpuAtlas& gpu) {
+    StoredLight light;
+    const GLsizei width = GLsizei(gpu.sizeTexels.x), height = GLsizei(gpu.sizeTexels.y);
+    const size_t count = size_t(width) * size_t(height);
+    const auto read = [&](const GlTexture& texture, int layer, GLenum format, GLenum type, auto& values) {
+        values.resize(count);
+        glGetTextureSubImage(texture.name(), 0, 0, 0, layer, width, height, 1, format, type,
+                             GLsizei(count * sizeof(values[0])), values.data());
+    };
+    for (const GpuPhatexels& source : gpu.sources)
+        for (int layer = 0; layer < source.layerCount; ++layer)
+            read(gpu.phatexels, source.firstLayer + layer, GL_RG_INTEGER, GL_UNSIGNED_INT,
+                 light.phatexels.emplace_back());
+    for (int source = 0; source < 2; ++source)
+        read(gpu.irradiance, source, GL_RGB, GL_FLOAT, light.irradiance[size_t(source)]);
+    checkGl("reading light");
+    return light;
 }
 
 }  // namespace phat

@@ -6,6 +6,7 @@
 #include "core/phatexel/phatexture.h"
 #include "core/scene/scene.h"
 #include "gl/gl_objects.h"
+#include "gl/light_round.h"
 
 namespace phat {
 
@@ -26,7 +27,7 @@ struct GpuAtlas {
     GlTexture tilePatches;  // RGBA32UI [tileY][2 tileX], see packTile
     GlTexture charts;       // RGBA32UI table: origin and size in tiles (y << 16 | x), first block, texel size
     GlTexture tileLight;    // RGBA32F [tileY][tileX], see tileLight()
-    GlTexture irradiance;   // RGB16F: indirect, area
+    GlTexture irradiance;   // RGBA16F: indirect, area
     GlTexture phatexels;    // RG32UI [layer][y][x]: the sources' one after the other
     std::vector<GpuPhatexels> sources;  // indirect, then area if there is any
 };
@@ -40,5 +41,8 @@ void updateIrradiance(const GpuAtlas& gpu, const LightUpdate::Irradiance& tile);
 void updateTilePatch(const GpuAtlas& gpu, const LightUpdate::TileGeometry& tile);
 void updateGuides(const GpuAtlas& gpu, const LightUpdate::Guides& block);
 void updateTileLight(const GpuAtlas& gpu, const std::vector<glm::vec4>& light);
+
+/// Waits for the GPU.
+StoredLight readLight(const GpuAtlas& gpu);
 
 }  // namespace phat

@@ -12,6 +12,9 @@ namespace {
 constexpr int kPointsUnit = kLobeUnits, kGuidesUnit = kPointsUnit + 1, kBvhUnit = kGuidesUnit + 1,
               kAfterBvh = kBvhUnit + kBvhUnits;
 
+// Of a reflection's alpha: what its hits reflect is so wide at least. See shade_reflections.frag.
+constexpr float kRegularized = 0.5f;
+
 void bindEye(const ShaderProgram& program, const RayFrame& frame) {
     program.set("eyeWorld", frame.eye.position);
     program.set("eyeAtInfinity", frame.eye.atInfinity ? 1.0f : 0.0f);
@@ -69,6 +72,7 @@ void bindShade(const RayPass& pass, const RayTargets& targets, const RayFrame& f
     program.set("turn", frame.environmentTurn);
     program.set("brightest", frame.scene.brightest);
     program.set("raySpread", frame.pixelRadians);
+    program.set("regularized", kRegularized);
 }
 
 void traceLights(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {

@@ -169,6 +169,7 @@ void Renderer::moveScene(const Scene& scene, const Atlas& atlas, const TexelPoin
     s.raysMoved = s.raysEdited = true;
     phat::moveScene(s.scene, scene, atlas);
     s.show(scene, atlas, points);
+    if (s.light) moveTexelPoints(s.light->points, scene, atlas, worldFromRest);
     s.surfacesTurned = true;
     s.lights = scene.lights;
     s.shadows = {};
@@ -211,6 +212,31 @@ bool Renderer::takeUpdate(LightUpdate& update, double seconds) {
     update.irradiance.erase(update.irradiance.begin(), update.irradiance.begin() + ptrdiff_t(done));
     checkGl("taking over updated PHATexels");
     return update.empty();
+}
+
+void Renderer::beginLight(const Scene& restScene, const Phatexture& phatexture) {
+    State& s = *state_;
+    if (!s.restBvh || s.lookup.guideCount == 0) throw GlError("this bake's light cannot be made by the GPU");
+    s.light = createGpuLight(restScene, *s.shownAtlas, *s.shownPoints, phatexture);
+    moveTexelPoints(s.light->points, restScene, *s.shownAtlas, s.worldFromRest);
+    s.lightPass = createLightUpdatePass(s.shaderFolder, s.atlas, s.lookup, bvhDefines(*s.restBvh));
+}
+
+void Renderer::traceLight(const LightRound& round) {
+    State& s = *state_;
+    assert(s.light);
+    phat::traceLight(*s.lightPass, *s.light,
+                     {s.currentRayScene(), s.atlas, s.lookup, s.scene, s.currentShadows(), s.environmentTurn},
+                     round);
+    s.texelsChanged();
+}
+
+void Renderer::filterLight() {
+    filterIrradiance(*state_->lightPass, *state_->light, state_->atlas);
+}
+
+StoredLight Renderer::readLight() const {
+    return phat::readLight(state_->atlas);
 }
 
 void Renderer::turnEnvironment(int columns) {

@@ -20,6 +20,7 @@
 #include "core/render/picture.h"
 #include "core/render/traced_reflections.h"
 #include "core/scene/scene.h"
+#include "gl/light_round.h"
 
 namespace phat {
 
@@ -236,6 +237,16 @@ class Renderer {
     /// because moveScene has moved what is there already; a block's tiles are never parted. What is done is
     /// taken out of `update`; returns whether all is.
     bool takeUpdate(LightUpdate& update, double seconds);
+
+    /// Light is made by the GPU from now on (gl/light_update_pass.h). `restScene` and `phatexture`: those of
+    /// the constructor, whose points must be at rest. pre: RendererInput::bvh. Throws GlError for PHATexels
+    /// that cannot be looked up.
+    void beginLight(const Scene& restScene, const Phatexture& phatexture);
+    /// Traces the rays of a round. Irradiance is shown by the next filterLight().
+    void traceLight(const LightRound& round);
+    void filterLight();
+    /// Waits for the GPU.
+    StoredLight readLight() const;
 
   private:
     struct State;

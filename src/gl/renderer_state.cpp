@@ -55,10 +55,7 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
         rayCounter.restart();
     }
     glDisable(GL_BLEND);
-    if (!shadows.depth) {
-        shadows = renderShadowMaps(lights, scene, {materials, glass}, commons.shadows);
-        clock.ended(Pass::shadows);
-    }
+    currentShadows();
     const RelightPass* pyramid = nullptr;
     if (!preview && (!lookedUp || anyBlended(materials) || !glass.empty()))
         pyramid = &pyramidFrom(eyeOf(settings.camera), paper);
@@ -126,6 +123,14 @@ const LookupPass& Renderer::State::lookupFor(bool counting) {
     std::optional<LookupPass>& made = counting ? countingLookupPass : lookupPass;
     if (!made) made = createLookupPass(shaderFolder, lookup, anyClearcoat(materials), counting);
     return *made;
+}
+
+const ShadowMaps& Renderer::State::currentShadows() {
+    if (!shadows.depth) {
+        shadows = renderShadowMaps(lights, scene, {materials, glass}, commonPass().shadows);
+        clock.ended(Pass::shadows);
+    }
+    return shadows;
 }
 
 const CommonPass& Renderer::State::commonPass() {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gl/display_pass.h"
+#include "gl/light_update_pass.h"
 #include "gl/phatexture_upload.h"
 #include "gl/renderer.h"
 
@@ -41,6 +42,11 @@ struct Renderer::State {
     void texelsChanged();
     /// A clear coat changes the variants of the shaders.
     void dropPasses();
+
+    /// Draws the shadow maps, when lights or things have changed.
+    const ShadowMaps& currentShadows();
+    /// Where everything is now.
+    const GpuRayScene& currentRayScene();
 
     const CommonPass& commonPass();
     const LookupPass& lookupFor(bool counting);
@@ -79,6 +85,8 @@ struct Renderer::State {
     std::optional<RayPass> rayPass;
     RayHistory rayHistory;
     RayCounter rayCounter;
+    std::optional<GpuLight> light;
+    std::optional<LightUpdatePass> lightPass;
     std::optional<CommonPass> common;
     std::optional<DisplayPass> display, displayPaper, countingDisplay;
     std::optional<ShaderProgram> inspectProgram;
@@ -89,8 +97,6 @@ struct Renderer::State {
     /// The pyramid relit for `eye`.
     const RelightPass& pyramidFrom(const Eye& eye, bool paper);
     const ReflectionPass& reflections();
-    /// Where everything is now.
-    const GpuRayScene& currentRayScene();
     const RayPass& rayTracing();
     const ShaderProgram& inspecting();
 };

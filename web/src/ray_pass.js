@@ -13,6 +13,7 @@ const kPointsUnit = 3,
     kUnused = 15;
 // twin: kSharpAlpha in src/gl/display_pass.cpp.
 const kSharpAlpha = 0.1;
+const kRegularized = 0.5;
 
 export class RayPrograms {
     // `defines`: of all passes; `hasOpacity`: whether rays pass some surfaces.
@@ -173,6 +174,7 @@ export class RayPass {
         scene.bindHits(program, 2);
         program.set('brightest', scene.brightest);
         program.set('raySpread', this.view.pixelRadians);
+        program.set('regularized', kRegularized);
         return 2 + kHitUnits;
     }
 

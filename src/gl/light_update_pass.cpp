@@ -1,0 +1,319 @@
+#include "gl/light_update_pass.h"
+
+#include <algorithm>
+#include <bit>
+#include <glm/gtc/packing.hpp>
+
+#include "core/bake/irradiance.h"
+#include "core/base/random.h"
+#include "gl/sample_numbers.h"
+#include "gl/textures.h"
+
+namespace phat {
+namespace {
+
+// twin: shaders/lib/texel_batch.glsl.
+constexpr uint32_t kBatchSide = 8, kBatchBlocks = kBatchSide * kBatchSide;
+constexpr uint32_t kBatchTexels = kBatchSide * kBlockSize;
+// twin: shaders/lib/guide_direction.glsl.
+constexpr uint32_t kGuidesWide = 128;
+// Steps of 1, 2, 4, 8 and 16 texels.
+constexpr int kFilterPasses = 5;
+
+// twin: the constants of trace_texels.frag.
+constexpr int kDiffuseChoice = 2;
+
+GlTexture uploadGuideSums(const Phatexture& phatexture) {
+    std::vector<const Guide*> guides;
+    for (const auto* of : {&phatexture.indirectGuides, &phatexture.areaGuides})
+        for (const Guide& guide : *of) guides.push_back(&guide);
+    const uint32_t count = std::max<uint32_t>(1, uint32_t(guides.size()));
+    const glm::uvec2 size(kGuidesWide * kGuideSize, (count + kGuidesWide - 1) / kGuidesWide * kGuideSize);
+    std::vector<uint32_t> sums(size_t(size.x) * size.y, 0);
+    for (uint32_t g = 0; g < guides.size(); ++g) {
+        const glm::uvec2 corner = glm::uvec2(g % kGuidesWide, g / kGuidesWide) * uint32_t(kGuideSize);
+        uint32_t rows = 0;
+        for (uint32_t y = 0; y < kGuideSize; ++y) {
+            uint32_t row = 0;
+            for (uint32_t x = 0; x < kGuideSize; ++x) {
+                sums[size_t(corner.y + y) * size.x + corner.x + x] = rows << 16 | row;
+                row += guides[g]->weight[y * kGuideSize + x];
+            }
+            rows += row;
+        }
+    }
+    GlTexture texture = createTexture2D(GL_R32UI, size);
+    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(size.x), GLsizei(size.y), GL_RED_INTEGER,
+                        GL_UNSIGNED_INT, sums.data());
+    return texture;
+}
+
+// The bake's irradiance, as if by so many samples.
+constexpr float kBakedSamples = 64;
+// Texel size over the distance of what is around: not known to the bake.
+constexpr float kBakedNearness = 0.125f;
+
+// twin: shaders/lib/irradiance_estimate.glsl.
+GlTexture uploadEstimates(const Atlas& atlas, const std::vector<uint8_t>& receives,
+                          const Phatexture& phatexture) {
+    GlTexture texture = createTextureArray(GL_RGBA32UI, atlas.sizeTexels, 2);
+    std::vector<glm::uvec4> texels(atlas.texelCount());
+    const auto upload = [&](int source, const std::vector<uint32_t>& irradiance) {
+        std::fill(texels.begin(), texels.end(), glm::uvec4(0));
+        for (size_t i = 0; i < irradiance.size(); ++i) {
+            if (!receives[i]) continue;
+            const glm::vec3 mean = unpackRgb9e5(irradiance[i]);
+            const float statistic = source == 0 ? kBakedNearness : luminance(mean);
+            texels[i] = {std::bit_cast<uint32_t>(mean.x), std::bit_cast<uint32_t>(mean.y),
+                         std::bit_cast<uint32_t>(mean.z), glm::packHalf2x16({kBakedSamples, statistic})};
+        }
+        glTextureSubImage3D(texture.name(), 0, 0, 0, source, GLsizei(atlas.sizeTexels.x),
+                            GLsizei(atlas.sizeTexels.y), 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, texels.data());
+    };
+    upload(0, phatexture.indirectIrradiance);
+    upload(1, phatexture.areaIrradiance);
+    return texture;
+}
+
+// What irradiance was before counts as so many samples: few for as long as a change spreads from bounce to
+// bounce, and then ever more.
+uint32_t mostSamples(uint32_t rounds) {
+    constexpr uint32_t kLeast = 4, kSpreading = 32;
+    return kLeast + (std::max(rounds, kSpreading) - kSpreading) / 4;
+}
+
+// The blocks of a batch, of which the layouts follow from `scrambleOf(turn)`.
+template <typename ScrambleOf>
+void setBatch(const ShaderProgram& program, const GpuLight& light, std::span<const BlockTurn> blocks,
+              const ScrambleOf& scrambleOf) {
+    std::array<glm::uvec4, kBatchBlocks> entries{};
+    for (size_t i = 0; i < blocks.size(); ++i) {
+        const BlockRect& rect = light.blocks[blocks[i].block];
+        entries[i] = {rect.origin.y << 16 | rect.origin.x, rect.size.y << 16 | rect.size.x, blocks[i].block,
+                      mostSamples(blocks[i].rounds) << 16 | scrambleOf(blocks[i])};
+    }
+    program.set("batchBlocks", std::span<const glm::uvec4>(entries));
+}
+
+glm::uvec2 batchSize(size_t blocks) {
+    const uint32_t rows = (uint32_t(blocks) + kBatchSide - 1) / kBatchSide;
+    return {kBatchTexels, rows * kBlockSize};
+}
+
+// Copies what was drawn for each block to its place.
+void copyBlocks(const GpuLight& light, std::span<const BlockTurn> blocks, const GlTexture& from,
+                const GlTexture& to, int layer) {
+    for (size_t i = 0; i < blocks.size(); ++i) {
+        const BlockRect& rect = light.blocks[blocks[i].block];
+        const glm::uvec2 corner = glm::uvec2(i % kBatchSide, i / kBatchSide) * kBlockSize;
+        glCopyImageSubData(from.name(), GL_TEXTURE_2D, 0, GLint(corner.x), GLint(corner.y), 0, to.name(),
+                           GL_TEXTURE_2D_ARRAY, 0, GLint(rect.origin.x), GLint(rect.origin.y), layer,
+                           GLsizei(rect.size.x), GLsizei(rect.size.y), 1);
+    }
+}
+
+enum class LayoutOf : uint64_t { rays, lights };
+
+// Of every sixteen rounds each takes a texel into another one of the 4x4 parts of the square; where in it,
+// and where its neighbours are, is another one each time.
+uint32_t layoutOf(LayoutOf what, BlockTurn turn) {
+    uint32_t part = 0;
+    for (uint32_t bit = 0; bit < 4; ++bit) part |= (turn.rounds >> bit & 1u) << (3 - bit);
+    const uint32_t first = uint32_t(hashOf(uint64_t(what), turn.block) & 15u);
+    const uint32_t within = uint32_t(hashOf(uint64_t(what), turn.block, turn.rounds) & 63u);
+    return (part ^ first) << 6 | within;
+}
+
+/// A batch of a round.
+struct Batch {
+    const LightUpdatePass& pass;
+    const GpuLight& light;
+    const LitWorld& world;
+    std::span<const BlockTurn> blocks;
+    uint32_t seed;
+
+    glm::uvec2 size() const { return batchSize(blocks.size()); }
+    template <typename ScrambleOf>
+    void trace(int choice, int layer, int source, const ScrambleOf& scrambleOf) const;
+    void shade() const;
+    void tracePhatexels(RayChoice directions) const;
+    void estimateIrradiance() const;
+};
+
+template <typename ScrambleOf>
+void Batch::trace(int choice, int layer, int source, const ScrambleOf& scrambleOf) const {
+    const ShaderProgram& program = pass.trace.program;
+    bindBvh(world.rays.bvh, program, 0);
+    bindTexelPoints(light.points, world.atlas, program, kBvhUnits);
+    int unit = kBvhUnits + kTexelPointUnits;
+    program.bind("guideSums", unit++, light.guideSums.name());
+    program.bind("phatexels", unit++, world.atlas.phatexels.name());
+    program.bind("tilePatches", unit++, world.atlas.tilePatches.name());
+    program.set("unitMeters", world.atlas.unitMeters);
+    program.set("originUnitMeters", world.atlas.unitMeters);
+    program.set("choice", choice);
+    program.set("layer", layer);
+    program.set("firstGuide", source == 0 ? 0 : world.atlas.sources[0].guideCount);
+    program.set("guideCount", world.atlas.sources[size_t(source)].guideCount);
+    program.set("seed", int(seed));
+    setBatch(program, light, blocks, scrambleOf);
+    pass.trace.draw(pass.raysTarget, size());
+}
+
+void Batch::shade() const {
+    const ShaderProgram& program = pass.shade.program;
+    program.bind("hits", 0, pass.hits.name());
+    program.bind("places", 1, pass.places.name());
+    bindHits(world.rays.hits, program, 2);
+    int unit = bindPhatexels(program, world.atlas, world.lookup, 2 + kHitUnits);
+    program.bind("splitSumTable", unit++, world.surfaces.splitSum.name());
+    program.bind("lightTable", unit++, world.shadows.lightTable.name());
+    program.bind("shadowMaps", unit++, world.shadows.depth.name());
+    program.bind("irradiance", unit++, world.atlas.irradiance.name(), world.rays.hits.filtered.name());
+    const GlTexture& sky = world.surfaces.environment;
+    program.bind("environment", unit++, sky.name(), sky ? world.surfaces.environmentSampler.name() : 0);
+    program.set("lightCount", world.shadows.lightCount);
+    program.set("turn", world.environmentTurn);
+    program.set("brightest", world.rays.brightest);
+    program.set("raySpread", 0.0f);
+    program.set("regularized", 0.0f);
+    program.set("ray", 0);
+    setSampleNumbers(program, 1, seed);
+    pass.shade.draw(pass.lightTarget, size());
+}
+
+void Batch::tracePhatexels(RayChoice directions) const {
+    for (size_t source = 0; source < world.atlas.sources.size(); ++source) {
+        const GpuPhatexels& phatexels = world.atlas.sources[source];
+        for (int i = 0; i < phatexels.layerCount; ++i) {
+            const int layer = phatexels.firstLayer + i;
+            const std::vector<uint16_t>& scrambles = light.scrambles[size_t(layer)];
+            trace(int(directions), layer, int(source),
+                  [&](BlockTurn turn) { return scrambles.empty() ? 0u : uint32_t(scrambles[turn.block]); });
+            shade();
+            const ShaderProgram& program = pass.pack.program;
+            program.bind("hits", 0, pass.hits.name());
+            program.bind("codes", 1, pass.codes.name());
+            program.bind("radiance", 2, (source == 0 ? pass.indirect : pass.area).name());
+            program.set("unitMeters", world.atlas.unitMeters);
+            pass.pack.draw(pass.packedTarget, size());
+            copyBlocks(light, blocks, pass.packed, world.atlas.phatexels, layer);
+        }
+    }
+}
+
+void Batch::estimateIrradiance() const {
+    trace(kDiffuseChoice, 0, 0, [](BlockTurn turn) { return layoutOf(LayoutOf::rays, turn); });
+    shade();
+    if (world.rays.hits.emitterCount > 0) {
+        const ShaderProgram& program = pass.lights.program;
+        bindBvh(world.rays.bvh, program, 0);
+        bindTexelPoints(light.points, world.atlas, program, kBvhUnits);
+        bindHits(world.rays.hits, program, kBvhUnits + kTexelPointUnits);
+        program.bind("splitSumTable", kBvhUnits + kTexelPointUnits + kHitUnits,
+                     world.surfaces.splitSum.name());
+        program.set("originUnitMeters", world.atlas.unitMeters);
+        program.set("seed", int(~seed));
+        setBatch(program, light, blocks, [](BlockTurn turn) { return layoutOf(LayoutOf::lights, turn); });
+        glEnable(GL_BLEND);
+        glBlendFunc(GL_ONE, GL_ONE);
+        pass.lights.draw(pass.areaTarget, size());
+        glDisable(GL_BLEND);
+    }
+    const ShaderProgram& program = pass.estimate.program;
+    program.bind("indirectLight", 0, pass.indirect.name());
+    program.bind("areaLight", 1, pass.area.name());
+    program.bind("estimates", 2, light.estimates.name());
+    program.bind("splitSumTable", 3, world.surfaces.splitSum.name());
+    program.bind("hits", 4, pass.hits.name());
+    bindTexelPoints(light.points, world.atlas, program, 5);
+    setBatch(program, light, blocks, [](BlockTurn) { return 0u; });
+    pass.estimate.draw(pass.estimateTarget, size());
+    copyBlocks(light, blocks, pass.indirectEstimate, light.estimates, 0);
+    copyBlocks(light, blocks, pass.areaEstimate, light.estimates, 1);
+}
+
+}  // namespace
+
+GpuLight createGpuLight(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
+                        const Phatexture& phatexture) {
+    GpuLight light;
+    light.points = uploadTexelPoints(scene, atlas, points);
+    light.guideSums = uploadGuideSums(phatexture);
+    light.estimates = uploadEstimates(atlas, irradianceTexels(atlas, points), phatexture);
+    light.blocks = blockRects(atlas);
+    for (const auto* layers : {&phatexture.indirect, &phatexture.area})
+        for (const PhatexelLayer& layer : *layers) light.scrambles.push_back(layer.scrambles);
+    checkGl("preparing light on the GPU");
+    return light;
+}
+
+LightUpdatePass createLightUpdatePass(const std::string& folder, const GpuAtlas& atlas,
+                                      const GpuLookup& lookup, const std::vector<std::string>& bvhDefines) {
+    LightUpdatePass pass;
+    std::vector<std::string> shading;
+    if (lookup.areaGuideCount > 0) shading.push_back("AREA");
+    if (lookup.scrambles) shading.push_back("SCRAMBLES");
+    pass.trace = FullscreenProgram(folder, "trace_texels.frag", bvhDefines);
+    pass.shade = FullscreenProgram(folder, "shade_reflections.frag", shading);
+    pass.lights = FullscreenProgram(folder, "light_texels.frag", bvhDefines);
+    pass.pack = FullscreenProgram(folder, "pack_phatexels.frag");
+    pass.estimate = FullscreenProgram(folder, "estimate_irradiance.frag");
+    pass.filterFirst = FullscreenProgram(folder, "filter_irradiance.frag", {"FIRST"});
+    pass.filter = FullscreenProgram(folder, "filter_irradiance.frag");
+    const glm::uvec2 size(kBatchTexels);
+    for (GlTexture* words : {&pass.hits, &pass.places, &pass.indirectEstimate, &pass.areaEstimate})
+        *words = createTexture2D(GL_RGBA32UI, size);
+    pass.codes = createTexture2D(GL_R32UI, size);
+    pass.packed = createTexture2D(GL_RG32UI, size);
+    pass.indirect = createTexture2D(GL_RGBA16F, size);
+    pass.area = createTexture2D(GL_RGBA16F, size);
+    pass.raysTarget = createFramebuffer({{pass.hits.name()}, {pass.places.name()}, {pass.codes.name()}});
+    pass.lightTarget = createFramebuffer({{pass.indirect.name()}, {pass.area.name()}});
+    pass.areaTarget = createFramebuffer({{pass.area.name()}});
+    pass.packedTarget = createFramebuffer({{pass.packed.name()}});
+    pass.estimateTarget = createFramebuffer({{pass.indirectEstimate.name()}, {pass.areaEstimate.name()}});
+    for (size_t i = 0; i < 2; ++i) {
+        pass.filtered[i] = createTexture2D(GL_RGBA16F, atlas.sizeTexels);
+        pass.filteredTargets[i] = createFramebuffer({{pass.filtered[i].name()}});
+        pass.irradianceTargets.push_back(createFramebuffer({{atlas.irradiance.name(), 0, int(i)}}));
+    }
+    checkGl("creating the passes that update light");
+    return pass;
+}
+
+void traceLight(const LightUpdatePass& pass, const GpuLight& light, const LitWorld& world,
+                const LightRound& round) {
+    glDisable(GL_BLEND);
+    for (size_t first = 0; first < round.blocks.size(); first += kBatchBlocks) {
+        const size_t count = std::min<size_t>(kBatchBlocks, round.blocks.size() - first);
+        const Batch batch{pass, light, world, round.blocks.subspan(first, count),
+                          uint32_t(hashOf(round.number, first))};
+        if (round.phatexels) batch.tracePhatexels(round.directions);
+        if (round.irradiance) batch.estimateIrradiance();
+    }
+    checkGl("updating light");
+}
+
+void filterIrradiance(const LightUpdatePass& pass, const GpuLight& light, const GpuAtlas& atlas) {
+    glDisable(GL_BLEND);
+    for (int source = 0; source < int(atlas.sources.size()); ++source) {
+        for (int i = 0; i < kFilterPasses; ++i) {
+            const FullscreenProgram& filter = i == 0 ? pass.filterFirst : pass.filter;
+            const ShaderProgram& program = filter.program;
+            bindTexelPoints(light.points, atlas, program, 0);
+            if (i == 0)
+                program.bind("estimates", kTexelPointUnits, light.estimates.name());
+            else
+                program.bind("before", kTexelPointUnits, pass.filtered[size_t(i + 1) % 2].name());
+            program.set("source", source);
+            program.set("step", 1 << i);
+            const bool last = i == kFilterPasses - 1;
+            filter.draw(last ? pass.irradianceTargets[size_t(source)] : pass.filteredTargets[size_t(i) % 2],
+                        atlas.sizeTexels);
+        }
+    }
+    checkGl("filtering irradiance");
+}
+
+}  // namespace phat

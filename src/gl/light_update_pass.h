@@ -1,0 +1,61 @@
+#pragma once
+// Light transport by the GPU: PHATexels and irradiance of blocks of the atlas made anew, one ray each.
+// source: Hensley et al. 2003, section 8 (the graphics hardware updates PHATexels while it draws); how is
+// ours: docs/dynamic.md, "On the GPU".
+
+#include <array>
+#include <vector>
+
+#include "core/atlas/atlas.h"
+#include "gl/fullscreen.h"
+#include "gl/light_round.h"
+#include "gl/lookup_pass.h"
+#include "gl/ray_pass.h"
+#include "gl/texel_points.h"
+
+namespace phat {
+
+/// What is known of the light beside what frames are drawn from.
+struct GpuLight {
+    GpuTexelPoints points;
+    GlTexture guideSums;  // R32UI, see shaders/lib/guide_direction.glsl: as GpuAtlas::sources
+    GlTexture estimates;  // RGBA32UI [source][y][x], see shaders/lib/irradiance_estimate.glsl
+    std::vector<BlockRect> blocks;
+    std::vector<std::vector<uint16_t>> scrambles;  // [layer][block] of all sources
+};
+/// Throws GlError.
+GpuLight createGpuLight(const Scene& scene, const Atlas& atlas, const TexelPoints& points,
+                        const Phatexture& phatexture);
+
+/// Programs, and pictures between them.
+struct LightUpdatePass {
+    FullscreenProgram trace, shade, lights, pack, estimate, filterFirst, filter;
+    GlTexture hits, places, codes;  // of the rays, see trace_texels.frag
+    GlTexture indirect, area;       // RGBA16F: what they bring
+    GlTexture packed;               // RG32UI PHATexels
+    GlTexture indirectEstimate, areaEstimate;
+    std::array<GlTexture, 2> filtered;  // RGBA16F [y][x] of the atlas
+    GlFramebuffer raysTarget, lightTarget, areaTarget, packedTarget, estimateTarget;
+    std::array<GlFramebuffer, 2> filteredTargets;
+    std::vector<GlFramebuffer> irradianceTargets;  // [source]
+};
+LightUpdatePass createLightUpdatePass(const std::string& shaderFolder, const GpuAtlas& atlas,
+                                      const GpuLookup& lookup, const std::vector<std::string>& bvhDefines);
+
+/// What the rays meet, as it is now.
+struct LitWorld {
+    const GpuRayScene& rays;
+    const GpuAtlas& atlas;
+    const GpuLookup& lookup;
+    const GpuScene& surfaces;
+    const ShadowMaps& shadows;
+    float environmentTurn = 0;
+};
+
+/// PHATexels are replaced; irradiance is estimated better, and shown once it is filtered.
+void traceLight(const LightUpdatePass& pass, const GpuLight& light, const LitWorld& world,
+                const LightRound& round);
+/// The irradiance of all texels, from the estimates so far.
+void filterIrradiance(const LightUpdatePass& pass, const GpuLight& light, const GpuAtlas& atlas);
+
+}  // namespace phat

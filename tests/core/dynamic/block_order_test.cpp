@@ -1,0 +1,90 @@
+// The order in which blocks get new light.
+
+#include "core/dynamic/block_order.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "support/scene_builder.h"
+
+namespace phat::test {
+namespace {
+
+struct Room {
+    Room() {
+        addRoom(scene, lambert(0.5f), {4, 4, 4});
+        AtlasSettings settings;
+        settings.texelBudget = 40'000;
+        SilentProgress progress;
+        atlas = buildAtlas(scene, {}, settings, progress);
+        points = buildTexelPoints(scene, atlas);
+    }
+    Scene scene;
+    Atlas atlas;
+    TexelPoints points;
+};
+
+// Stands in the middle and looks along -z.
+Camera middle() {
+    Camera camera;
+    camera.worldFromCamera[3] = {2, 2, 2, 1};
+    camera.yfovRadians = 0.8f;
+    camera.aspect = 1;
+    return camera;
+}
+
+TEST(BlockOrder, MakesAllBlocksUntilTheyAreSettled) {
+    const Room room;
+    BlockOrder order(room.atlas, room.points);
+    ASSERT_GT(order.size(), 20u);
+    std::map<uint32_t, uint32_t> rounds;
+    size_t calls = 0;
+    while (!order.settled()) {
+        const std::vector<BlockTurn> turns = order.next(7, middle());
+        ASSERT_FALSE(turns.empty());
+        for (const BlockTurn turn : turns) EXPECT_EQ(turn.rounds, rounds[turn.block]++);
+        ASSERT_LT(++calls, 100'000u);
+    }
+    EXPECT_EQ(rounds.size(), order.size());
+    for (const auto& [block, count] : rounds) EXPECT_EQ(count, BlockOrder::kSettledRounds);
+    EXPECT_TRUE(order.next(7, middle()).empty());
+    order.noteChange();
+    EXPECT_FALSE(order.settled());
+    EXPECT_EQ(order.next(1, middle()).front().rounds, 0u);
+}
+
+TEST(BlockOrder, WhatIsSeenHasFourTimesAsManyRounds) {
+    const Room room;
+    BlockOrder order(room.atlas, room.points);
+    std::map<uint32_t, uint32_t> rounds;
+    for (size_t made = 0; made < 40 * order.size();) {
+        const std::vector<BlockTurn> turns = order.next(5, middle());
+        made += turns.size();
+        for (const BlockTurn turn : turns) ++rounds[turn.block];
+    }
+    uint32_t most = 0, least = ~0u;
+    for (const auto& [block, count] : rounds) {
+        most = std::max(most, count);
+        least = std::min(least, count);
+    }
+    EXPECT_NEAR(double(most) / double(least), 4, 0.4);
+    EXPECT_EQ(rounds.size(), order.size());
+    // The wall in front is seen, that behind is not.
+    const std::vector<BlockRect> rects = blockRects(room.atlas);
+    for (const auto& [block, count] : rounds) {
+        const glm::uvec2 middleTexel = rects[block].origin + rects[block].size / 2u;
+        const size_t texel = size_t(middleTexel.y) * room.atlas.sizeTexels.x + middleTexel.x;
+        if (!room.points.valid(texel)) continue;
+        const glm::vec3 at = room.points.position[texel];
+        if (at.z < 0.1f && std::abs(at.x - 2) < 0.5f && std::abs(at.y - 2) < 0.5f) {
+            EXPECT_GT(count, 2 * least);
+        }
+        if (at.z > 3.9f) {
+            EXPECT_LT(2 * count, most);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace phat::test

@@ -1,0 +1,218 @@
+// Light that the GPU makes: closed forms on quads, and the furnace.
+
+#include <gtest/gtest.h>
+
+#include "core/bake/bake.h"
+#include "gl/traced_world.h"
+
+namespace phat::test {
+namespace {
+
+std::vector<BlockTurn> turnsOf(const Atlas& atlas, uint32_t rounds) {
+    std::vector<BlockTurn> turns;
+    for (uint32_t block = 0; block < atlas.blockCount; ++block) turns.push_back({block, rounds});
+    return turns;
+}
+
+/// Of worlds of quads, with guides that differ from block to block.
+struct LightWorld {
+    explicit LightWorld(Scene scene, uint32_t tiles = 8)
+        : world(worldOfQuads(std::move(scene), tiles)), bvh(buildSceneBvh(world.scene)) {
+        fillWithLookups(world, 2, 0);
+        blocks = turnsOf(world.atlas, 0);
+    }
+    RendererInput input() const { return {world.scene, world.atlas, world.points, world.phatexture, &bvh}; }
+    LightRound round(uint32_t number, RayChoice directions = RayChoice::guided) {
+        blocks = turnsOf(world.atlas, number);
+        return {.blocks = blocks, .number = number, .directions = directions};
+    }
+    size_t texelNear(uint32_t surface, glm::vec3 position) const {
+        size_t best = 0;
+        float nearest = 1e30f;
+        for (size_t texel = 0; texel < world.atlas.texelCount(); ++texel) {
+            const glm::uvec2 xy(texel % world.atlas.sizeTexels.x, texel / world.atlas.sizeTexels.x);
+            const float away = glm::distance(world.points.position[texel], position);
+            if (world.atlas.chartAt(xy) != surface || away >= nearest) continue;
+            nearest = away;
+            best = texel;
+        }
+        return best;
+    }
+
+    HeadlessContext context;
+    RendererWorld world;
+    SceneBvh bvh;
+    std::vector<BlockTurn> blocks;
+};
+
+// Calls body(texel, world direction, PHATexel) for the valid PHATexels of a surface's own texels.
+template <typename Body>
+void forPhatexels(const LightWorld& gpu, const StoredLight& light, uint32_t surface, const Body& body) {
+    const Atlas& atlas = gpu.world.atlas;
+    const std::vector<Frame> frames = blockFrames(atlas, gpu.world.points);
+    for (size_t texel = 0; texel < atlas.texelCount(); ++texel) {
+        const glm::uvec2 xy(texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x);
+        const Phatexel phatexel = unpackPhatexel(light.phatexels[0][texel], 1);
+        if (atlas.chartAt(xy) == surface && gpu.world.points.state[texel] == TexelState::surface &&
+            phatexel.valid)
+            body(texel, frames[atlas.blockAt(xy)].toWorld(phatexel.directionBlock), phatexel);
+    }
+}
+
+TEST(GpuLight, PhatexelsHoldWhatTheirRaysMeet) {
+    for (const RayChoice directions : {RayChoice::stored, RayChoice::guided}) {
+        LightWorld gpu(floorAndCeiling(lambert(0.5f), lambert(0.5f)));
+        setIrradiance(gpu.world, 1, 3);
+        Renderer renderer(gpu.input(), kShaderFolder);
+        renderer.beginLight(gpu.world.scene, gpu.world.phatexture);
+        renderer.traceLight(gpu.round(1, directions));
+        size_t hits = 0, misses = 0, moved = 0;
+        forPhatexels(gpu, renderer.readLight(), 0, [&](size_t texel, glm::vec3 d, const Phatexel& found) {
+            const glm::vec3 end = gpu.world.points.position[texel] + d * (2 / d.y);
+            moved += found.directionBlock !=
+                     unpackPhatexel(gpu.world.phatexture.indirect[0].texels[texel], 1).directionBlock;
+            // Directions of tile patches are rounded.
+            const float edge = std::max(std::abs(end.x), std::abs(end.z)) - 4;
+            if (std::abs(edge) < 0.05f * glm::length(end)) return;
+            (edge < 0 ? hits : misses) += 1;
+            ASSERT_NEAR(found.radiance.x, edge < 0 ? 0.5f * 3 / kPi : 0, 2e-3f);
+            if (edge < 0) {
+                ASSERT_NEAR(found.distance * d.y, 2, 0.12f);
+            } else {
+                ASSERT_EQ(found.distance, kFarDistance);
+            }
+        });
+        EXPECT_GT(hits, 1000u);
+        EXPECT_GT(misses, 100u);
+        EXPECT_EQ(moved > 0, directions == RayChoice::guided);
+    }
+}
+
+// Each direction of the guide's is chosen as often as it says, and where the lookup expects it.
+TEST(GpuLight, NewDirectionsFollowTheGuideAndTheLayout) {
+    LightWorld gpu(floorAndCeiling(lambert(0.5f), lambert(0.5f)));
+    Renderer renderer(gpu.input(), kShaderFolder);
+    renderer.beginLight(gpu.world.scene, gpu.world.phatexture);
+    renderer.traceLight(gpu.round(5));
+    const StoredLight light = renderer.readLight();
+    const Atlas& atlas = gpu.world.atlas;
+    const PhatexelLayer& layer = gpu.world.phatexture.indirect[0];
+    size_t checked = 0, astray = 0;
+    for (size_t texel = 0; texel < atlas.texelCount(); ++texel) {
+        const Phatexel phatexel = unpackPhatexel(light.phatexels[0][texel], 1);
+        if (!phatexel.valid) continue;
+        const glm::uvec2 xy(texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x);
+        const uint32_t block = atlas.blockAt(xy);
+        const glm::uvec2 inBlock = (xy - atlas.charts[atlas.chartAt(xy)].originTexel()) % kBlockSize;
+        const glm::vec2 cell =
+            float(kBlockSize) * stratifiedSquare(inBlock, layer.scrambles[block], glm::vec2(0));
+        const glm::vec2 square = float(kBlockSize) * guideToSquare(gpu.world.phatexture.indirectGuides[block],
+                                                                   phatexel.directionBlock);
+        // Directions are rounded to 24 bits, which is the more the denser the guide.
+        // Directions are rounded to 24 bits; near the border of a row of the guide, into the next one.
+        const bool inside =
+            glm::all(glm::greaterThan(square, cell - 0.1f)) && glm::all(glm::lessThan(square, cell + 1.1f));
+        astray += !inside;
+        ++checked;
+    }
+    EXPECT_GT(checked, 4000u);
+    EXPECT_LT(astray, checked / 100);
+}
+
+// The irradiance of a horizontal panel of radiance 1 over the origin, by integration.
+double panelOverFloor(float side, float height, glm::vec3 place) {
+    constexpr int kSteps = 100;
+    double sum = 0;
+    for (int i = 0; i < kSteps * kSteps; ++i) {
+        const glm::vec2 on = side * ((glm::vec2(i % kSteps, i / kSteps) + 0.5f) / float(kSteps) - 0.5f);
+        const glm::vec3 way = glm::vec3(on.x, height, on.y) - place;
+        const double squared = double(glm::dot(way, way));
+        sum += square(double(side) / kSteps) * square(double(height)) / (squared * squared);
+    }
+    return sum;
+}
+
+// A panel over the middle of a floor, small, wide, and seen past an edge: by integration over it.
+TEST(GpuLight, IrradianceOfAPanel) {
+    struct Case {
+        float side, height;
+        glm::vec3 at;
+    };
+    for (const Case& c :
+         {Case{0.2f, 1, {0, 0, 0}}, Case{4, 1, {0.3f, 0, 0.2f}}, Case{1, 1.5f, {1, 0, 0.5f}}}) {
+        Scene scene;
+        addFloor(scene, lambert(0.5f), 4);
+        addCeiling(scene, emitter(glm::vec3(6)), c.side, c.height);
+        LightWorld gpu(std::move(scene));
+        Renderer renderer(gpu.input(), kShaderFolder);
+        renderer.beginLight(gpu.world.scene, gpu.world.phatexture);
+        for (uint32_t i = 1; i <= 256; ++i) {
+            LightRound round = gpu.round(i);
+            round.phatexels = false;
+            renderer.traceLight(round);
+        }
+        renderer.filterLight();
+        const StoredLight light = renderer.readLight();
+        const size_t middle = gpu.texelNear(0, c.at), wide = gpu.world.atlas.sizeTexels.x;
+        double found = 0, expected = 0;
+        for (size_t i = 0; i < 169; ++i) {
+            const size_t texel = middle + (i / 13) * wide + i % 13 - 6 * wide - 6;
+            found += double(light.irradiance[1][texel].x);
+            expected += 6 * panelOverFloor(c.side, c.height, gpu.world.points.position[texel]);
+        }
+        EXPECT_NEAR(found, expected, 0.01 * expected) << c.side;
+    }
+}
+
+// In a closed box whose walls emit 1 and reflect a half, radiance is 2 wherever one looks: bounces arrive by
+// repetition, and stay.
+TEST(GpuLight, FurnaceSettlesAndDoesNotDrift) {
+    Scene scene;
+    addRoom(scene, emitter(glm::vec3(1), 0.5f), {1, 1, 1});
+    BakeSettings settings;
+    settings.atlas.texelBudget = 3000;
+    settings.photons.count = 2000;
+    settings.pathsPerPhatexel = 1;
+    SilentProgress progress;
+    Bake baked = bake(scene, settings, progress);
+    const SceneBvh bvh = buildSceneBvh(scene);
+    // From darkness.
+    baked.phatexture.indirectIrradiance.assign(baked.atlas.texelCount(), 0);
+    baked.phatexture.areaIrradiance.assign(baked.atlas.texelCount(), 0);
+    const HeadlessContext context;
+    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, &bvh}, kShaderFolder);
+    renderer.beginLight(scene, baked.phatexture);
+    const auto run = [&](uint32_t first, uint32_t rounds) {
+        for (uint32_t i = first; i < first + rounds; ++i) {
+            const std::vector<BlockTurn> blocks = turnsOf(baked.atlas, i);
+            renderer.traceLight({.blocks = blocks, .number = i, .directions = RayChoice::guided});
+            renderer.filterLight();
+        }
+    };
+    const auto radiance = [&] {
+        const StoredLight light = renderer.readLight();
+        double irradiance = 0, phatexels = 0, texels = 0, valid = 0;
+        for (size_t i = 0; i < baked.points.state.size(); ++i) {
+            if (baked.points.state[i] != TexelState::surface) continue;
+            irradiance += double(light.irradiance[0][i].x + light.irradiance[1][i].x);
+            texels += 1;
+            const Phatexel indirect = unpackPhatexel(light.phatexels[0][i], baked.atlas.unitMeters);
+            const Phatexel area = unpackPhatexel(light.phatexels[1][i], baked.atlas.unitMeters);
+            if (!indirect.valid || !area.valid) continue;
+            phatexels += double(indirect.radiance.x + area.radiance.x);
+            valid += 1;
+        }
+        return glm::dvec2(irradiance / texels / double(kPi), phatexels / valid);
+    };
+    run(0, BlockOrder::kSettledRounds);
+    const glm::dvec2 settled = radiance();
+    EXPECT_NEAR(settled.x, 2, 0.01);
+    EXPECT_NEAR(settled.y, 2, 0.01);
+    run(BlockOrder::kSettledRounds, 256);
+    const glm::dvec2 late = radiance();
+    EXPECT_NEAR(late.x, 2, 0.01);
+    EXPECT_NEAR(late.y, 2, 0.01);
+}
+
+}  // namespace
+}  // namespace phat::test
