@@ -56,7 +56,7 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
     }
     glDisable(GL_BLEND);
     if (!shadows.depth) {
-        shadows = renderShadowMaps(lights, scene, {materials, glass}, commons.shadows);
+        drawShadows(commons.shadows);
         clock.ended(Pass::shadows);
     }
     const RelightPass* pyramid = nullptr;
@@ -64,6 +64,7 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
         pyramid = &pyramidFrom(eyeOf(settings.camera), paper);
     const bool texelsShown = what != Inspected::nothing && what != Inspected::reads;
     filterTextures(scene, settings.filter);
+    if (added) filterTextures(added->scene, settings.filter);
     return {commons,
             {scene,
              atlas,
@@ -80,7 +81,9 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
              rays ? &rayCounter : nullptr,
              texelsShown ? &inspecting() : nullptr,
              clock,
-             environmentTurn}};
+             environmentTurn,
+             added ? &*added : nullptr,
+             added ? &adding() : nullptr}};
 }
 
 FrameSettings Renderer::State::possible(FrameSettings settings) {
@@ -119,6 +122,7 @@ void Renderer::State::dropPasses() {
     lookupPass.reset(), countingLookupPass.reset();
     reflectionPass.reset(), rayPass.reset();
     display.reset(), displayPaper.reset(), countingDisplay.reset();
+    addedProgram.reset();
     targets = {};
 }
 
@@ -207,6 +211,18 @@ const GpuRayScene& Renderer::State::currentRayScene() {
 const RayPass& Renderer::State::rayTracing() {
     if (!rayPass) rayPass = createRayPass(shaderFolder, lookupFor(false), lookup, bvhDefines(*restBvh));
     return *rayPass;
+}
+
+void Renderer::State::drawShadows(const ShadowPrograms& programs) {
+    std::vector<ShadowCasters> casters = {{scene, {materials, glass}}};
+    if (added) casters.push_back({added->scene, added->drawn()});
+    shadows = renderShadowMaps(lights, casters, programs);
+}
+
+const ShaderProgram& Renderer::State::adding() {
+    if (!addedProgram)
+        addedProgram.emplace(createAddedProgram(shaderFolder, hasDisc(lights), !glass.empty()));
+    return *addedProgram;
 }
 
 const ShaderProgram& Renderer::State::inspecting() {
