@@ -73,11 +73,13 @@ TEST_F(AddedQuad, IsLitByTheProbes) {
 
 // Of a metal: the irradiance of a surface that faces where the mirror shows, over pi.
 TEST_F(AddedQuad, ReflectsTheProbesBlurred) {
-    indirect.addLight({0, 1, 0}, glm::vec3(2));
+    indirect.addLight(glm::normalize(glm::vec3(0, 1, -2)), glm::vec3(2));
+    camera = lookAtCamera({0, 2.5f, 2}, {0, 0.5f, 0}, 20);
+    const glm::vec3 mirror = glm::normalize(glm::vec3(0, 1, -1));
     const Material gold = metal(0.1f);
     addThing(gold);
     const glm::vec3 drawn = draw(Component::glossyIndirect).at(32, 32);
-    const glm::vec3 want = glm::vec3(gold.baseColor) * indirect.at({0, 1, 0}) / kPi;
+    const glm::vec3 want = glm::vec3(gold.baseColor) * indirect.at(mirror) / kPi;
     // Smooth microfacets hide little of each other.
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(drawn[c], want[c], 0.03f * want.x);
     EXPECT_EQ(draw(Component::diffuseIndirect).at(32, 32), glm::vec3(0));
