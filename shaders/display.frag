@@ -9,7 +9,7 @@
 #include "lib/paper_cone.glsl"
 #include "lib/visible_surface.glsl"
 #ifndef WITHOUT_PUNCTUAL_LIGHTS
-#include "lib/lights.glsl"
+#include "lib/reflected_lights.glsl"
 #endif
 #ifdef GLASS
 #include "lib/glass.glsl"
@@ -193,18 +193,6 @@ void addBakedLight(VisibleSurface s, ViewedBrdf viewed, inout Components c) {
     c.direct += viewed.diffuse * t.irradiance[1];
 #endif
 }
-
-#ifndef WITHOUT_PUNCTUAL_LIGHTS
-void addPunctualLights(VisibleSurface s, ViewedBrdf viewed, inout vec3 direct) {
-    for (int light = 0; light < lightCount; ++light) {
-        PunctualSample from = samplePunctual(light, vPosition);
-        if (dot(from.towardLight, s.normalGeometric) <= 0.0) continue;
-        vec3 reflected = evaluateBrdf(viewed, from.towardLight * s.worldFromLocal) * from.irradiance;
-        if (maxComponent(reflected) > 0.0)
-            direct += reflected * shadowVisibility(light, vPosition, s.normalGeometric);
-    }
-}
-#endif
 
 void main() {
     float alpha = alphaMode == 0 ? 1.0 : opacity();

@@ -29,6 +29,7 @@ LAYERS = {
         "transport": {"base", "scene"},
         "phatexel": {"base", "scene", "atlas", "transport"},
         "bake": {"base", "scene", "atlas", "transport", "phatexel"},
+        "probes": {"base", "scene", "atlas", "transport", "phatexel", "bake"},
         "render": {"base", "scene", "atlas", "transport", "phatexel", "bake"},
         "dynamic": {"base", "scene", "atlas", "transport", "phatexel", "bake"},
     },

@@ -27,6 +27,7 @@ const roots = [
     'picture_cells.frag',
     'picture_alphas.frag',
     'split_sum.frag',
+    'lib/probe_light.glsl',
     'present.frag',
     'accumulate.frag',
 ];

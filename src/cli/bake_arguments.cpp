@@ -30,6 +30,15 @@ std::string defaultOutput(const std::string& input) {
     return path.string() + ".phat.glb";
 }
 
+// With few bytes for all of the file, probes have a twentieth of them.
+int probeCountOf(const CLI::Option& option, std::optional<uint64_t> maxBytes) {
+    if (option && option.as<std::string>() == "none") return 0;
+    if (option) return int(parseCount(&option, 8, double(kMaxProbes)));
+    constexpr double kMostOfFile = 0.05, kBytesOfProbe = 60;  // measured: compressed, with its cells
+    const double most = maxBytes ? kMostOfFile * double(*maxBytes) / kBytesOfProbe : 1e9;
+    return most < 8 ? 0 : int(std::min(double(ProbeSettings().count), most));
+}
+
 double physicalMemoryBytes() {
     return double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
 }
@@ -76,6 +85,9 @@ void declareLight(const DeclareOption& declare, BakeSettings& settings) {
                "Paths per PHATexel (--radiance texels: through glossy reflections; path)")
         ->check(CLI::Range(1, 65'536))
         ->capture_default_str();
+    declare.text("--probes", "COUNT",
+                 "Points that light things which are added after the bake, at most so many; or none; "
+                 "default: 2048");
     declare.value("--seed", "S", settings.seed, "Of all random numbers")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
@@ -121,6 +133,7 @@ void finishBakeOptions(const CLI::App& command, BakeOptions& options) {
     if (option("--bounces")) settings.photons.maxBounces = settings.maxBounces;
     settings.photons.seed = settings.seed;
     if (option("--max-megabytes")) options.maxBytes = uint64_t(option("--max-megabytes").as<double>() * 1e6);
+    options.probes = {probeCountOf(option("--probes"), options.maxBytes), settings.seed};
     options.memoryLimitBytes =
         option("--memory-limit") ? option("--memory-limit").as<double>() * 1e9 : physicalMemoryBytes();
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/bake/bake_settings.h"
+#include "core/probes/bake_probes.h"
 #include "io/phat/baked_file.h"
 #include "io/phat/scene_lighting.h"
 
@@ -22,6 +23,7 @@ struct BakeOptions {
     SceneLighting lighting;
     std::string variant;  // of the materials; empty: none
     BakeSettings settings;
+    ProbeSettings probes;
     PhatexelStorage storage = PhatexelStorage::packed;
     std::optional<int> threads;
     double memoryLimitBytes = 0;

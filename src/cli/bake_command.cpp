@@ -88,7 +88,7 @@ void checkOutput(const BakeOptions& options) {
 
 BakeRecord fullRecord(const BakeOptions& options, const AddedLighting& added) {
     BakeRecord record = recordOf(options.settings, options.input, options.lighting.environment,
-                                 options.storage, options.variant);
+                                 options.storage, options.variant, options.probes.count);
     record.settings = settingsWithLighting(record.settings, options.lighting, added.sky);
     return record;
 }
@@ -101,15 +101,21 @@ void bakeOnce(const BakeOptions& options, const GltfSource& source, const LitInp
     FileJournal journal(journalPath, fingerprintOf(options, source, record), options.resume);
     json report;
     try {
-        ProgressBar progress(progressStyle(options.quiet), bakeStages(options.settings));
+        ProgressBar progress(progressStyle(options.quiet), bakeStages(options.settings, options.probes));
         const Bake result = bake(rays, options.settings, progress, &journal);
+        std::atomic<uint64_t> probeRays = 0;
+        const LightProbes probes = bakeLightProbes({rays, result.atlas, result.points, result.phatexture},
+                                                   options.probes, {progress, &journal, probeRays});
         std::vector<std::string> notes = loaded.notes;
         if (const std::optional<std::string> note = sizeNote(loaded.scene)) notes.push_back(*note);
-        for (std::string& note : writeBakedFile(options.output, source, loaded.scene, result, record,
-                                                {&progress, options.maxBytes.value_or(~uint64_t(0))}))
+        for (std::string& note :
+             writeBakedFile(options.output, source, loaded.scene, result, record,
+                            {&progress, &probes, options.maxBytes.value_or(~uint64_t(0))}))
             notes.push_back(std::move(note));
         if (auto note = resolutionNote(result, options.settings.atlas)) notes.push_back(std::move(*note));
         report = reportOf(options.output, result, journal.resumedRecords(), progress.stageTimes(), notes);
+        report["probes"] = {
+            {"count", probes.count()}, {"bytes", probeBytes(probes)}, {"rays", probeRays.load()}};
     } catch (const std::exception& error) {
         if (journal.empty() || dynamic_cast<const FileTooLarge*>(&error)) journal.remove();
         failWith(error, options.input,

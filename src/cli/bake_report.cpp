@@ -80,6 +80,9 @@ void printReport(const json& report, const std::vector<std::string>& printed) {
                report["photons"]["stored"].get<uint64_t>());
     fmt::print("  PHATexels   {} valid, {} rays\n", report["phatexels"]["valid"].get<uint64_t>(),
                report["rays"].get<uint64_t>());
+    if (const json& probes = report["probes"]; probes["count"] != 0)
+        fmt::print("  probes      {}, {:.0f} kB, {} rays\n", probes["count"].get<size_t>(),
+                   probes["bytes"].get<double>() * 1e-3, probes["rays"].get<uint64_t>());
     if (const auto parts = report["resumedParts"].get<size_t>())
         fmt::print("  resumed     {} parts\n", parts);
     const auto seconds = report["seconds"].get<double>();

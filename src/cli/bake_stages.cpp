@@ -4,7 +4,7 @@ namespace phat {
 
 // The costs are microseconds of one core, measured on a room of 43,000 triangles and an atlas of 250,000
 // texels. They need not be right on other machines and scenes, only in proportion.
-std::vector<PlannedStage> bakeStages(const BakeSettings& settings) {
+std::vector<PlannedStage> bakeStages(const BakeSettings& settings, const ProbeSettings& probes) {
     // A texel size tells nothing of the number of texels before the surfaces are measured.
     const double texels = settings.atlas.texelSizeMeters > 0 ? 1e6 : double(settings.atlas.texelBudget);
     std::vector<PlannedStage> stages = {{"photons", 13.0 * double(settings.photons.count)},
@@ -25,6 +25,7 @@ std::vector<PlannedStage> bakeStages(const BakeSettings& settings) {
         stages.push_back({"indirect light", indirect * texels});
     }
     stages.push_back({"distances", 3 * texels});
+    if (probes.count > 0) stages.push_back({"light probes", 4000.0 * probes.count});
     stages.push_back({"compress", 4 * texels * settings.layers});
     return stages;
 }

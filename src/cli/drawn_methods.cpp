@@ -1,5 +1,7 @@
 // The methods of `phat render` that OpenGL draws from a bake.
 
+#include <fmt/format.h>
+
 #include <optional>
 
 #include "cli/data_folders.h"
@@ -10,6 +12,7 @@
 #include "cli/render_methods.h"
 #include "gl/gl_context.h"
 #include "gl/traced_frame.h"
+#include "io/phat/added_things.h"
 
 namespace phat {
 namespace {
@@ -41,6 +44,24 @@ struct RayTracing {
     const TracedReflections traced;
 };
 
+/// Things that are drawn beside the bake, and the light on them.
+struct Things {
+    LoadedThings loaded;
+    std::optional<AddedThings> added;
+
+    Things(const RenderOptions& options, SceneFile& file, Progress& progress) {
+        if (options.things.empty()) return;
+        loaded = loadThings(options.things);
+        BakedScene& baked = file.baked;
+        if (completeProbes(baked, RayScene(baked.loaded.scene), progress))
+            loaded.notes.push_back(options.input + " has no light probes; they were made for this picture");
+        if (!options.quiet)
+            for (const std::string& note : loaded.notes) fmt::print(stderr, "{}\n", note);
+        added.emplace(AddedThings{loaded.scene, baked.probes});
+    }
+    const AddedThings* get() const { return added ? &*added : nullptr; }
+};
+
 }  // namespace
 
 std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) {
@@ -49,6 +70,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     const Scene& scene = baked.loaded.scene;
     const std::vector<View> views = chooseViews(options, scene);
 
+    const Things things(options, file, progress);
     const HeadlessContext context;
     const Method method = methodOf(options);
     std::optional<RayTracing> tracing;
@@ -57,7 +79,8 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
         if (tracesOnGpu(options, scene)) bvh = bvhOf(scene, baked.bvh);
         if (!bvh) tracing.emplace(baked, options.reflections, progress);
     }
-    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, bvh}, shaderFolder());
+    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, bvh, things.get()},
+                      shaderFolder());
     std::vector<json> reports;
     for (const View& view : views) {
         progress.throwIfStopped();

@@ -126,7 +126,12 @@ Json describeBake(const BakedScene& baked) {
             {"area", describeLayers(phatexture.area)},
             {"guideBytes", guides * sizeof(Guide)},
             {"irradianceBytes",
-             (phatexture.indirectIrradiance.size() + phatexture.areaIrradiance.size()) * sizeof(uint32_t)}};
+             (phatexture.indirectIrradiance.size() + phatexture.areaIrradiance.size()) * sizeof(uint32_t)},
+            {"probes",
+             {{"count", baked.probes.count()},
+              {"grid", {baked.probes.gridSize.x, baked.probes.gridSize.y, baked.probes.gridSize.z}},
+              {"cells", baked.probes.cells.size()},
+              {"bytes", probeBytes(baked.probes)}}}};
 }
 
 Json describe(const std::string& path) {
@@ -222,6 +227,9 @@ void printBake(const Json& bake) {
     if (bake["area"]["layers"] != 0) printLayers("area lights", bake["area"]);
     printLine("guides", megabytes(bake["guideBytes"]));
     if (bake["irradianceBytes"] != 0) printLine("irradiance", megabytes(bake["irradianceBytes"]));
+    if (const Json& probes = bake["probes"]; probes["count"] != 0)
+        printLine("probes", fmt::format("{} in {} cells, {}", probes["count"].get<size_t>(),
+                                        probes["cells"].get<size_t>(), megabytes(probes["bytes"])));
     const Json& record = bake["record"];
     printLine("baked by", fmt::format("{} from {}, seed {}", record["generator"].get<std::string>(),
                                       record["source"].get<std::string>(), record["seed"].get<uint64_t>()));

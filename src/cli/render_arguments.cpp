@@ -159,6 +159,12 @@ void declareFrames(const DeclareOption& declare, RenderOptions& options) {
 
 void declareScene(const DeclareOption& declare, RenderOptions& options) {
     declareLighting(declare, options.lighting);
+    declare
+        .value("--with", "FILE", options.things,
+               "Things that are not in the bake, where their own file puts them; again for more files. They "
+               "are lit by the bake's probes and by lights, cast these lights' shadows, and reflect blurrily")
+        ->allow_extra_args(false)
+        ->excludes("--animate", "--refine");
     declare.value("--variant", "NAME", options.variant,
                   "Material variant of a scene that is not baked; phat info lists them");
     declare
@@ -198,6 +204,7 @@ void checkMethod(const CLI::App& command, const RenderMethod& method) {
     onlyFor({"--photons", "--gather-neighbors"}, method.readsPhotons);
     onlyFor({"--gather-rays"}, name == "photons-gather");
     onlyFor({"--keep-light"}, !method.needsBake);
+    onlyFor({"--with"}, !method.traced);
     onlyFor({"--radius", "--trace-visibility"}, name == "phat-gather");
     onlyFor({"--quality", "--count-reads", "--reflections", "--trace", "--follow", "--animate", "--refine"},
             name == "phat");

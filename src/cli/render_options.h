@@ -81,6 +81,7 @@ struct RenderOptions {
     Component component = Component::all;
     std::optional<AnimatedFrames> animated;  // phat
     int refinements = 0;                     // phat: how often its light is made anew and averaged
+    std::vector<std::string> things;         // files that are drawn beside the bake
     std::vector<std::string> edits;
     bool keepLight = false;              // methods without a bake: the edits are for the eye alone
     std::optional<float> exposureStops;  // none: the picture's own

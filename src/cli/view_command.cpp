@@ -24,6 +24,12 @@ void addViewCommand(CLI::App& app) {
                      "Material variant of a scene that is not baked; phat info lists them")
         ->type_name("NAME")
         ->needs(input);
+    const auto things = std::make_shared<std::vector<std::string>>();
+    command
+        ->add_option("--with", *things,
+                     "Things that are not in the bake, where their own file puts them; again for more files")
+        ->type_name("FILE")
+        ->allow_extra_args(false);
     CLI::Option* size = command->add_option("--size", "Of the window; default: 1280x720")->type_name("WxH");
     CLI::Option* scale = command->add_option("--ui-scale", "Size of the panels; default: the screen's")
                              ->type_name("FACTOR")
@@ -40,6 +46,7 @@ void addViewCommand(CLI::App& app) {
         if (*input) options.path = input->as<std::string>();
         options.lighting = *lighting;
         options.variant = *variant;
+        options.things = *things;
         if (!variant->empty() && isBakedFile(options.path))
             throw CLI::ValidationError("--variant", "the bake is of one variant; bake the scene again");
         if (*size) options.size = parseSize(size);

@@ -1,5 +1,6 @@
 #include "gl/display_pass.h"
 
+#include "gl/added_pass.h"
 #include "gl/camera_matrices.h"
 #include "gl/draw_order.h"
 #include "gl/inspect_pass.h"
@@ -33,6 +34,19 @@ void drawBackground(const CommonPass& pass, const DisplayInput& input, const Cam
     pass.background.draw();
 }
 
+// Of the opaque surfaces of a scene.
+void drawDepths(const ShaderProgram& program, const GpuScene& scene, const DrawnMaterials& materials) {
+    glBindVertexArray(scene.vertexArray.name());
+    for (const DrawRange& draw : scene.drawRanges) {
+        const Material& material = materials.of(draw);
+        if (isSeenThrough(materials, draw)) continue;
+        setCulling(material);
+        program.set("alphaMode", int(material.alphaMode));
+        bindMaterial(scene, program, material, 0, BoundSlots::baseColor);
+        glDrawArrays(GL_TRIANGLES, draw.firstVertex, draw.vertexCount);
+    }
+}
+
 void drawDepth(const CommonPass& pass, const DisplayInput& input, const CameraMatrices& camera) {
     const ShaderProgram& program = pass.shadows.depth;
     glEnable(GL_DEPTH_TEST);
@@ -41,15 +55,18 @@ void drawDepth(const CommonPass& pass, const DisplayInput& input, const CameraMa
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     program.set("clipFromWorld", camera.clipFromWorld);
     program.use();
-    for (const DrawRange& draw : input.scene.drawRanges) {
-        const Material& material = input.materials.of(draw);
-        if (isSeenThrough(input.materials, draw)) continue;
-        setCulling(material);
-        program.set("alphaMode", int(material.alphaMode));
-        bindMaterial(input.scene, program, material, 0, BoundSlots::baseColor);
-        glDrawArrays(GL_TRIANGLES, draw.firstVertex, draw.vertexCount);
-    }
+    if (input.added && !input.inspectProgram) drawDepths(program, input.added->scene, input.added->drawn());
+    drawDepths(program, input.scene, input.materials);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+CameraMatrices cameraOf(const DisplayInput& input, const FrameTargets& targets, const PendingSample& sample) {
+    Bounds bounds = input.scene.bounds;
+    if (input.added && !input.added->scene.bounds.empty()) {
+        bounds.add(input.added->scene.bounds.low);
+        bounds.add(input.added->scene.bounds.high);
+    }
+    return matricesOf(sample.settings.camera, targets.size, bounds, sample.jitter);
 }
 
 RayFrame rayFrameOf(const DisplayInput& input, const CameraMatrices& camera, const FrameTargets& targets,
@@ -193,8 +210,7 @@ void prepareSample(const CommonPass& pass, const DisplayInput& input, const Fram
                    PendingSample& sample) {
     const ReversedDepth reversed;
     const FrameSettings& settings = sample.settings;
-    const CameraMatrices camera =
-        matricesOf(settings.camera, targets.size, input.scene.bounds, sample.jitter);
+    const CameraMatrices camera = cameraOf(input, targets, sample);
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
     glViewport(0, 0, GLsizei(targets.size.x), GLsizei(targets.size.y));
     glDisable(GL_BLEND);
@@ -214,8 +230,7 @@ void displaySample(const CommonPass& pass, const DisplayInput& input, const Fram
                    const PendingSample& sample, const TracedIncident& incident) {
     const ReversedDepth reversed;
     const FrameSettings& settings = sample.settings;
-    const CameraMatrices camera =
-        matricesOf(settings.camera, targets.size, input.scene.bounds, sample.jitter);
+    const CameraMatrices camera = cameraOf(input, targets, sample);
     const bool traced = !sample.surfaces.empty();
     if (traced)
         uploadReflections(*input.reflectionPass, targets.reflections, sample.surfaces, incident.surfaces,
@@ -227,6 +242,7 @@ void displaySample(const CommonPass& pass, const DisplayInput& input, const Fram
     if (sample.preview) {
         bindDiffuse(pass.preview, input, camera, settings);
         drawOpaque(pass.preview, input);
+        if (input.added) drawAddedOpaque(input, camera, settings);
     } else if (input.inspectProgram) {
         drawInspection(input, camera, settings);
     } else {
@@ -235,8 +251,10 @@ void displaySample(const CommonPass& pass, const DisplayInput& input, const Fram
         const ShaderProgram& program = looked ? display.lookedUpProgram : display.displayProgram;
         bindShared(program, input, camera, settings, looked, traced || input.rayPass);
         drawOpaque(program, input);
+        if (input.added) drawAddedOpaque(input, camera, settings);
         drawBlended({display.displayProgram, display.glass, targets.glass}, input, camera,
                     opaquePictureOf(targets), sample);
+        if (input.added) drawAddedBlended(input, camera, settings);
     }
     glDepthMask(GL_TRUE);
     input.clock.ended(Pass::display);

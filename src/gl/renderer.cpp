@@ -47,6 +47,7 @@ Renderer::Renderer(const RendererInput& input, const std::string& shaderFolder) 
     state_->findGlass();
     state_->lights = input.scene.lights;
     state_->scene = uploadScene(input.scene, input.atlas);
+    if (input.added) state_->added.emplace(uploadAdded(*input.added));
     state_->atlas = uploadAtlas(input.scene, input.atlas, input.phatexture);
     state_->lookup = uploadLookup(input.phatexture, input.atlas);
     if (state_->lookup.guideCount > 0) state_->bytesPerPhatexel = bytesOfPhatexel(input.phatexture);
@@ -134,6 +135,7 @@ double Renderer::bytesPerPhatexel() const {
 ResidentBytes Renderer::residentBytes() const {
     const State& s = *state_;
     ResidentBytes bytes = residentBytesOf(s.scene, s.atlas, s.lookup, s.shadows, s.targets);
+    if (s.added) bytes.scene += addedBytes(*s.added);
     if (s.rayScene) bytes.rays = rayBytes(*s.rayScene);
     for (const auto* relit : {&s.relit, &s.relitPaper})
         if (*relit) bytes.pyramid += pyramidBytes((*relit)->pass);

@@ -17,6 +17,7 @@
 #include "core/bvh/posed_bvh.h"
 #include "core/dynamic/light_update.h"
 #include "core/phatexel/phatexture.h"
+#include "core/probes/light_probes.h"
 #include "core/render/picture.h"
 #include "core/render/traced_reflections.h"
 #include "core/scene/scene.h"
@@ -173,6 +174,13 @@ struct ResidentBytes {
     }
 };
 
+/// Things that were not in the bake, with the probes that light them. The renderer reads both when it is
+/// made.
+struct AddedThings {
+    const Scene& scene;
+    const LightProbes& probes;
+};
+
 /// The parts of a bake that the renderer reads. Scene, atlas and points must outlive it: a picture that needs
 /// the surface under every texel (the pyramid's methods, blended surfaces, views of data) reads them when it
 /// is first drawn. The PHATexels are read by the constructor alone.
@@ -182,6 +190,7 @@ struct RendererInput {
     const TexelPoints& points;
     const Phatexture& phatexture;
     const SceneBvh* bvh = nullptr;  // of the scene at rest, for rays on the GPU; must outlive the renderer
+    const AddedThings* added = nullptr;  // drawn but by the methods of views of data; null: none
 };
 
 class Renderer {

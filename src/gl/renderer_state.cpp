@@ -61,6 +61,7 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
         pyramid = &pyramidFrom(eyeOf(settings.camera), paper);
     const bool texelsShown = what != Inspected::nothing && what != Inspected::reads;
     filterTextures(scene, settings.filter);
+    if (added) filterTextures(added->scene, settings.filter);
     return {commons,
             {scene,
              atlas,
@@ -77,7 +78,9 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
              rays ? &rayCounter : nullptr,
              texelsShown ? &inspecting() : nullptr,
              clock,
-             environmentTurn}};
+             environmentTurn,
+             added ? &*added : nullptr,
+             added ? &adding() : nullptr}};
 }
 
 FrameSettings Renderer::State::possible(FrameSettings settings) {
@@ -116,6 +119,7 @@ void Renderer::State::dropPasses() {
     lookupPass.reset(), countingLookupPass.reset();
     reflectionPass.reset(), rayPass.reset();
     display.reset(), displayPaper.reset(), countingDisplay.reset();
+    addedProgram.reset();
     targets = {};
 }
 
@@ -127,7 +131,7 @@ const LookupPass& Renderer::State::lookupFor(bool counting) {
 
 const ShadowMaps& Renderer::State::currentShadows() {
     if (!shadows.depth) {
-        shadows = renderShadowMaps(lights, scene, {materials, glass}, commonPass().shadows);
+        drawShadows(commonPass().shadows);
         clock.ended(Pass::shadows);
     }
     return shadows;
@@ -212,6 +216,18 @@ const GpuRayScene& Renderer::State::currentRayScene() {
 const RayPass& Renderer::State::rayTracing() {
     if (!rayPass) rayPass = createRayPass(shaderFolder, lookupFor(false), lookup, bvhDefines(*restBvh));
     return *rayPass;
+}
+
+void Renderer::State::drawShadows(const ShadowPrograms& programs) {
+    std::vector<ShadowCasters> casters = {{scene, {materials, glass}}};
+    if (added) casters.push_back({added->scene, added->drawn()});
+    shadows = renderShadowMaps(lights, casters, programs);
+}
+
+const ShaderProgram& Renderer::State::adding() {
+    if (!addedProgram)
+        addedProgram.emplace(createAddedProgram(shaderFolder, hasDisc(lights), !glass.empty()));
+    return *addedProgram;
 }
 
 const ShaderProgram& Renderer::State::inspecting() {

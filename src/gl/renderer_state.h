@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "gl/added_pass.h"
 #include "gl/display_pass.h"
 #include "gl/light_update_pass.h"
 #include "gl/phatexture_upload.h"
@@ -63,6 +64,7 @@ struct Renderer::State {
     float environmentTurn = 0;
     int environmentWidth = 1;
     GpuScene scene;
+    std::optional<GpuAdded> added;
     GpuAtlas atlas;
     GpuLookup lookup;
     ShadowMaps shadows;  // empty: to be drawn again
@@ -89,7 +91,7 @@ struct Renderer::State {
     std::optional<LightUpdatePass> lightPass;
     std::optional<CommonPass> common;
     std::optional<DisplayPass> display, displayPaper, countingDisplay;
-    std::optional<ShaderProgram> inspectProgram;
+    std::optional<ShaderProgram> inspectProgram, addedProgram;
 
   private:
     Relit& relitFor(bool paper);
@@ -99,6 +101,8 @@ struct Renderer::State {
     const ReflectionPass& reflections();
     const RayPass& rayTracing();
     const ShaderProgram& inspecting();
+    const ShaderProgram& adding();
+    void drawShadows(const ShadowPrograms& programs);
 };
 
 bool anyClearcoat(const std::vector<Material>& materials);

@@ -21,6 +21,10 @@ uint64_t sceneBytes(const GpuScene& scene) {
 
 }  // namespace
 
+uint64_t addedBytes(const GpuAdded& added) {
+    return sceneBytes(added.scene) + bytesOf(added.probes.cells, added.probes.light, added.probes.distances);
+}
+
 ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, const GpuLookup& lookup,
                               const ShadowMaps& shadows, const FrameTargets& targets) {
     ResidentBytes bytes;

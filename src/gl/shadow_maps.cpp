@@ -109,9 +109,10 @@ GlFramebuffer bindLayer(const GlTexture& texture, GLenum attachment, int layer, 
 }
 
 // Opaque and blended surfaces.
-void drawDepths(const glm::mat4& clipFromWorld, const GpuScene& gpu, const DrawnMaterials& materials,
-                const ShaderProgram& program) {
+void drawDepths(const glm::mat4& clipFromWorld, const ShadowCasters& casters, const ShaderProgram& program) {
+    const auto& [gpu, materials] = casters;
     program.set("clipFromWorld", clipFromWorld);
+    glBindVertexArray(gpu.vertexArray.name());
     for (const DrawRange& draw : gpu.drawRanges) {
         if (materials.glassOf(draw) != Glass::none) continue;
         const Material& material = materials.of(draw);
@@ -122,9 +123,10 @@ void drawDepths(const glm::mat4& clipFromWorld, const GpuScene& gpu, const Drawn
 }
 
 // The product of what the glass before each other lets through, and the depth of the nearest.
-void drawTints(const glm::mat4& clipFromWorld, const GpuScene& gpu, const DrawnMaterials& materials,
-               const ShaderProgram& program) {
+void drawTints(const glm::mat4& clipFromWorld, const ShadowCasters& casters, const ShaderProgram& program) {
+    const auto& [gpu, materials] = casters;
     program.set("clipFromWorld", clipFromWorld);
+    glBindVertexArray(gpu.vertexArray.name());
     for (const DrawRange& draw : gpu.drawRanges) {
         const Glass glass = materials.glassOf(draw);
         if (glass == Glass::none) continue;
@@ -136,8 +138,7 @@ void drawTints(const glm::mat4& clipFromWorld, const GpuScene& gpu, const DrawnM
 }
 
 GlTexture drawAllTints(const std::vector<PunctualLight>& lights, const std::vector<glm::mat4>& views,
-                       int size, const GpuScene& gpu, const DrawnMaterials& materials,
-                       const ShaderProgram& program) {
+                       int size, std::span<const ShadowCasters> casters, const ShaderProgram& program) {
     GlTexture tints = createTextureArray(GL_RGBA32F, glm::uvec2(size), std::max(1, int(views.size())));
     program.use();
     glDisable(GL_DEPTH_TEST);
@@ -151,7 +152,7 @@ GlTexture drawAllTints(const std::vector<PunctualLight>& lights, const std::vect
             program.set("lightWorld", far ? -light.direction : light.position);
             program.set("lightAtInfinity", far ? 1.0f : 0.0f);
             const GlFramebuffer target = bindLayer(tints, GL_COLOR_ATTACHMENT0, int(view), size);
-            drawTints(views[view], gpu, materials, program);
+            for (const ShadowCasters& some : casters) drawTints(views[view], some, program);
         }
     glBlendEquation(GL_FUNC_ADD);
     glDisable(GL_BLEND);
@@ -184,19 +185,22 @@ bool hasDisc(const std::vector<PunctualLight>& lights) {
                        [](const PunctualLight& light) { return light.angularRadius > 0; });
 }
 
-ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, const GpuScene& gpu,
-                            const DrawnMaterials& materials, const ShadowPrograms& programs) {
+ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, std::span<const ShadowCasters> casters,
+                            const ShadowPrograms& programs) {
+    Bounds bounds;
+    for (const ShadowCasters& some : casters)
+        if (!some.scene.bounds.empty()) bounds.add(some.scene.bounds.low), bounds.add(some.scene.bounds.high);
     size_t layers = 0;
     for (const PunctualLight& light : lights) layers += size_t(layersOf(light));
     const int size = lights.empty() ? 1 : mapSize(layers);
     std::vector<glm::mat4> views;
-    for (const PunctualLight& light : lights) addViews(light, gpu.bounds, size, views);
+    for (const PunctualLight& light : lights) addViews(light, bounds, size, views);
 
     ShadowMaps maps;
     maps.lightCount = int(lights.size());
     maps.depth = createDepthArray(size, std::max(1, int(views.size())));
     if (hasDisc(lights)) maps.depthValues = viewWithoutComparison(maps.depth, std::max(1, int(views.size())));
-    maps.lightTable = createLightTable(lights, views, size, gpu.bounds);
+    maps.lightTable = createLightTable(lights, views, size, bounds);
 
     // Both sides cast shadows, as they stop rays.
     glDisable(GL_CULL_FACE);
@@ -204,16 +208,16 @@ ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, const GpuS
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LESS);
     glDepthMask(GL_TRUE);
-    glBindVertexArray(gpu.vertexArray.name());
     programs.depth.use();
     for (size_t i = 0; i < views.size(); ++i) {
         const GlFramebuffer target = bindLayer(maps.depth, GL_DEPTH_ATTACHMENT, int(i), size);
-        drawDepths(views[i], gpu, materials, programs.depth);
+        for (const ShadowCasters& some : casters) drawDepths(views[i], some, programs.depth);
     }
     glDisable(GL_DEPTH_TEST);
-    if (programs.tints.name() != 0 && !materials.glass.empty())
-        maps.tints =
-            drawAllTints(lights, views, std::max(size / kSizeOverTints, 1), gpu, materials, programs.tints);
+    const bool glass = std::any_of(casters.begin(), casters.end(),
+                                   [](const ShadowCasters& some) { return !some.materials.glass.empty(); });
+    if (programs.tints.name() != 0 && glass)
+        maps.tints = drawAllTints(lights, views, std::max(size / kSizeOverTints, 1), casters, programs.tints);
     checkGl("drawing the shadow maps");
     return maps;
 }

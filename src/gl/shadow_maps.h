@@ -1,6 +1,7 @@
 #pragma once
 // Depth pictures from every punctual light, made anew when lights or things have moved.
 
+#include <span>
 #include <vector>
 
 #include "core/scene/scene.h"
@@ -25,8 +26,14 @@ struct ShadowPrograms {
 /// Whether a light has a penumbra: SUN_DISC of shaders/lib/lights.glsl.
 bool hasDisc(const std::vector<PunctualLight>& lights);
 
+/// Surfaces that cast shadows.
+struct ShadowCasters {
+    const GpuScene& scene;
+    DrawnMaterials materials;
+};
+
 /// Six layers for a point light or a wide spot, one for a spot or a directional light. Throws GlError.
-ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, const GpuScene& gpu,
-                            const DrawnMaterials& materials, const ShadowPrograms& programs);
+ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, std::span<const ShadowCasters> casters,
+                            const ShadowPrograms& programs);
 
 }  // namespace phat

@@ -24,6 +24,7 @@ inline constexpr int kTintUnit = kFirstMaterialUnit + kSlotCount, kPanesUnit = k
 inline constexpr int kDepthUnit = kGlassUnits;
 
 struct DisplayPass;
+struct GpuAdded;
 
 /// What the passes of a frame read.
 struct DisplayInput {
@@ -44,6 +45,9 @@ struct DisplayInput {
     const ShaderProgram* inspectProgram;  // inspect.frag, drawn instead of the light
     PassClock& clock;
     float environmentTurn = 0;  // see background.frag
+    // Things that were not in the bake; null where there are none.
+    const GpuAdded* added = nullptr;
+    const ShaderProgram* addedProgram = nullptr;
 };
 
 void bindCamera(const ShaderProgram& program, const CameraMatrices& matrices, const Camera& camera);

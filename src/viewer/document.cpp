@@ -86,6 +86,7 @@ void Document::takeBake(Bake bake, const BakeSettings& settings) {
     baked.phatexture = std::move(bake.phatexture);
     baked.record = recordOf(settings, path, lighting.environment, PhatexelStorage::packed, variant);
     baked.record.settings = settingsWithLighting(baked.record.settings, lighting, added.sky);
+    baked.probes = {};  // those of another bake
     hasBake = true;
 }
 

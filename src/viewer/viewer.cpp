@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 
 #include "gl/gl_error.h"
 #include "io/image/image_file.h"
@@ -17,6 +16,7 @@
 #include "viewer/recent_files.h"
 #include "viewer/render_command_line.h"
 #include "viewer/sentence.h"
+#include "viewer/things_beside.h"
 #include "viewer/widgets.h"
 #include "viewer/window.h"
 
@@ -36,19 +36,14 @@ std::string freeName(const char* prefix, const Endings&... endings) {
     }
 }
 
-// For a program that drives the window, such as the tests.
-std::string widgetsFile() {
-    const char* path = std::getenv("PHAT_WIDGETS");
-    return path ? path : "";
-}
-
 class Viewer {
   public:
     explicit Viewer(const ViewerOptions& options)
         : options_(options),
           window_("PHATextures", options.size, options.uiScale),
           widgets_(widgetsFile()),
-          pictures_(options.shaderFolder, Window::wake) {
+          pictures_(options.shaderFolder, Window::wake),
+          things_(options.things) {
         state_.frameBudgetSeconds = options.frameBudgetSeconds;
         if (!options.path.empty()) open(options.path);
         window_.show();
@@ -97,6 +92,7 @@ class Viewer {
     ViewerState state_;
     std::unique_ptr<BackgroundBake> bake_;
     bool rendererIsNew_ = false;
+    ThingsBeside things_;
     SharedSnapshot moved_;  // that the renderer was last given
     LightFollower light_;
     std::chrono::steady_clock::time_point lastFrame_{};
@@ -153,7 +149,7 @@ void Viewer::useBake() {
     state_.renderer.reset();
     moved_.reset();
     state_.renderer = std::make_unique<Renderer>(
-        RendererInput{d.scene(), d.baked.atlas, d.baked.points, d.baked.phatexture, d.bvh()},
+        RendererInput{d.scene(), d.baked.atlas, d.baked.points, d.baked.phatexture, d.bvh(), things_.in(d)},
         options_.shaderFolder);
     rendererIsNew_ = true;
     state_.touch();

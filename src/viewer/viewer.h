@@ -3,15 +3,17 @@
 
 #include <glm/glm.hpp>
 #include <string>
+#include <vector>
 
 #include "io/phat/scene_lighting.h"
 
 namespace phat {
 
 struct ViewerOptions {
-    std::string path;        // empty: asks for a file
-    SceneLighting lighting;  // of a scene that is not baked
-    std::string variant;     // of the materials of `path`, a scene that is not baked; empty: none
+    std::string path;                 // empty: asks for a file
+    SceneLighting lighting;           // of a scene that is not baked
+    std::string variant;              // of the materials of `path`, a scene that is not baked; empty: none
+    std::vector<std::string> things;  // files that are drawn beside the bake
     std::string shaderFolder;
     glm::ivec2 size{1280, 720};
     float uiScale = 0;                  // 0: the screen's

@@ -1,6 +1,7 @@
 #include "viewer/widgets.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -28,6 +29,11 @@ void recordFrame(const char* label) {
 }
 
 }  // namespace
+
+std::string widgetsFile() {
+    const char* path = std::getenv("PHAT_WIDGETS");
+    return path ? path : "";
+}
 
 WidgetRecord::WidgetRecord(std::string path) : path_(std::move(path)) {
     if (!path_.empty()) ImGui::GetIO().UserData = this;

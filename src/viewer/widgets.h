@@ -37,6 +37,9 @@ class WidgetRecord {
     std::vector<Entry> now_, written_;
 };
 
+/// Where a program that drives the window, such as a test, wants it; empty: nowhere.
+std::string widgetsFile();
+
 namespace widgets {
 
 /// Whether the section is open.

@@ -6,7 +6,8 @@ namespace phat::test {
 
 std::vector<glm::vec4> evaluateGlsl(const std::string& include, const std::string& body,
                                     const std::vector<std::array<glm::vec4, 4>>& rows, GlslFlavor flavor,
-                                    GLuint splitSum, GLuint guidePdf) {
+                                    GLuint splitSum, GLuint guidePdf,
+                                    const std::function<void(GLuint program)>& bind) {
     ShaderSource vertex = assembleShader(kShaderFolder, "fullscreen.vert", flavor);
     ShaderSource fragment = assembleShader(kShaderFolder, include, flavor);
     fragment.text +=
@@ -38,6 +39,8 @@ std::vector<glm::vec4> evaluateGlsl(const std::string& include, const std::strin
     glUniform1i(glGetUniformLocation(program.name(), "splitSumTable"), 1);
     glUniform1i(glGetUniformLocation(program.name(), "guidePdf"), 2);
     glUniform1f(glGetUniformLocation(program.name(), "unitMeters"), kEvaluatedUnitMeters);
+
+    if (bind) bind(program.name());
 
     GLuint name = 0;
     glCreateVertexArrays(1, &name);

@@ -51,6 +51,8 @@ inline std::vector<ProgramVariant> longestPrograms() {
         {"surface.vert", "display.frag",
          with({"PAPER", "SUN_DISC", "SHADOW_TINTS", "GLASS", "GLASS_TEXTURES"})},
         {"surface.vert", "display.frag", with({"LOOKUP", "WITHOUT_PUNCTUAL_LIGHTS", "TRANSMISSION_TEXTURE"})},
+        {"surface.vert", "added_surface.frag", {}},
+        {"surface.vert", "added_surface.frag", {"SUN_DISC", "SHADOW_TINTS"}},
         {"surface.vert", "preview.frag", {"AREA"}},
         {"surface.vert", "preview.frag", {"AREA", "WITHOUT_PUNCTUAL_LIGHTS"}},
         {"surface.vert", "traced_surfaces.frag", {"CLEARCOAT"}},

@@ -7,6 +7,7 @@ import {
     LinearFilter,
     LinearSRGBColorSpace,
 } from 'three';
+import { AddedMeshes } from './added.js';
 import {
     canLookUp,
     kName,
@@ -85,7 +86,17 @@ export class BakedLight {
         this.ready.catch(() => {}); // whoever awaits it is told
         this.canTrace = Boolean(description.bvh);
         this.readTrees = () => readTrees(parser, description, bake.surfaces);
+        this.added = new AddedMeshes(root, parser, description);
         this.environment = null;
+    }
+
+    // Lights what was not in the bake by the bake's probes, instead of ambient light.
+    add(object) {
+        return this.added.add(object);
+    }
+
+    remove(object) {
+        this.added.remove(object);
     }
 
     // The PHATexels, in the order of their effect per byte: area lights' highlights, a first layer of indirect
@@ -172,6 +183,7 @@ export class BakedLight {
         this.disposed = true;
         this.undo.forEach((undo) => undo());
         this.undo = [];
+        this.added.dispose();
         this.renderings.forEach((rendering) => rendering.dispose());
         this.renderings.clear();
         this.environment?.dispose();

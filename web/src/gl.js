@@ -12,15 +12,19 @@ precision highp usampler2D;
 precision highp usampler2DArray;
 `;
 
-// A file of shaders/ with everything that it includes, each once and in order.
-export function assembleShader(name, defines = []) {
+// A file of shaders/ with everything that it includes, each once and in order, without a preamble.
+export function shaderLibrary(name) {
     const included = new Set();
     const expand = (file) => {
         if (included.has(file)) return '';
         included.add(file);
         return files[file].replace(/^#include "(.*)"$/gm, (_, included) => expand(included));
     };
-    return preamble + defines.map((define) => `#define ${define}\n`).join('') + expand(name);
+    return expand(name);
+}
+
+export function assembleShader(name, defines = []) {
+    return preamble + defines.map((define) => `#define ${define}\n`).join('') + shaderLibrary(name);
 }
 
 function compileShader(gl, stage, source) {

@@ -52,6 +52,14 @@ export class BakedLight {
     readonly unitMeters: number;
     /** The object that the light belongs to. */
     readonly root: Object3D;
+    /**
+     * Lights the meshes of an object that was not in the bake: by the file's light probes instead of ambient, hemisphere and
+     * environment light, wherever in the room they move; lights of the scene shine on them as always. What they reflect is
+     * blurred over a hemisphere. Resolves when they are lit; rejects where the file has no probes (`phat bake --probes`).
+     */
+    add(object: Object3D): Promise<void>;
+    /** Returns the materials of what was added to what they were. */
+    remove(object: Object3D): void;
     /** Frees what is on the GPU and returns the materials to what they were. */
     dispose(): void;
 }

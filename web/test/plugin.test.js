@@ -1,12 +1,13 @@
 // The plug-in in a page of somebody else's.
 import assert from 'node:assert/strict';
-import { mkdtemp, readFile, readdir, rm } from 'node:fs/promises';
+import { mkdtemp, readFile, readdir, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import validator from 'gltf-validator';
 import { borrowBrowser, serve } from './browser.js';
-import { borrowRoom, maeOverMean, meanOf, phat } from './room.js';
+import { GlbBuilder } from './built_room.js';
+import { borrowRoom, maeOverMean, meanOf, phat, readExr } from './room.js';
 
 const repository = new URL('../../', import.meta.url).pathname;
 let borrowed, browser, room, server, page, folder;
@@ -19,6 +20,7 @@ before(async () => {
         'test/room.phat.glb': room.file,
         'examples/room.phat.glb': room.file,
         'test/baked.glb': join(folder, 'baked.glb'),
+        'test/thing.glb': join(folder, 'thing.glb'),
     });
     page = await browser.newPage();
     await page.goto(`${server.url}test/plugin.html`);
@@ -172,6 +174,85 @@ test('follows materials, works with fog and tone mapping', async () => {
     assert.ok(maeOverMean(toneMapped, baked) > 0.02, 'tone mapping');
     const middle = 4 * (160 * 45 + 80);
     assert.deepEqual(fog.slice(middle, middle + 3), [0, 255, 0]);
+});
+
+// A box before the camera, without gloss: three.js's is not glTF's.
+function thingGlb() {
+    const builder = new GlbBuilder();
+    builder.json.extensionsUsed = ['KHR_materials_specular'];
+    builder.push('materials', {
+        pbrMetallicRoughness: { baseColorFactor: [0.8, 0.6, 0.4, 1], metallicFactor: 0, roughnessFactor: 1 },
+        extensions: { KHR_materials_specular: { specularFactor: 0 } },
+    });
+    builder.add(0, [
+        [[-0.4, 1.3, 0.9], [0, 0, 0.4], [0.4, 0, 0]],
+        [[-0.4, 0.9, 1.3], [0.4, 0, 0], [0, 0.4, 0]],
+        [[0, 0.9, 1.3], [0, 0, -0.4], [0, 0.4, 0]],
+        [[-0.4, 0.9, 0.9], [0, 0, 0.4], [0, 0.4, 0]],
+    ]);
+    return builder.glb();
+}
+
+test('lights what is added as phat render does, and returns it to what it was', async () => {
+    const thing = join(folder, 'thing.glb'),
+        picture = join(folder, 'thing.exr');
+    await writeFile(thing, thingGlb());
+    const flags = ['--size', '160x90', '--spp', '1', '--quality', 'fast', '--reflections', 'lookup', '--quiet'];
+    const drawn = async (...more) => {
+        await phat('render', room.file, '-o', picture, ...flags, ...more);
+        return (await readExr(picture)).pixels;
+    };
+    const want = await drawn('--with', thing),
+        without = await drawn();
+    const { added, removed, moved } = await page.evaluate(async () => {
+        const world = await load(true),
+            target = new THREE.WebGLRenderTarget(160, 90, { type: THREE.FloatType }),
+            shot = () => {
+                renderer.setRenderTarget(target);
+                renderer.render(world.scene, world.camera);
+                renderer.setRenderTarget(null);
+                return readTarget(target);
+            },
+            result = {},
+            box = await loadPlain('thing.glb');
+        world.scene.children.find((o) => o.isAmbientLight).intensity = 0;
+        world.scene.add(box);
+        await world.light.add(box);
+        result.added = shot();
+        // It is lit where it is in the room, wherever the room is.
+        for (const object of [world.gltf.scene, box]) {
+            object.position.set(3, -1, 2);
+            object.rotation.set(0, 0.7, 0);
+            object.scale.setScalar(2);
+        }
+        result.moved = shot();
+        world.light.remove(box);
+        result.removed = shot();
+        world.light.dispose();
+        target.dispose();
+        return result;
+    });
+    // The pixels that the box changes, but for those near its edges.
+    const shows = (i) => [0, 1, 2].some((c) => Math.abs(want[i + c] - without[i + c]) > 0.02 * without[i + c]);
+    const inside = [],
+        kBorder = 3;
+    for (let y = kBorder; y < 90 - kBorder; ++y)
+        for (let x = kBorder; x < 160 - kBorder; ++x) {
+            let all = true;
+            for (let dy = -kBorder; dy <= kBorder; ++dy)
+                for (let dx = -kBorder; dx <= kBorder; ++dx) all &&= shows(4 * (160 * (y + dy) + x + dx));
+            if (all) inside.push(4 * (160 * y + x));
+        }
+    const masked = (pixels) => inside.flatMap((i) => [pixels[i], pixels[i + 1], pixels[i + 2], 1]);
+    assert.ok(inside.length > 200, `${inside.length} pixels`);
+    // Edges between its faces lie elsewhere by SwiftShader: a row of pixels.
+    const fractionOff = (pixels) => {
+        const off = (i) => [0, 1, 2].some((c) => Math.abs(pixels[i + c] - want[i + c]) > 0.005 * want[i + c]);
+        return inside.filter(off).length / inside.length;
+    };
+    assert.ok(fractionOff(added) < 0.05, `${fractionOff(added)}`);
+    assert.ok(fractionOff(moved) < 0.05, `moved: ${fractionOff(moved)}`);
+    assert.ok(meanOf(masked(removed)) < 0.01 * meanOf(masked(want)), 'removed');
 });
 
 test("the README's example draws", async () => {

@@ -14,7 +14,8 @@ enum class GatherStage : uint64_t {
     area = 2,
     areaIrradiance = 3,
     moreAreaIrradiance = 4,
-    indirectIrradiance = 5
+    indirectIrradiance = 5,
+    lightProbes = 6,
 };
 
 // A record of the journal should outweigh its header and the wait for the disk.
@@ -22,13 +23,13 @@ inline constexpr size_t kPartBytes = 32 << 10;
 
 /// Fills `values` by fillOne(index, rays) in parts; parts that the journal has are not computed again. With
 /// many paths a part takes seconds: a stop is noticed between texels, and the unfinished part is dropped.
-template <typename Value, typename FillOne>
-void fillParts(std::vector<Value>& values, uint64_t key, const GatherContext& context,
-               const FillOne& fillOne) {
+/// `context`: what has the progress, the journal and the rayCount of a GatherContext.
+template <typename Value, typename Context, typename FillOne>
+void fillParts(std::vector<Value>& values, uint64_t key, const Context& context, const FillOne& fillOne,
+               size_t partValues = std::max<size_t>(kPartBytes / sizeof(Value), 1)) {
     static_assert(std::is_trivially_copyable_v<Value>);
-    constexpr size_t kPartValues = std::max<size_t>(kPartBytes / sizeof(Value), 1);
     BakeJournal* journal = context.journal;
-    parallelRanges(values.size(), kPartValues, context.progress, [&](size_t begin, size_t end) {
+    parallelRanges(values.size(), partValues, context.progress, [&](size_t begin, size_t end) {
         const size_t byteCount = (end - begin) * sizeof(Value);
         const uint64_t partKey = hashOf(key, begin);
         if (journal) {

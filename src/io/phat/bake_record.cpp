@@ -29,7 +29,7 @@ const std::map<std::string, PhatexelStorage>& storageNames() {
 }
 
 BakeRecord recordOf(const BakeSettings& s, const std::string& source, const std::string& environment,
-                    PhatexelStorage storage, const std::string& variant) {
+                    PhatexelStorage storage, const std::string& variant, int probes) {
     using nlohmann::json;
     json line = {{"samples", s.layers},
                  {"photons", s.photons.count},
@@ -45,6 +45,7 @@ BakeRecord recordOf(const BakeSettings& s, const std::string& source, const std:
         line["texelSize"] = s.atlas.texelSizeMeters;
     else
         line["resolution"] = s.atlas.texelBudget;
+    if (probes > 0) line["probes"] = probes;
     if (s.atlas.useUvSet >= 0) line["useUv"] = s.atlas.useUvSet;
     if (storage != PhatexelStorage::packed) line["storage"] = nameOf(storageNames(), storage);
     if (!environment.empty()) line["environment"] = std::filesystem::path(environment).filename().string();

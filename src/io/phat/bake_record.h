@@ -22,9 +22,11 @@ std::string nameOf(const std::map<std::string, T>& names, T value) {
         ->first;
 }
 
-/// `environment`: the sky's file, `variant`: of the materials; empty if none was given.
+/// `environment`: the sky's file, `variant`: of the materials; empty if none was given. `probes`: how many
+/// were asked for.
 BakeRecord recordOf(const BakeSettings& settings, const std::string& source, const std::string& environment,
-                    PhatexelStorage storage = PhatexelStorage::packed, const std::string& variant = {});
+                    PhatexelStorage storage = PhatexelStorage::packed, const std::string& variant = {},
+                    int probes = 0);
 
 /// The settings in a record; missing or invalid ones have their defaults.
 BakeSettings settingsOf(const BakeRecord& record);

@@ -16,6 +16,7 @@
 #include "io/phat/baked_layout.h"
 #include "io/phat/paper_storage.h"
 #include "io/phat/phat_payload.h"
+#include "io/phat/probes_payload.h"
 #include "io/phat/scene_lighting.h"
 
 namespace phat {
@@ -121,6 +122,15 @@ void addBvh(Payloads& payloads, const Scene& scene, json& extension) {
     add(payloads, "/bvh/order", bvh.order);
 }
 
+void addProbes(Payloads& payloads, const LightProbes& probes, json& extension) {
+    extension["probes"] = describeProbes(probes);
+    add(payloads, "/probes/cells", probes.cells);
+    add(payloads, "/probes/places", probes.places);
+    add(payloads, "/probes/indirect", probes.indirect);
+    if (!probes.area.empty()) add(payloads, "/probes/area", probes.area);
+    add(payloads, "/probes/distances", probes.distances);
+}
+
 void addEnvironment(Payloads& payloads, const Environment& environment, json& extension) {
     constexpr float kLargestRgb9e5 = 65408;
     float largest = 0;
@@ -156,8 +166,9 @@ bool sharesCharts(const Atlas& atlas) {
 }
 
 std::vector<uint8_t> bakedBytes(const GltfSource& source, const Scene& scene, const Bake& bake,
-                                const BakeRecord& record, Progress* progress,
+                                const BakeRecord& record, const BakedFileOptions& options,
                                 std::vector<std::string>& notes) {
+    Progress* progress = options.progress;
     RewrittenGltf gltf = rewriteGltf(source, scene, bake.atlas);
     notes = gltf.notes;
     writeAddedLights(scene, gltf.glb.json);
@@ -187,6 +198,7 @@ std::vector<uint8_t> bakedBytes(const GltfSource& source, const Scene& scene, co
     if (!phatexture.areaIrradiance.empty()) add(payloads, "/area/irradiance", phatexture.areaIrradiance);
     addTiles(payloads, scene, bake);
     addBvh(payloads, scene, extension);
+    if (options.probes && options.probes->count() > 0) addProbes(payloads, *options.probes, extension);
     if (scene.environment) addEnvironment(payloads, *scene.environment, extension);
 
     uint64_t byteCount = 0;
@@ -221,7 +233,7 @@ std::vector<std::string> writeBakedFile(const std::string& outPath, const GltfSo
     std::vector<std::string> notes;
     std::vector<uint8_t> bytes;
     try {
-        bytes = bakedBytes(source, scene, bake, record, options.progress, notes);
+        bytes = bakedBytes(source, scene, bake, record, options, notes);
     } catch (const Interrupted&) {
         throw;
     } catch (const std::bad_alloc&) {

@@ -7,6 +7,7 @@
 
 #include "core/bake/bake.h"
 #include "core/bvh/scene_bvh.h"
+#include "core/probes/light_probes.h"
 #include "io/base/file_error.h"
 #include "io/gltf/gltf_loader.h"
 
@@ -33,6 +34,7 @@ struct BakedScene {
     TexelPoints points;  // rebuilt from the atlas, with the stored occluded states
     Phatexture phatexture;
     std::optional<SceneBvh> bvh;  // where the file has trees, and they are those of the scene
+    LightProbes probes;           // none in files that were baked without
     BakeRecord record;
 };
 
@@ -51,7 +53,8 @@ struct FileTooLarge : FileError {
 };
 
 struct BakedFileOptions {
-    Progress* progress = nullptr;       // of the compression
+    Progress* progress = nullptr;  // of the compression
+    const LightProbes* probes = nullptr;
     uint64_t mostBytes = ~uint64_t(0);  // of the file
 };
 

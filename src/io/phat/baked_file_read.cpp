@@ -16,6 +16,7 @@
 #include "io/phat/baked_layout.h"
 #include "io/phat/payload_reader.h"
 #include "io/phat/phatexture_read.h"
+#include "io/phat/probes_payload.h"
 #include "io/phat/scene_lighting.h"
 
 namespace phat {
@@ -275,6 +276,7 @@ void readExtension(const GltfSource& source, BakedScene& baked) {
     baked.points = readTexelPoints(reader, extension.at("atlas"), scene, baked.atlas);
     baked.phatexture = readPhatexture(reader, extension, storage, baked.atlas);
     baked.bvh = readBvh(reader, extension, scene);
+    baked.probes = readLightProbes(reader, extension);
     if (extension.contains("environment"))
         scene.environment = readEnvironment(reader, extension["environment"]);
 }

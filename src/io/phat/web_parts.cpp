@@ -39,6 +39,8 @@ std::vector<Later> laterViews(const json& extension) {
     addSource(extension.at("indirect"), "reflections");
     if (!parts.empty()) add(parts.front(), extension.at("tiles"), {"distances"});
     if (!parts.empty() && extension.contains("bvh")) add(parts.front(), extension["bvh"], {"nodes", "order"});
+    if (!parts.empty() && extension.contains("probes"))
+        add(parts.front(), extension["probes"], {"cells", "places", "indirect", "area", "distances"});
     return parts;
 }
 
