@@ -1,15 +1,23 @@
 // phat view: a window.
 
 #include <CLI/CLI.hpp>
+#include <array>
 
 #include "cli/commands.h"
 #include "cli/data_folders.h"
+#include "cli/declare_option.h"
 #include "cli/lighting_options.h"
 #include "cli/size_option.h"
 #include "io/phat/baked_file.h"
 #include "viewer/viewer.h"
 
 namespace phat {
+namespace {
+
+constexpr std::array<FlagName<LightEngine>, 3> kEngineNames = {
+    {{"auto", LightEngine::automatic}, {"gpu", LightEngine::gpu}, {"cpu", LightEngine::cpu}}};
+
+}  // namespace
 
 void addViewCommand(CLI::App& app) {
     CLI::App* command = app.add_subcommand("view", "Walk through a baked file, or watch a scene being baked");
@@ -40,6 +48,11 @@ void addViewCommand(CLI::App& app) {
                          "Of a moving view: reflection rays are traced as it allows; default: 8")
             ->type_name("MS")
             ->check(CLI::Range(1.0, 1000.0));
+    const auto engine = std::make_shared<LightEngine>(LightEngine::automatic);
+    DeclareOption{*command}.choice(
+        "--engine", kEngineNames, *engine,
+        "Which processor makes the light that follows changes; auto is gpu, unless "
+        "OpenGL is drawn in software or there is glass");
     command->footer("Example: phat view room.phat.glb");
     command->callback([=] {
         ViewerOptions options;
@@ -52,6 +65,7 @@ void addViewCommand(CLI::App& app) {
         if (*size) options.size = parseSize(size);
         if (*scale) options.uiScale = scale->as<float>();
         if (*budget) options.frameBudgetSeconds = 1e-3 * budget->as<double>();
+        options.lightEngine = *engine;
         options.shaderFolder = shaderFolder();
         runViewer(options);
     });

@@ -237,6 +237,10 @@ void Renderer::filterLight() {
     filterIrradiance(*state_->lightPass, *state_->light, state_->atlas);
 }
 
+void Renderer::waitForLight() {
+    glFinish();
+}
+
 StoredLight Renderer::readLight() const {
     return phat::readLight(state_->atlas);
 }

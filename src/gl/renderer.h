@@ -254,6 +254,7 @@ class Renderer {
     /// Traces the rays of a round. Irradiance is shown by the next filterLight().
     void traceLight(const LightRound& round);
     void filterLight();
+    void waitForLight();
     /// Waits for the GPU.
     StoredLight readLight() const;
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "gl/gl_error.h"
+#include "gl/traced_frame.h"
 #include "io/phat/bake_record.h"
 #include "viewer/sentence.h"
 #include "viewer/window.h"
@@ -11,6 +13,11 @@ namespace {
 
 // The time of uploads of updated PHATexels, per frame.
 constexpr double kUploadSeconds = 0.004;
+
+bool makesLightOnGpu(const ViewerState& state) {
+    if (state.lightEngine != LightEngine::automatic) return state.lightEngine == LightEngine::gpu;
+    return prefersGpuRays(state.document->shown());
+}
 
 }  // namespace
 
@@ -28,35 +35,44 @@ void LightFollower::begin(const Document& document) {
 
 void LightFollower::follow(ViewerState& state, bool changed, bool visible) {
     if (failed_) return;
-    Document& document = *state.document;
-    const bool updates = state.view.liveLight, refines = updates && state.view.refine && visible;
     try {
-        if (!light_) {
-            // Moved objects need their positions updated, even where light waits.
-            if (!document.isMoved() && !refines && (!updates || document.isAtRest())) return;
-            begin(document);
-            changed = true;
-        }
-        const Camera& eye = state.navigation.camera;
-        const bool turned = eye.worldFromCamera != eye_ && !light_->report().converged;
-        if (changed || turned || updates != updates_ || refines != refines_) {
-            light_->follow(document.posed.snapshot(), eye, updates, refines);
-            updates_ = updates;
-            refines_ = refines;
-            eye_ = eye.worldFromCamera;
-        }
-        state.refinements = light_->report().refinements;
-        if (update_.empty()) {
-            std::optional<LightUpdate> update = light_->take();
-            if (!update) return;
-            update_ = std::move(*update);
-            document.takeLight(update_);
-        }
+        const bool byGpu = makesLightOnGpu(state);
+        followByBaker(state, changed, visible, !byGpu);
+        roundsGoOn_ = byGpu && state.view.liveLight;
+        if (roundsGoOn_ && rounds_.follow(state, changed)) ++state.lightVersion;
+    } catch (const GlError&) {
+        throw;
     } catch (const std::exception& error) {
         state.message = fmt::format("Dynamic lighting failed: {}.", sentenceOf(error));
         light_.reset();
         failed_ = true;
-        return;
+    }
+}
+
+void LightFollower::followByBaker(ViewerState& state, bool changed, bool visible, bool updatesLight) {
+    Document& document = *state.document;
+    const bool updates = updatesLight && state.view.liveLight,
+               refines = updates && state.view.refine && visible;
+    if (!light_) {
+        // Moved objects need their positions updated, even where light waits.
+        if (!document.isMoved() && !refines && (!updates || document.isAtRest())) return;
+        begin(document);
+        changed = true;
+    }
+    const Camera& eye = state.navigation.camera;
+    const bool turned = eye.worldFromCamera != eye_ && !light_->report().converged;
+    if (changed || turned || updates != updates_ || refines != refines_) {
+        light_->follow(document.posed.snapshot(), eye, updates, refines);
+        updates_ = updates;
+        refines_ = refines;
+        eye_ = eye.worldFromCamera;
+    }
+    state.refinements = light_->report().refinements;
+    if (update_.empty()) {
+        std::optional<LightUpdate> update = light_->take();
+        if (!update) return;
+        update_ = std::move(*update);
+        document.takeLight(update_);
     }
     const bool refined = update_.refined;
     state.renderer->takeUpdate(update_, kUploadSeconds);

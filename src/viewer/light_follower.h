@@ -1,10 +1,12 @@
 #pragma once
-// Dynamic lighting in the window: the incremental baker beside the renderer.
+// Dynamic lighting in the window: the incremental baker beside the renderer, or the renderer's own light, for
+// which the baker only follows the geometry.
 
 #include <memory>
 #include <optional>
 
 #include "core/dynamic/baker_thread.h"
+#include "viewer/light_rounds.h"
 #include "viewer/viewer_state.h"
 
 namespace phat {
@@ -19,15 +21,18 @@ class LightFollower {
     /// a renderer and a whole bake.
     void follow(ViewerState& state, bool changed, bool visible);
     /// There is more to give than the last frame had time for.
-    bool hasMore() const { return !update_.empty(); }
+    bool hasMore() const { return !update_.empty() || (roundsGoOn_ && rounds_.hasMore()); }
     /// Before what it reads is written to.
     void waitUntilStarted();
     std::optional<BakerThread::Report> report() const;
 
   private:
     void begin(const Document& document);
+    void followByBaker(ViewerState& state, bool changed, bool visible, bool updatesLight);
 
     std::unique_ptr<BakerThread> light_;
+    LightRounds rounds_;
+    bool roundsGoOn_ = false;
     bool failed_ = false;
     LightUpdate update_;  // not uploaded yet
     bool updates_ = false, refines_ = false;

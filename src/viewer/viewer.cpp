@@ -45,6 +45,7 @@ class Viewer {
           pictures_(options.shaderFolder, Window::wake),
           things_(options.things) {
         state_.frameBudgetSeconds = options.frameBudgetSeconds;
+        state_.lightEngine = options.lightEngine;
         if (!options.path.empty()) open(options.path);
         window_.show();
     }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "io/phat/scene_lighting.h"
+#include "viewer/light_engine.h"
 
 namespace phat {
 
@@ -18,6 +19,7 @@ struct ViewerOptions {
     glm::ivec2 size{1280, 720};
     float uiScale = 0;                  // 0: the screen's
     double frameBudgetSeconds = 0.008;  // of a moving view; rays are traced as it allows
+    LightEngine lightEngine = LightEngine::automatic;
 };
 
 /// Returns when the window is closed. A file that cannot be opened first throws FileError; later ones are

@@ -11,6 +11,7 @@
 #include "gl/renderer.h"
 #include "viewer/document.h"
 #include "viewer/grab.h"
+#include "viewer/light_engine.h"
 #include "viewer/live_reflections.h"
 #include "viewer/navigation.h"
 
@@ -58,7 +59,8 @@ struct ViewerState {
     std::string message;         // the last error or notice, one sentence, until the next key or click
     std::vector<std::string> recentFiles;
     double frameBudgetSeconds = 0.008;  // see ViewerOptions
-    bool fileChanged = false;           // on disk, since it was read
+    LightEngine lightEngine = LightEngine::automatic;
+    bool fileChanged = false;  // on disk, since it was read
     /// Grows with every change that requires a new image.
     uint64_t version = 0;
     /// Grows when nothing but the light on things is newer.
