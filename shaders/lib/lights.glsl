@@ -9,9 +9,9 @@ const int kLightSpot = 1;
 const int kLightDirectional = 2;
 
 // A light's rows: (position, type), (intensity, range), (direction, cosInner), (cosOuter, first shadow layer,
-// layer count, w). w of a directional light: radius in texels of the shadow of a disc's light at the map's whole depth,
-// 0 where it is no disc; of others: the least squared distance. After all lights, the columns of each shadow layer's
-// clipFromWorld.
+// layer count, w). The range of a directional light is the radius of its disc in radians. w of a directional light:
+// radius in texels of the shadow of a disc's light at the map's whole depth, 0 where it is no disc; of others: the least
+// squared distance. After all lights, the columns of each shadow layer's clipFromWorld.
 uniform sampler2D lightTable;
 uniform sampler2DArrayShadow shadowMaps;
 uniform int lightCount;
@@ -29,6 +29,7 @@ struct PunctualSample {
     vec3 towardLight;
     vec3 irradiance;  // W/m2 on a plane facing the light
     float distance;
+    float discRadius;  // radians
 };
 
 vec4 lightRow(int light, int row) {
@@ -40,7 +41,8 @@ PunctualSample samplePunctual(int light, vec3 point) {
     vec4 positionType = lightRow(light, 0);
     vec4 intensityRange = lightRow(light, 1);
     int type = int(positionType.w);
-    if (type == kLightDirectional) return PunctualSample(-lightRow(light, 2).xyz, intensityRange.rgb, 1e30);
+    if (type == kLightDirectional)
+        return PunctualSample(-lightRow(light, 2).xyz, intensityRange.rgb, 1e30, intensityRange.w);
 
     vec3 offset = positionType.xyz - point;
     float d2 = max(dot(offset, offset), lightRow(light, 3).w);
@@ -58,7 +60,7 @@ PunctualSample samplePunctual(int light, vec3 point) {
         float cone = clamp((cosine - cosOuter) / max(directionInner.w - cosOuter, kMinConeWidth), 0.0, 1.0);
         attenuation *= cone * cone;
     }
-    return PunctualSample(towardLight, intensityRange.rgb * attenuation, d);
+    return PunctualSample(towardLight, intensityRange.rgb * attenuation, d, 0.0);
 }
 
 mat4 shadowClipFromWorld(int layer, int firstRow) {

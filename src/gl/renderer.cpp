@@ -80,7 +80,7 @@ PendingSample Renderer::beginSample(const FrameSettings& settings, Reflections r
     if (settings.filter == PixelFilter::box) sample.jitter = jitterOf(sum.samples, count);
     const glm::vec3 parts = shownParts(settings.component);
     sample.view = {settings.camera,          int(sum.size.x), int(sum.size.y), uint32_t(sum.samples),
-                   settings.samplesPerPixel, parts.y > 0,     parts.x > 0};
+                   settings.samplesPerPixel, parts.y > 0,     parts.x > 0,     settings.filter};
     const State::Prepared prepared = s.prepare(sample.settings, traced, sample.preview);
     prepareSample(prepared.common, prepared.input, s.targets, sample);
     checkGl("drawing a frame");

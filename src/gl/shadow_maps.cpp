@@ -166,9 +166,9 @@ GlTexture createLightTable(const std::vector<PunctualLight>& lights, const std::
     int layer = 0;
     for (const PunctualLight& light : lights) {
         rows.emplace_back(light.position, float(light.type));
-        rows.emplace_back(light.intensity, light.rangeMeters);
-        rows.emplace_back(light.direction, light.cosInnerCone);
         const bool parallel = light.type == PunctualLight::Type::directional;
+        rows.emplace_back(light.intensity, parallel ? light.angularRadius : light.rangeMeters);
+        rows.emplace_back(light.direction, light.cosInnerCone);
         rows.emplace_back(light.cosOuterCone, float(layer), float(layersOf(light)),
                           parallel ? discTexels(light, size) : leastSquared);
         layer += layersOf(light);

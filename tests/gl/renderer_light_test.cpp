@@ -171,6 +171,58 @@ TEST_F(RendererLight, PenumbraOfADiscBehindAStraightEdge) {
     EXPECT_EQ(renderer.render(settings).pixels, soft.pixels) << "the disc is back";
 }
 
+/// A metal that reflects all, under a disc at 45 degrees of an irradiance of 1 on what faces it; what a
+/// camera sees of it around the mirrored disc. `halfAngle`: of the picture's height, radians.
+Image mirroredDisc(float roughness, float radius, float halfAngle) {
+    Scene scene;
+    Material white;
+    white.roughness = roughness;
+    addFloor(scene, white, 8);
+    scene.lights.push_back(directionalLight({1, 1, 1}, glm::normalize(glm::vec3(1, -1, 0))));
+    scene.lights[0].angularRadius = radius;
+    const RendererWorld world = worldOfQuads(std::move(scene), 2);
+    Renderer renderer(world.input(), kShaderFolder);
+    return renderer.render(frame(lookAtCamera({1, 1, 0}, {0, 0, 0}, glm::degrees(2 * halfAngle))));
+}
+
+constexpr float kSunRadius = 0.00465f;
+// Of a lobe at 45 degrees around the mirror direction, of equal area.
+float lobeWidth(float roughness) {
+    return 2 * std::max(square(roughness), kMinAlpha) * std::sqrt(std::sqrt(0.5f));
+}
+
+// Whatever the lobe's width, all that arrives is reflected: the integral of the highlight over the directions
+// to the eye is the irradiance. The picture holds ten widths, and a lobe has 1 % of its light beyond.
+TEST_F(RendererLight, HighlightsOfADiscHaveAllItsLight) {
+    for (const float roughness : {0.0f, 0.04f, 0.06f, 0.08f, 0.1f, 0.2f}) {
+        const float halfAngle = 10 * std::max(lobeWidth(roughness), kSunRadius);
+        const Image image = mirroredDisc(roughness, kSunRadius, halfAngle);
+        const double side = 2 * std::tan(double(halfAngle)) / image.height;
+        double sum = 0;
+        for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < image.width; ++x) {
+                const double u = (x + 0.5 - image.width / 2.0) * side,
+                             v = (y + 0.5 - image.height / 2.0) * side;
+                sum += double(image.at(x, y).x) * side * side / std::pow(1 + u * u + v * v, 1.5);
+            }
+        EXPECT_NEAR(sum, 0.99, 0.03) << roughness;
+    }
+}
+
+// A mirror shows the disc: its size, and its radiance but for the lobe's tails, a^2 / (a^2 + r^2) in the
+// middle.
+TEST_F(RendererLight, MirrorsShowADisc) {
+    const float halfAngle = 2 * kSunRadius, width = lobeWidth(0);
+    const Image image = mirroredDisc(0, kSunRadius, halfAngle);
+    const float radiance = 1 / (kPi * square(kSunRadius));
+    const float middle = radiance * square(kSunRadius) / (square(kSunRadius) + square(width));
+    EXPECT_NEAR(image.at(image.width / 2, image.height / 2).x, middle, 0.02f * middle);
+    int bright = 0;
+    for (const glm::vec3& pixel : image.pixels) bright += pixel.x > 0.5f * middle;
+    const float pixelsInRadius = 0.25f * float(image.height);
+    EXPECT_NEAR(float(bright), kPi * square(pixelsInRadius), 0.08f * kPi * square(pixelsInRadius));
+}
+
 // As large as a shadow's filter or smaller, where the caster stands on the floor.
 TEST_F(RendererLight, ADiscsShadowTouchesItsCaster) {
     Scene scene;

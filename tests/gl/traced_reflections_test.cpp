@@ -7,6 +7,7 @@
 
 #include <optional>
 
+#include "core/scene/camera_ray.h"
 #include "gl/traced_frame.h"
 #include "gl/traced_world.h"
 
@@ -102,6 +103,71 @@ TEST(TracedReflections, MirrorInAMirrorIsNotBlack) {
     // 45 degrees: up at z = -2 to the ceiling, down at z = -4 to the wall.
     const LobeIncident incident = FloorProbe(world).mean(0, 256);
     EXPECT_NEAR(incident.indirect.x, 0.5f * 3 / kPi, 0.02f);
+}
+
+/// A picture of the floor, all of whose pixels are traced; by the pixel.
+std::vector<SurfaceIncident> traceFloor(const WorldOfRays& world, float roughness, const Camera& camera,
+                                        int side, uint32_t frame = 0) {
+    ReflectionView view;
+    view.camera = camera;
+    view.width = view.height = side;
+    view.frame = frame;
+    std::vector<TracedSurface> surfaces;
+    for (int i = 0; i < side * side; ++i) {
+        TracedSurface s;
+        s.pixel = uint32_t(i);
+        s.position = glm::vec2(i % side, i / side) + 0.5f;
+        const Ray eye = cameraRay(camera, side, side, s.position);
+        s.triangle = world.rays.closestHit(eye.origin, eye.direction).triangle;
+        s.base = {{0, 1, 0}, std::max(square(roughness), kMinAlpha), 1, 1, 1, 2};
+        surfaces.push_back(s);
+    }
+    SilentProgress silent;
+    uint64_t rayCount = 0;
+    return traceReflections(world.scene, view, surfaces, silent, rayCount);
+}
+
+// A line in eight is dark, and a pixel shows some three of them in the mirror: one ray has their mean.
+TEST(TracedReflections, MirroredTexturesAreFiltered) {
+    Material lined = emitter(glm::vec3(1));
+    lined.emissionTexture.image = 0;
+    Scene scene = floorAndCeiling(whiteMetal(0), lined);
+    TextureImage image;
+    image.width = image.height = 2048;
+    for (int i = 0; i < 2048 * 2048; ++i)
+        image.texels.push_back(glm::u8vec4(glm::u8vec3(i % 8 ? 255 : 0), 255));
+    scene.images.push_back(image);
+    const RendererWorld world = worldOfQuads(std::move(scene), 4);
+    const auto seen = traceFloor(WorldOfRays(world), 0, lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 20), 16);
+    int far = 0;  // a ray in the lobe's tail
+    for (const SurfaceIncident& s : seen) far += std::abs(s.base.area.x - 7 / 8.0f) > 0.02f;
+    EXPECT_LE(far, 2);
+}
+
+// Pixels of a mirror that see a rough metal share the walks from there: their noise against that of a pixel
+// alone.
+TEST(TracedReflections, MirrorsShareWhatTheyHit) {
+    Scene scene = floorAndCeiling(whiteMetal(0), whiteMetal(0.6f));
+    addQuad(scene, emitter(glm::vec3(100)), {0.5f, 1, -2.5f}, {0, 0, 0.1f}, {0.1f, 0, 0});
+    const RendererWorld world = worldOfQuads(std::move(scene), 4);
+    const WorldOfRays rays(world);
+    constexpr int kSide = 9, kFrames = 48;
+    const Camera many = lookAtCamera({0, 1, 1}, {0, 0, 0}, 2),
+                 one = lookAtCamera({0, 1, 1}, {0, 0, 0}, 2.0f / kSide);
+    double sums[2] = {}, squares[2] = {};
+    for (uint32_t frame = 0; frame < kFrames; ++frame) {
+        const double seen[2] = {
+            double(traceFloor(rays, 0, many, kSide, frame)[kSide * kSide / 2].base.indirect.x),
+            double(traceFloor(rays, 0, one, 1, frame)[0].base.indirect.x)};
+        for (int i = 0; i < 2; ++i) {
+            sums[i] += seen[i] / kFrames;
+            squares[i] += seen[i] * seen[i] / kFrames;
+        }
+    }
+    const auto deviation = [&](int i) { return std::sqrt(squares[i] - sums[i] * sums[i]); };
+    EXPECT_GT(sums[1], 0.01);
+    EXPECT_NEAR(sums[0], sums[1], 4 * deviation(1) / std::sqrt(double(kFrames)));
+    EXPECT_LT(deviation(0), 0.5 * deviation(1));  // a quarter, where 16 count for one
 }
 
 TEST(TracedReflections, ThreadsDoNotChangeThem) {

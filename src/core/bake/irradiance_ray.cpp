@@ -87,6 +87,7 @@ struct Walk {
     glm::vec3 towardEye;
     glm::vec3 throughput{1};
     IrradianceRay found;
+    float stepMeters = kFarDistance;  // of the last step
 
     glm::vec3 eyeLocal() const { return point.shading.toLocal(towardEye); }
     bool ends(int bouncesLeft);
@@ -138,6 +139,7 @@ bool Walk::reflectsGlossily(int bounce, const StepNumbers& numbers) {
         seeThrough(world.scene.rays, {originOn(world.scene.rays, point, direction), direction}, 0, rayCount);
     const glm::vec3 arriving = seen.ray.direction;
     hit = seen.hit;
+    stepMeters = hit ? hit.distance : kFarDistance;
     throughput *= seen.throughput;
     const float weight =
         sample.pdf / (sample.pdf + areaPdf(world.scene.lights, point.position, hit, arriving));
@@ -168,21 +170,23 @@ IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t
     return walk.found;
 }
 
-glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance,
-                              const VisibleHit& visible, const PathSettings& settings, Rng& rng,
-                              uint64_t& rayCount) {
+HitReflection reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance,
+                                  const VisibleHit& visible, const PathSettings& settings, Rng& rng,
+                                  uint64_t& rayCount) {
     const SurfacePoint& point = visible.point;
     const glm::vec3& towardEye = visible.towardEye;
     const glm::vec3 eyeLocal = point.shading.toLocal(towardEye);
-    if (maxComponent(reflectance(point.brdf, eyeLocal)) <= 0.0f) return glm::vec3(0);
+    if (maxComponent(reflectance(point.brdf, eyeLocal)) <= 0.0f) return {};
 
+    HitReflection reflected;
     const int paths = std::max(settings.pathsPerHit, 1);
     const std::optional<uint32_t> texel = texelOfHit(world, visible.hit);
     if (!texel) {
-        glm::vec3 reflected(0);
         for (int i = 0; i < paths; ++i)
-            reflected += traceReflected(world.scene, {point, towardEye}, settings.maxBounces, rng, rayCount);
-        return reflected / float(paths);
+            reflected.rest +=
+                traceReflected(world.scene, {point, towardEye}, settings.maxBounces, rng, rayCount);
+        reflected.rest /= float(paths);
+        return reflected;
     }
     const auto arriving = [&](const std::vector<uint32_t>& map) {
         if (map.empty()) return glm::vec3(0);
@@ -192,26 +196,29 @@ glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& ir
     };
     const glm::vec3 diffuse = diffuseAlbedo(point.brdf, eyeLocal) / kPi *
                               (arriving(irradiance.indirect) + arriving(irradiance.area));
-    const glm::vec3 punctual = punctualLight(world.scene, point, towardEye, rng, rayCount);
-    const float glossyAlbedo = maxComponent(reflectance(withoutDiffuse(point).brdf, eyeLocal));
-    if (glossyAlbedo <= 0.0f) return punctual + diffuse;
+    reflected.rest = punctualLight(world.scene, point, towardEye, rng, rayCount) + diffuse;
+    reflected.glossyAlbedo = reflectance(withoutDiffuse(point).brdf, eyeLocal);
+    const float albedo = maxComponent(reflected.glossyAlbedo);
+    if (albedo <= 0.0f) return reflected;
 
     // The walks' noise counts by the albedo.
-    const int walks = std::max(1, int(std::ceil(kWalksPerPath * glossyAlbedo * float(paths))));
+    reflected.walks = std::max(1, int(std::ceil(kWalksPerPath * albedo * float(paths))));
     const uint64_t seed = rng.bits64();
-    glm::vec3 glossy(0);
-    for (int i = 0; i < walks; ++i) {
+    for (int i = 0; i < reflected.walks; ++i) {
         Walk walk{world, irradiance.area, rng, rayCount, visible.hit, point, towardEye, glm::vec3(1), {}};
-        for (int bounce = 0; bounce < settings.maxBounces; ++bounce)
-            if (!walk.reflectsGlossily(bounce,
-                                       bounce ? stepNumbers(rng) : firstStepNumbers(uint32_t(i), seed)) ||
-                walk.ends(settings.maxBounces - bounce - 1))
-                break;
-        glossy += walk.found.light;
+        for (int bounce = 0; bounce < settings.maxBounces; ++bounce) {
+            const bool goesOn = walk.reflectsGlossily(
+                bounce, bounce ? stepNumbers(rng) : firstStepNumbers(uint32_t(i), seed));
+            if (bounce == 0) reflected.nearness += 1.0f / walk.stepMeters;
+            if (!goesOn || walk.ends(settings.maxBounces - bounce - 1)) break;
+        }
+        reflected.glossy += walk.found.light;
         if (walk.found.texel != kNoTexel)
-            glossy += walk.found.weight * unpackRgb9e5(irradiance.indirect[walk.found.texel]);
+            reflected.glossy += walk.found.weight * unpackRgb9e5(irradiance.indirect[walk.found.texel]);
     }
-    return punctual + diffuse + glossy / float(walks);
+    reflected.glossy /= float(reflected.walks);
+    reflected.nearness /= float(reflected.walks);
+    return reflected;
 }
 
 IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradiance& irradiance,
@@ -228,7 +235,7 @@ IncidentRadiance incidentFromTexels(const GatherInput& input, const TexelIrradia
     const SurfacePoint point = surfaceAt(input.rays.scene(), seen.hit, arriving);
     incident.reflected =
         seen.throughput *
-        reflectedFromTexels(world, irradiance, {seen.hit, point, -arriving}, paths, rng, incident.rays);
+        reflectedFromTexels(world, irradiance, {seen.hit, point, -arriving}, paths, rng, incident.rays).sum();
     return incident;
 }
 

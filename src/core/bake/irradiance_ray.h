@@ -53,12 +53,24 @@ struct VisibleHit {
     glm::vec3 towardEye;        // back along the ray
 };
 
-/// Radiance that the surface at a ray's hit reflects back along the ray: its diffuse part by the irradiance
-/// of the texel there and by shadow rays to the punctual lights, its glossy part by `pathsPerHit` walks
-/// through further glossy reflections until they end in a texel. Where there is no texel, ordinary paths.
-glm::vec3 reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance,
-                              const VisibleHit& visible, const PathSettings& settings, Rng& rng,
-                              uint64_t& rayCount);
+/// Radiance that a surface reflects, W/(m2 sr).
+struct HitReflection {
+    glm::vec3 glossy{
+        0};  // by its glossy lobes, of all but punctual lights: the mean of walks, with their noise
+    glm::vec3 rest{0};
+    glm::vec3 glossyAlbedo{0};
+    int walks = 0;
+    float nearness = 0;  // mean over the walks of 1 / m to what they met first
+
+    glm::vec3 sum() const { return glossy + rest; }
+};
+
+/// What the surface at a ray's hit reflects back along the ray: its diffuse part by the irradiance of the
+/// texel there and by shadow rays to the punctual lights, its glossy part by `pathsPerHit` walks through
+/// further glossy reflections until they end in a texel. Where there is no texel, ordinary paths.
+HitReflection reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance,
+                                  const VisibleHit& visible, const PathSettings& settings, Rng& rng,
+                                  uint64_t& rayCount);
 
 /// Incident radiance along a ray, as traceIncident estimates it, but with the irradiance of the texel that it
 /// hits instead of diffuse paths (reflectedFromTexels). Emission is not looked for. What is nearer than

@@ -39,6 +39,23 @@ float ReflectionPool::likeness(const PooledLobe& mine, const PooledLobe& other) 
     return std::exp(-0.5f * glm::dot(apart, apart));
 }
 
+ReflectionPool::Steps ReflectionPool::steps(size_t i) const {
+    const PooledLobe& mine = lobes_[i];
+    const int x = int(mine.pixel) % width_, y = int(mine.pixel) / width_;
+    Steps steps;
+    for (int axis = 0; axis < 2; ++axis)
+        for (const int sign : {1, -1}) {
+            const int u = x + (axis == 0 ? sign : 0), v = y + (axis == 1 ? sign : 0);
+            if (u < 0 || v < 0 || u >= width_ || v >= height_) continue;
+            const uint32_t j = lobeOf_[size_t(v) * size_t(width_) + size_t(u)];
+            if (j == kNoLobe || lobes_[j].side != mine.side) continue;
+            steps.position[axis] = lobes_[j].position - mine.position;
+            steps.mirror[axis] = lobes_[j].mirror - mine.mirror;
+            break;
+        }
+    return steps;
+}
+
 float ReflectionPool::raysForOne(size_t i) const {
     float sum = 0;
     visit(i, [&](size_t, float weight) { sum += weight; });

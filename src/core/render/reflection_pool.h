@@ -33,6 +33,13 @@ class ReflectionPool {
     /// `width`: of the picture in pixels; at most one lobe a pixel. Takes over `lobes`.
     ReflectionPool(std::vector<PooledLobe> lobes, int width, int height);
 
+    /// What changes from lobe `i` to those of the same side in the next pixels, along x and along y; 0 where
+    /// there are none. source: ray differentials (Igehy 1999), by the rays themselves.
+    struct Steps {
+        glm::vec3 position[2] = {}, mirror[2] = {};
+    };
+    Steps steps(size_t i) const;
+
     /// How many rays count for each that lobe `i` traces itself if all trace as many, 1 to 16.
     float raysForOne(size_t i) const;
 

@@ -2,14 +2,10 @@
 
 #include <atomic>
 #include <bit>
-#include <cassert>
 
 #include "core/base/parallel.h"
-#include "core/base/sobol.h"
-#include "core/render/reflection_pool.h"
+#include "core/render/lobe_rays.h"
 #include "core/scene/brdf.h"
-#include "core/scene/glass.h"
-#include "core/transport/path_vertex.h"
 
 namespace phat {
 namespace {
@@ -21,10 +17,10 @@ constexpr float kRaysPerAlpha = 800;
 constexpr float kMaxOwnFraction = 0.5f;
 // Where at least so many pooled rays count for each traced one, 4x4 pixels share one sequence.
 constexpr float kSharedFrom = 4;
-// From glossy hits, walks continue: their number per neighbourhood and frame, and their greatest length.
+// From glossy hits, walks continue: their number per neighbourhood and frame.
 constexpr float kWalks = 8;
-constexpr int kMaxBounces = 8;
 constexpr uint64_t kStream = 0x5e1f;  // of hashOf
+constexpr size_t kGrain = 64;
 
 // Barycentric coordinates of the point that a pixel shows. By rounding, the ray may miss a triangle that the
 // rasteriser drew; then the nearest point of the triangle.
@@ -40,97 +36,6 @@ glm::vec2 barycentricOn(const Scene& scene, uint32_t triangle, const Ray& ray) {
     const double u = std::clamp(glm::dot(from, p) / determinant, 0.0, 1.0);
     const double v = std::clamp(glm::dot(direction, glm::cross(from, ab)) / determinant, 0.0, 1.0);
     return glm::vec2(glm::dvec2(u, v) / std::max(u + v, 1.0));
-}
-
-/// The points of Sobol's sequence that a pixel's rays take.
-struct RayNumbers {
-    uint32_t seed = 0;
-    uint32_t first = 0, stride = 1;
-
-    glm::vec2 of(int ray) const { return glm::vec2(sobol4(first + uint32_t(ray) * stride, seed)); }
-};
-
-/// A lobe as a surface of its own.
-struct LobeRays {
-    const ReflectionScene& scene;
-    const ReflectionView& view;
-    uint64_t& rayCount;
-    SurfacePoint point;
-    glm::vec3 eyeLocal{0};
-    float albedo = 0;
-
-    glm::vec3 estimateByLightSample(Rng& rng) const;
-    PooledLight trace(int count, int walks, const RayNumbers& numbers, uint64_t stream) const;
-};
-
-// Power heuristic (Veach 1997): with the balance heuristic, the rare light samples that fall into a sharp
-// lobe would count in full, although its BRDF samples find the same light reliably. pre: own > 0.
-float powerWeight(float own, float other) {
-    assert(own > 0.0f);
-    return 1.0f / (1.0f + square(other / own));
-}
-
-// One light sample over the lobe's albedo: small emitters that BRDF samples rarely hit.
-glm::vec3 LobeRays::estimateByLightSample(Rng& rng) const {
-    const float choice = rng.uniform();
-    const LightSample light = scene.lights.sampleArea(point.position, choice, rng.uniform2());
-    if (light.pdf <= 0.0f || maxComponent(light.radiance) <= 0.0f || !leavesSurface(point, light.towardLight))
-        return glm::vec3(0);
-    const glm::vec3 local = point.shading.toLocal(light.towardLight);
-    const float value = evaluateBrdf(point.brdf, eyeLocal, local).x;
-    if (value <= 0.0f) return glm::vec3(0);
-    const float weight = powerWeight(light.pdf, sampleBrdfPdf(point.brdf, eyeLocal, local));
-    // Below this weight no emitter is bright enough to be visible, and the shadow ray is saved.
-    constexpr float kMinWeight = 1e-6f;
-    if (weight < kMinWeight) return glm::vec3(0);
-    const glm::vec3 transmittance = transmittanceToLight(
-        scene.rays, point.position, originOn(scene.rays, point, light.towardLight), light, rayCount);
-    return transmittance * (value * weight / light.pdf / albedo * light.radiance);
-}
-
-PooledLight LobeRays::trace(int count, int walks, const RayNumbers& numbers, uint64_t stream) const {
-    const TexelWorld world{{scene.rays, scene.lights}, scene.atlas, scene.points, scene.texels};
-    const TexelIrradiance irradiance{scene.phatexture.indirectIrradiance, scene.phatexture.areaIrradiance,
-                                     true};
-    const PathSettings atHits{walks, kMaxBounces};
-    PooledLight incident;
-    glm::vec3 sampled(0);
-    for (int i = 0; i < count; ++i) {
-        Rng rng(hashOf(stream, view.frame, uint64_t(i)));
-        if (view.area && scene.lights.hasArea()) sampled += estimateByLightSample(rng);
-        const BrdfSample sample = sampleBrdf(point.brdf, eyeLocal, 0.5f, numbers.of(i));
-        if (sample.pdf <= 0.0f) continue;
-        const glm::vec3 direction = glm::normalize(point.shading.toWorld(sample.direction));
-        if (!leavesSurface(point, direction)) continue;
-        const float weight = sample.weight.x;
-        incident.weight += weight;
-
-        ++rayCount;
-        const SeenThrough seen =
-            seeThrough(scene.rays, {originOn(scene.rays, point, direction), direction}, stream, rayCount);
-        const glm::vec3 arriving = seen.ray.direction;
-        const float lightPdf = areaPdf(scene.lights, point.position, seen.hit, arriving);
-        const glm::vec3 emissionWeight = weight * powerWeight(sample.pdf, lightPdf) * seen.throughput;
-        if (!seen.hit) {
-            incident.area += emissionWeight * scene.lights.environmentRadiance(arriving);
-            continue;
-        }
-        const SurfacePoint far = surfaceAt(scene.rays.scene(), seen.hit, arriving);
-        incident.area += emissionWeight * far.emission;
-        if (view.indirect)
-            incident.indirect +=
-                weight * seen.throughput *
-                reflectedFromTexels(world, irradiance, {seen.hit, far, -arriving}, atHits, rng, rayCount);
-    }
-    if (incident.weight <= 0.0f) return {};
-    incident.indirect /= incident.weight;
-    incident.area = incident.area / incident.weight + sampled / float(count);
-    // A clamp: the two are independent estimates, whose noise must not exceed all light that there is.
-    const glm::vec3 scale = glm::min(
-        glm::vec3(1), scene.brightest / glm::max(incident.indirect + incident.area, glm::vec3(1e-20f)));
-    incident.indirect *= scale;
-    incident.area *= scale;
-    return incident;
 }
 
 // A power of two, so that frames whose jitter changes the count still continue one sequence. `raysForOne`:
@@ -168,7 +73,7 @@ class LobeTracer {
     size_t count() const { return traced_.size(); }
     uint32_t surfaceOf(size_t i) const { return traced_[i]; }
 
-    PooledLight trace(size_t i, uint64_t& rayCount) const {
+    TracedLight trace(size_t i, uint64_t& rayCount) const {
         const TracedSurface& s = surfaces_[traced_[i]];
         const PrimaryRay& primary = primaryRays_[traced_[i]];
         const TracedLobe& lobe = s.*lobe_;
@@ -182,15 +87,14 @@ class LobeTracer {
         rays.eyeLocal = rays.point.shading.toLocal(-primary.direction);
         rays.albedo = specularAlbedo(rays.point.brdf.f0, lobe.f90, lobe.alpha, rays.eyeLocal.z).x;
         if (rays.albedo <= 0.0f) return {};
+        if (view_.filter == PixelFilter::box) rays.steps = pool_.steps(i);
         const float raysForOne = pool_.raysForOne(i);
         const int count = rayCountFor(lobe, raysForOne, view_.pictures);
         const int walks = std::max(int(kWalks / (raysForOne * float(count))), 1);
         const uint64_t stream = hashOf(kStream, s.pixel) + kind_;
-        return rays.trace(count, walks, numbersFor(s.pixel, stream, count, raysForOne), stream);
-    }
-
-    ReflectionPool::Redistribution redistribute(size_t i, const std::vector<PooledLight>& lights) const {
-        return pool_.redistribute(i, lights);
+        TracedLight found = rays.trace(count, walks, numbersFor(s.pixel, stream, count, raysForOne), stream);
+        found.gloss.lobe.pixel = s.pixel;
+        return found;
     }
 
     LobeIncident incident(size_t i, const std::vector<PooledLight>& lights,
@@ -199,6 +103,7 @@ class LobeTracer {
         return {light.indirect, light.area,
                 light.weight > 0.0f ? (surfaces_[traced_[i]].*lobe_).weight : 0.0f};
     }
+    const ReflectionPool& pool() const { return pool_; }
 
   private:
     static std::vector<uint32_t> tracedOf(std::span<const TracedSurface> surfaces,
@@ -243,12 +148,43 @@ class LobeTracer {
     const ReflectionPool pool_;
 };
 
+// What was spread of the brightest of `lights`, see ReflectionPool.
+std::vector<ReflectionPool::Redistribution> redistributed(const ReflectionPool& pool,
+                                                          const std::vector<PooledLight>& lights) {
+    std::vector<ReflectionPool::Redistribution> found(lights.size());
+    SilentProgress silent;
+    parallelRanges(lights.size(), kGrain, silent, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) found[i] = pool.redistribute(i, lights);
+    });
+    return found;
+}
+
+// The light of all lobes, each with what it shares with others of the light on what their rays hit.
+std::vector<PooledLight> withGloss(const std::vector<TracedLight>& traced, const ReflectionView& view) {
+    std::vector<PooledLobe> lobes;
+    std::vector<PooledLight> onHits, lights;
+    for (const TracedLight& t : traced) {
+        lobes.push_back(t.gloss.lobe);
+        onHits.push_back(t.gloss.light);
+        lights.push_back(t.light);
+    }
+    const ReflectionPool pool(std::move(lobes), view.width, view.height);
+    const auto redistributions = redistributed(pool, onHits);
+    SilentProgress silent;
+    parallelRanges(lights.size(), kGrain, silent, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i)
+            if (traced[i].gloss.lobe.alpha > 0)
+                lights[i].indirect +=
+                    traced[i].gloss.carried * pool.pooled(i, onHits, redistributions).indirect;
+    });
+    return lights;
+}
+
 }  // namespace
 
 std::vector<SurfaceIncident> traceReflections(const ReflectionScene& scene, const ReflectionView& view,
                                               std::span<const TracedSurface> surfaces, Progress& progress,
                                               uint64_t& rayCount) {
-    constexpr size_t kGrain = 64;
     splitSumTable();  // integrated here, so that no thread waits for it
     std::vector<PrimaryRay> primaryRays;
     for (const TracedSurface& s : surfaces) {
@@ -262,17 +198,15 @@ std::vector<SurfaceIncident> traceReflections(const ReflectionScene& scene, cons
     std::atomic<uint64_t> rays{0};
     const ProgressStage stage(progress, "reflections", base.count() + coat.count());
     const auto trace = [&](const LobeTracer& lobes, LobeIncident SurfaceIncident::*lobe) {
-        std::vector<PooledLight> lights(lobes.count());
-        std::vector<ReflectionPool::Redistribution> redistributions(lobes.count());
+        std::vector<TracedLight> traced(lobes.count());
         parallelRanges(lobes.count(), kGrain, progress, [&](size_t begin, size_t end) {
             uint64_t rangeRays = 0;
-            for (size_t i = begin; i < end; ++i) lights[i] = lobes.trace(i, rangeRays);
+            for (size_t i = begin; i < end; ++i) traced[i] = lobes.trace(i, rangeRays);
             rays += rangeRays;
         });
+        const std::vector<PooledLight> lights = withGloss(traced, view);
+        const auto redistributions = redistributed(lobes.pool(), lights);
         SilentProgress silent;
-        parallelRanges(lobes.count(), kGrain, silent, [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; ++i) redistributions[i] = lobes.redistribute(i, lights);
-        });
         parallelRanges(lobes.count(), kGrain, silent, [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; ++i)
                 incident[lobes.surfaceOf(i)].*lobe = lobes.incident(i, lights, redistributions);

@@ -9,6 +9,7 @@
 
 #include "core/bake/irradiance_ray.h"
 #include "core/render/picture.h"
+#include "core/scene/footprint.h"
 #include "core/scene/light_bound.h"
 
 namespace phat {
@@ -59,7 +60,8 @@ struct ReflectionScene {
           points(texelPoints),
           phatexture(baked),
           texels(irradianceTexels(bakedAtlas, texelPoints)),
-          brightest(brightestRadiance(rayScene.scene())) {}
+          brightest(brightestRadiance(rayScene.scene())),
+          levels(rayScene.scene()) {}
 
     const RayScene& rays;
     const LightSampler& lights;
@@ -68,6 +70,7 @@ struct ReflectionScene {
     const Phatexture& phatexture;
     std::vector<uint8_t> texels;
     glm::vec3 brightest;
+    TextureLevels levels;
 };
 
 struct ReflectionView {
@@ -77,6 +80,7 @@ struct ReflectionView {
     int pictures = 1;           // how many there will be: the ray budget is divided among them
     bool indirect = true;       // which parts are computed
     bool area = true;
+    PixelFilter filter = PixelFilter::box;  // with `center` textures are not filtered, either
 };
 
 /// [surface]. Lobes of weight 0 are left out. The same values for any number of threads. Adds the rays

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "core/scene/footprint.h"
 #include "core/scene/transparency.h"
 
 namespace phat {
@@ -42,6 +43,8 @@ struct Interpolated {
     glm::vec3 position, normalGeometric, normal;
     glm::vec4 tangent, color;
     glm::vec2 uv[2];
+    const TextureLevels* levels = nullptr;  // with a footprint, whose sides in uv follow: [set][side]
+    glm::vec2 uvSides[2][2];
 };
 
 template <typename T>
@@ -75,7 +78,28 @@ Interpolated interpolateAt(const Scene& scene, uint32_t triangle, glm::vec2 bary
 }
 
 glm::vec4 lookUp(const Scene& scene, const TextureSlot& slot, const Interpolated& at, bool srgb) {
-    return slot.image < 0 ? glm::vec4(1) : sampleTexture(scene, slot, at.uv[slot.uvSet], srgb);
+    if (slot.image < 0) return glm::vec4(1);
+    if (at.levels)
+        return sampleTexture(scene, slot, at.uv[slot.uvSet], srgb, *at.levels, at.uvSides[slot.uvSet]);
+    return sampleTexture(scene, slot, at.uv[slot.uvSet], srgb);
+}
+
+void addFootprint(const Scene& scene, uint32_t triangle, const Footprint& footprint, Interpolated& at) {
+    const glm::uvec3 t = scene.triangles[triangle];
+    const glm::vec3 ab = scene.positions[t.y] - scene.positions[t.x];
+    const glm::vec3 ac = scene.positions[t.z] - scene.positions[t.x];
+    // The barycentric coordinates' slopes: the dual basis of the two edges.
+    const float b2 = glm::dot(ab, ab), c2 = glm::dot(ac, ac), bc = glm::dot(ab, ac);
+    const float determinant = b2 * c2 - bc * bc;
+    if (!(determinant > 0)) return;
+    const glm::vec3 slopeB = (c2 * ab - bc * ac) / determinant, slopeC = (b2 * ac - bc * ab) / determinant;
+    at.levels = &footprint.levels;
+    for (int set = 0; set < 2; ++set) {
+        const std::vector<glm::vec2>& uv = set == 0 ? scene.uv0 : scene.uv1;
+        for (int side = 0; side < 2; ++side)
+            at.uvSides[set][side] = glm::dot(slopeB, footprint.sides[side]) * (uv[t.y] - uv[t.x]) +
+                                    glm::dot(slopeC, footprint.sides[side]) * (uv[t.z] - uv[t.x]);
+    }
 }
 
 glm::vec3 normalFromMap(const Scene& scene, const TextureSlot& slot, float scale, const Interpolated& at) {
@@ -131,10 +155,8 @@ Brdf brdfAt(const Scene& scene, const Material& m, const Interpolated& at) {
 
 enum class Backs : uint8_t { asTheMaterialSays, asFronts };
 
-SurfacePoint shade(const Scene& scene, uint32_t triangle, glm::vec2 barycentric, bool back,
-                   Backs backs = Backs::asTheMaterialSays) {
+SurfacePoint shade(const Scene& scene, uint32_t triangle, const Interpolated& at, bool back, Backs backs) {
     const Material& material = scene.materialOf(triangle);
-    const Interpolated at = interpolateAt(scene, triangle, barycentric);
     const float side = back ? -1.0f : 1.0f;
 
     SurfacePoint point;
@@ -169,13 +191,13 @@ SurfacePoint shade(const Scene& scene, uint32_t triangle, glm::vec2 barycentric,
     return point;
 }
 
-}  // namespace
+SurfacePoint shade(const Scene& scene, uint32_t triangle, glm::vec2 barycentric, bool back,
+                   Backs backs = Backs::asTheMaterialSays) {
+    return shade(scene, triangle, interpolateAt(scene, triangle, barycentric), back, backs);
+}
 
-glm::vec4 sampleTexture(const Scene& scene, const TextureSlot& slot, glm::vec2 uv, bool srgb) {
-    if (slot.image < 0) return glm::vec4(1);
-    const TextureImage& image = scene.images[slot.image];
+glm::vec4 sampleImage(const TextureImage& image, const TextureSlot& slot, glm::vec2 moved, bool srgb) {
     if (image.texels.empty()) return glm::vec4(1);
-    const glm::vec2 moved = slot.uvTransform * glm::vec3(uv, 1.0f);
     const glm::vec2 texel =
         glm::vec2(wrapCoordinate(moved.x, slot.wrapU), wrapCoordinate(moved.y, slot.wrapV)) *
         glm::vec2(image.width, image.height);
@@ -195,6 +217,43 @@ glm::vec4 sampleTexture(const Scene& scene, const TextureSlot& slot, glm::vec2 u
                     glm::mix(fetch(x, y + 1), fetch(x + 1, y + 1), t.x), t.y);
 }
 
+}  // namespace
+
+glm::vec4 sampleTexture(const Scene& scene, const TextureSlot& slot, glm::vec2 uv, bool srgb) {
+    if (slot.image < 0) return glm::vec4(1);
+    return sampleImage(scene.images[slot.image], slot, slot.uvTransform * glm::vec3(uv, 1.0f), srgb);
+}
+
+glm::vec4 sampleTexture(const Scene& scene, const TextureSlot& slot, glm::vec2 uv, bool srgb,
+                        const TextureLevels& levels, const glm::vec2 (&sides)[2]) {
+    if (slot.image < 0) return glm::vec4(1);
+    const TextureImage& image = scene.images[slot.image];
+    const glm::vec2 size(image.width, image.height);
+    const glm::vec2 moved = slot.uvTransform * glm::vec3(uv, 1.0f);
+    glm::vec2 along = slot.uvTransform * glm::vec3(sides[0], 0.0f);
+    glm::vec2 across = slot.uvTransform * glm::vec3(sides[1], 0.0f);
+    float longer = glm::length(along * size), shorter = glm::length(across * size);
+    if (longer < shorter) {
+        std::swap(longer, shorter);
+        std::swap(along, across);
+    }
+    if (!(longer > 1.0f) || !std::isfinite(longer)) return sampleImage(image, slot, moved, srgb);
+
+    const int samples =
+        int(std::clamp(std::ceil(longer / std::max(shorter, 1.0f)), 1.0f, float(kMaxFootprintSamples)));
+    const float level = std::log2(std::max({longer / float(samples), shorter, 1.0f}));
+    const int finer = int(level);
+    const TextureImage& fine = levels.at(scene, slot.image, srgb, finer);
+    const TextureImage& coarse = levels.at(scene, slot.image, srgb, finer + 1);
+    glm::vec4 sum(0);
+    for (int i = 0; i < samples; ++i) {
+        const glm::vec2 at = moved + along * ((float(i) + 0.5f) / float(samples) - 0.5f);
+        sum += glm::mix(sampleImage(fine, slot, at, srgb), sampleImage(coarse, slot, at, srgb),
+                        level - float(finer));
+    }
+    return sum / float(samples);
+}
+
 namespace {
 
 SurfacePoint facing(SurfacePoint point, glm::vec3 direction) {
@@ -212,6 +271,12 @@ SurfacePoint facing(SurfacePoint point, glm::vec3 direction) {
 
 SurfacePoint surfaceAt(const Scene& scene, const Hit& hit, glm::vec3 direction) {
     return facing(shade(scene, hit.triangle, hit.barycentric, hit.backFace), direction);
+}
+
+SurfacePoint surfaceAt(const Scene& scene, const Hit& hit, glm::vec3 direction, const Footprint& footprint) {
+    Interpolated at = interpolateAt(scene, hit.triangle, hit.barycentric);
+    addFootprint(scene, hit.triangle, footprint, at);
+    return facing(shade(scene, hit.triangle, at, hit.backFace, Backs::asTheMaterialSays), direction);
 }
 
 SurfacePoint glassAt(const Scene& scene, const Hit& hit, glm::vec3 direction) {

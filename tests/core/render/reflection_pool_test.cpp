@@ -70,6 +70,21 @@ TEST(ReflectionPool, MirrorsKeepToTheirOwnRays) {
     EXPECT_EQ(raysForMiddle(flatFloor(1e-3f, 1e4f)), 1);
 }
 
+TEST(ReflectionPool, StepsLeadToTheNextPixelOfTheSide) {
+    std::vector<PooledLobe> lobes = flatFloor(0.1f, 1);
+    lobes[kMiddle + 1].mirror = {0.6f, 0.8f, 0};
+    lobes[kMiddle + kSide].side = 1;  // below is another surface: the one above counts
+    lobes[0].side = 2;
+    const ReflectionPool pool(std::move(lobes), kSide, kSide);
+    const ReflectionPool::Steps steps = pool.steps(kMiddle), none = pool.steps(0);
+    EXPECT_NEAR(steps.position[0].x, kStep, 1e-6f);
+    EXPECT_NEAR(steps.mirror[0].x, 0.6f, 1e-6f);
+    EXPECT_NEAR(steps.position[1].z, -kStep, 1e-6f);
+    EXPECT_EQ(steps.mirror[1], glm::vec3(0));
+    EXPECT_EQ(none.position[0], glm::vec3(0));
+    EXPECT_EQ(none.mirror[1], glm::vec3(0));
+}
+
 /// What all see by the pool where all rays brought 1 but for the middle's.
 std::vector<glm::vec3> pooledAround(float middle, float distance) {
     const ReflectionPool pool(flatFloor(0.1f, distance), kSide, kSide);
