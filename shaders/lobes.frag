@@ -1,6 +1,6 @@
 // The lobes of the surface that a pixel shows, for the passes that look light up or trace rays for it. A pass of its own,
 // because drivers compile a program anew for every combination of the textures that materials bind, and those are long.
-// With TRACED also where the surface is, and which of its lobes are traced.
+// With TRACED also where the surface is, and how near what its lobes reflect: all that reflect are traced.
 #include "lib/atlas.glsl"
 #include "lib/octahedral.glsl"
 #include "lib/visible_surface.glsl"
@@ -26,8 +26,7 @@ layout(location = 2) out uvec4 point;  // bits of the position, world; the flat 
 
 uint tracedBits(vec4 lobe, VisibleSurface s) {
 #ifdef TRACED
-    vec2 traced = tracedWeight(lobe.xyz, lobe.a, vPosition, s.towardEye, s.texel, s.chart);
-    return packHalf2x16(vec2(traced.x, traced.y / unitMeters));
+    return packHalf2x16(vec2(1.0, nearestAround(lobe.xyz, vPosition, s.towardEye, s.texel, s.chart) / unitMeters));
 #else
     return 0u;
 #endif

@@ -1,4 +1,5 @@
-// Adds to a lobe's light that of its neighbours' rays, along the rows, then along the columns.
+// Adds to a lobe's light that of its neighbours' rays, along the rows, then along the columns; then once more, of those
+// farther away. source: Dammertz et al. 2010, "Edge-Avoiding A-Trous Wavelet Transform".
 #include "lib/pooled_light.glsl"
 #include "lib/reflection_pool.glsl"
 #include "lib/view_ray.glsl"
@@ -7,6 +8,7 @@ uniform usampler2D lights;  // see lib/pooled_light.glsl
 uniform usampler2D guides;
 uniform float originUnitMeters;
 uniform ivec2 alongWhich;   // (1, 0) or (0, 1)
+uniform bool isWide;        // the second time
 
 layout(location = 0) out uvec4 lightOut;
 
@@ -22,9 +24,9 @@ PooledLight pooledLight(ivec2 pixel, ReflectionGuide mine) {
     sum.area *= weights;
     sum.nearness *= weights;
     vec3 position = positionOf(mine, pixel);
-    ivec2 last = textureSize(lights, 0) - 1;
+    ivec2 last = textureSize(lights, 0) - 1, along = (isWide ? wideStep(mine.alpha) : 1) * alongWhich;
     for (int i = -kReach; i <= kReach; ++i) {
-        ivec2 p = pixel + i * alongWhich;
+        ivec2 p = pixel + i * along;
         if (i == 0 || p != clamp(p, ivec2(0), last)) continue;
         ReflectionGuide other = unpackGuide(texelFetch(guides, p, 0));
         float weight = float(kReach + 1 - abs(i)) * likeness(mine, other, positionOf(other, p) - position);

@@ -11,8 +11,14 @@ uniform float raysPerNeighborhood;
 uniform int maxRays;           // of a pixel
 
 const float kRaysPerAlpha = 800.0;
+// Of the rays that the second pooling brings, at its widest.
+const float kFromAfar = 4.0;
 
 layout(location = 0) out uvec4 guideOut;
+
+// The passes that follow run where this depth, of the number of rays, exceeds theirs; 0: there is no lobe.
+// twin: src/gl/ray_pass.cpp.
+const float kCountedRays = 64.0;
 
 vec3 positionAt(ivec2 pixel) {
     return uintBitsToFloat(texelFetch(points, pixel, 0).xyz);
@@ -44,6 +50,7 @@ float sharedAlong(ReflectionGuide mine, vec3 position, ivec2 pixel) {
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     guideOut = uvec4(0u);
+    gl_FragDepth = 0.0;
     PixelLobe l = pixelLobe(pixel, lobe);
     if (l.weight <= 0.0 || l.alpha <= 0.0 || l.surface == 0u) return;
     vec3 position = positionAt(pixel);
@@ -52,5 +59,9 @@ void main() {
     float wanted = min(raysPerNeighborhood * l.weight / sharing, kRaysPerAlpha * l.alpha);
     // A power of two, as the sequence of their random numbers asks for.
     mine.rays = clamp(int(exp2(ceil(log2(max(wanted, 1.0)) - 0.01))), 1, maxRays);
+    // Where the second pooling reaches far, every other group of 4x4 pixels traces none.
+    float step = float(wideStep(mine.alpha));
+    if (kFromAfar * wanted < 0.5 * step * step && (((pixel.x ^ pixel.y) >> 2) & 1) != 0) mine.rays = 0;
     guideOut = packGuide(mine);
+    gl_FragDepth = (float(mine.rays) + 0.25) / kCountedRays;
 }

@@ -48,7 +48,7 @@ LightRange rangeAround(ivec2 pixel, ReflectionGuide mine, PooledLight light) {
     LightRange range = LightRange(light.indirect, light.indirect, light.area, light.area);
     ivec2 last = textureSize(lights, 0) - 1;
     for (int i = 0; i < 4; ++i) {
-        ivec2 p = pixel + (kReach - 1) * ivec2(i == 0 ? 1 : i == 1 ? -1 : 0, i == 2 ? 1 : i == 3 ? -1 : 0);
+        ivec2 p = pixel + (kReach - 1) * wideStep(mine.alpha) * ivec2(i == 0 ? 1 : i == 1 ? -1 : 0, i == 2 ? 1 : i == 3 ? -1 : 0);
         p = clamp(p, ivec2(0), last);
         if ((texelFetch(guides, p, 0).z & 0xffffffu) != mine.surface) continue;
         PooledLight there = unpackPooledLight(texelFetch(lights, p, 0));

@@ -4,6 +4,9 @@
 #include "lib/hit_light.glsl"
 #include "lib/hit_surface.glsl"
 #include "lib/packed_rays.glsl"
+#include "lib/sample_numbers.glsl"
+#include "lib/visible_normal.glsl"
+#include "lib/frame.glsl"
 #ifndef WITHOUT_PUNCTUAL_LIGHTS
 #include "lib/lights.glsl"
 #endif
@@ -57,9 +60,7 @@ vec3 bakedLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFromLo
     float alpha = max(coated ? viewed.brdf.clearcoatAlpha : viewed.brdf.alpha, sharpest);
     vec3 wi = reflect(-viewed.towardEye, squareToVisibleNormal(u.xy, viewed.towardEye, alpha));
     vec3 direction = worldFromLocal * wi;
-    Receiver receiver = Receiver(position, worldFromLocal * viewed.towardEye, s.normal, s.texel, s.chart);
-    ScalarLobe lobe = ScalarLobe(s.normal, 1.0, 1.0, alpha);
-    HitLookup lookup = hitLookup(receiver, lobe, worldFromLocal, viewed.towardEye, 0);
+    HitLookup lookup = hitLookup(position, s.texel, s.chart);
     for (int source = 0; source < kSources; ++source) {
         vec3 arriving = arrivingAt(s.texel, source);
         sum += viewed.diffuse * arriving;
@@ -70,7 +71,7 @@ vec3 bakedLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFromLo
             continue;
         }
         if (wi.z <= 0.0) continue;
-        vec3 found = phatexelToward(lookup, direction, u, source == 0 ? 0 : layerCount);
+        vec3 found = phatexelToward(lookup, direction, source == 0 ? 0 : layerCount);
         vec3 mean = arriving / kPi;
         sum += (albedo + coat) * (found.x < 0.0 ? mean : min(found, kMaxOverMean / max(sharpest, 1e-4) * mean));
     }

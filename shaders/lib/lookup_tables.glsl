@@ -99,17 +99,35 @@ float levelDistance(vec2 range, uint level) {
     return level == 15u ? kFarDistance : range.x * pow(range.y / range.x, float(level) / 14.0);
 }
 
-// Metres from the receiver to the surface along a unit direction, or `aside` of it by so many cells of the probe.
-float distanceAlong(inout DepthProbe probe, vec3 direction, vec2 aside) {
-    ivec2 cell = hemisphereCell(direction * probe.worldFromBlock, kProbeSize, aside);
+uint probeLevel(inout DepthProbe probe, ivec2 cell) {
     ivec2 group = ivec2(cell.x >> 3, cell.y >> 2);
     if (group != probe.group) {
         probe.levels = READ(texelFetch(probes, probe.corner + group, 0));
         probe.group = group;
     }
-    uint level = (probe.levels[cell.y & 3] >> uint(4 * (cell.x & 7))) & 15u;
+    return (probe.levels[cell.y & 3] >> uint(4 * (cell.x & 7))) & 15u;
+}
+
+float distanceOf(DepthProbe probe, uint level, vec3 direction) {
     return clamp(levelDistance(probe.range, level) + dot(probe.offset, direction), kNear * unitMeters,
                  kHorizon * unitMeters);
+}
+
+// Metres from the receiver to the surface along a unit direction, or `aside` of it by so many cells of the probe.
+float distanceAlong(inout DepthProbe probe, vec3 direction, vec2 aside) {
+    ivec2 cell = hemisphereCell(direction * probe.worldFromBlock, kProbeSize, aside);
+    return distanceOf(probe, probeLevel(probe, cell), direction);
+}
+
+// The least of the cell's that a direction is in and the eight around.
+float leastDistanceAround(inout DepthProbe probe, vec3 direction) {
+    ivec2 middle = hemisphereCell(direction * probe.worldFromBlock, kProbeSize, vec2(0.0));
+    uint least = 15u;
+    for (int i = 0; i < 9; ++i) {
+        ivec2 cell = clamp(middle + ivec2(i % 3 - 1, i / 3 - 1), 0, kProbeSize - 1);
+        least = min(least, probeLevel(probe, cell));
+    }
+    return distanceOf(probe, least, direction);
 }
 
 vec4 inverseCdfCellAt(int layer, int block, ivec2 cell) {

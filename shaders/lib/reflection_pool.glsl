@@ -2,11 +2,16 @@
 // twin: src/core/render/reflection_pool.cpp, with the numbers' reasons.
 #include "lib/reflection_guides.glsl"
 
-const int kReach = 3;  // pixels
+const int kReach = 3;  // pixels; times wideStep() the second time
 const float kWidthPerAlpha = 0.8;
 const float kMaxAlphaRatio = 1.5;
 const float kMinPooledAlpha = 0.005;
 const float kMinDistance = 1e-3;  // units of length
+
+// Pixels between those that are pooled the second time: the lobes of rough surfaces are alike farther apart.
+int wideStep(float alpha) {
+    return clamp(int(1.6 + 9.0 * alpha), 1, 4);
+}
 
 // `step`: from the lobe's position to the other's, units of length.
 float likeness(ReflectionGuide mine, ReflectionGuide other, vec3 step) {

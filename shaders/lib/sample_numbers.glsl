@@ -3,7 +3,7 @@
 
 const int kMaxSamples = 32;
 const int kRanks = 16;
-const int kPlaces = 9;  // bits of kMaxSamples * kRanks
+const int kPlaces = 13;  // bits of kMaxSamples * kRanks * kRanks
 
 uniform uvec4 sampleNumbers[kMaxSamples];  // fractions of 2^32, the same for all pixels but for `ranks`
 uniform uvec4 ranks[kRanks];
@@ -15,12 +15,17 @@ int rankOf(ivec2 pixel) {
     return 4 * inGroup.y + inGroup.x;
 }
 
+// Bayer's order of a group's pixels, 0 to 15: neighbours are far apart.
+int bayerOrder(ivec2 p) {
+    int x = p.x & 3, y = p.y & 3;
+    return ((((x ^ y) & 1) * 2 + (y & 1)) * 4) + (((x ^ y) >> 1) & 1) * 2 + ((y >> 1) & 1);
+}
+
 // Of pixels that take different numbers of samples: `count`, a power of two up to kMaxSamples. A group's pixels with the
-// same count have an aligned run together.
+// same count have an aligned run together, and so do the groups of 16x16 pixels: those that pool take other numbers
+// than their neighbours.
 vec4 sampleNumbersOf(int k, ivec2 pixel, int count) {
-    int x = pixel.x & 3, y = pixel.y & 3;
-    // Bayer's order: neighbours are far apart in the run.
-    int order = ((((x ^ y) & 1) * 2 + (y & 1)) * 4) + (((x ^ y) >> 1) & 1) * 2 + ((y >> 1) & 1);
+    int order = bayerOrder(pixel) + kRanks * bayerOrder(pixel >> 2);
     uvec4 bits = sampleNumbers[k];
     for (int place = order * count, i = 0; place > 0; place >>= 1, ++i)
         if ((place & 1) != 0) bits ^= placeNumbers[i];

@@ -1,7 +1,7 @@
-// Which lobes are traced, and which are looked up.
+// Which lobes the CPU traces, and which are looked up; and how near what they reflect is.
 #include "lib/sharpness.glsl"
 
-uniform float sharpAlpha;  // lobes up to it are traced everywhere
+uniform bool tracesAll;
 uniform int frame;  // of several whose mean is shown
 
 // Ratios of the PHATexels' spread to the lobe's width below which a lobe is looked up, and above which it is traced;
@@ -9,7 +9,17 @@ uniform int frame;  // of several whose mean is shown
 const float kNoneTraced = 0.7;
 const float kAllTraced = 1.5;
 
-// x: the weight of rays against the lookup, 0 to 1; y: metres to the nearest surface around the mirror direction.
+// Metres to the nearest surface around the mirror direction.
+float nearestAround(vec3 normal, vec3 position, vec3 towardEye, vec2 texel, uint chartIndex) {
+    ChartExtent chart = chartExtent(chartIndex);
+    // A different one each frame.
+    int rank = (4 * (int(gl_FragCoord.y) & 3) + (int(gl_FragCoord.x) & 3)) ^ (frame & 15);
+    ivec2 here = texelOfRank(chart, texel, rank);
+    DepthProbe probe = depthProbeAt(lookupTileAt(chart, here), here, position);
+    return leastDistanceAround(probe, reflect(-towardEye, normal));
+}
+
+// x: the weight of rays against the lookup, 0 to 1; y: nearestAround().
 vec2 tracedWeight(vec3 normal, float alpha, vec3 position, vec3 towardEye, vec2 texel, uint chartIndex) {
     if (alpha <= 0.0) return vec2(0.0);
     ChartExtent chart = chartExtent(chartIndex);
@@ -29,5 +39,5 @@ vec2 tracedWeight(vec3 normal, float alpha, vec3 position, vec3 towardEye, vec2 
         nearest = min(nearest, d);
     }
     // Half of the cells around are enough for all of the weight, so that it grows gradually toward close surfaces.
-    return vec2(alpha <= sharpAlpha ? 1.0 : min(2.0 * weight, 1.0), nearest);
+    return vec2(tracesAll ? 1.0 : min(2.0 * weight, 1.0), nearest);
 }

@@ -84,6 +84,8 @@ void printTable(const Json& report) {
         line("rays", fmt::format("{:9.2f} a pixel", report["raysPerPixel"].get<double>()));
         line("", fmt::format("{:9.1f} million a second", 1e-6 * report["raysPerSecond"].get<double>()));
     }
+    if (report.contains("fetchesPerPixel"))
+        line("", fmt::format("{:9.1f} fetches a pixel", report["fetchesPerPixel"].get<double>()));
     if (!report.contains("reads")) return;
     for (const auto& [source, reads] : report["reads"].items())
         line("reads", fmt::format("{:9.1f} a pixel, at most {:.0f}, of {} light", reads["mean"].get<double>(),

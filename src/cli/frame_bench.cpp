@@ -90,6 +90,16 @@ Json countedReads(Renderer& renderer, FrameSettings frame, float unitMeters) {
     return readsReport(pictures);
 }
 
+double fetchesPerPixel(Renderer& renderer, FrameSettings frame, float unitMeters) {
+    const Camera first = frame.camera;
+    double sum = 0;
+    for (int i = 0; i < kCountedViews; ++i) {
+        frame.camera = moved(first, double(i) / kCountedViews, unitMeters);
+        sum += double(renderer.countRayFetches(frame));
+    }
+    return std::round(10 * sum / kCountedViews / double(frame.width) / double(frame.height)) / 10;
+}
+
 }  // namespace
 
 Json benchFrames(Renderer& renderer, FrameSettings frame, const BenchSettings& settings, Progress& progress) {
@@ -105,8 +115,9 @@ Json benchFrames(Renderer& renderer, FrameSettings frame, const BenchSettings& s
     if (frame.tracedByGpu != Reflections::lookup) {
         const double rays = medianOf(measured.rays);
         std::vector<double> seconds;
-        for (const FrameTimes& times : measured.gpu) seconds.push_back(times.rays);
+        for (const FrameTimes& times : measured.gpu) seconds.push_back(times.rays());
         report["raysPerPixel"] = std::round(100 * rays / double(frame.width) / double(frame.height)) / 100;
+        report["fetchesPerPixel"] = fetchesPerPixel(renderer, frame, settings.unitMeters);
         report["raysPerSecond"] = std::round(rays / std::max(medianOf(seconds), 1e-9));
     }
     if (renderer.bytesPerPhatexel() > 0) report["reads"] = countedReads(renderer, frame, settings.unitMeters);

@@ -9,9 +9,6 @@
 namespace phat {
 namespace {
 
-// Rays of the GPU have less error than the lookup for sharper lobes, at the same time (docs/lookup.md).
-constexpr float kSharpAlpha = 0.1f;
-
 // Measured: see notes/experiments.md, "Lookup".
 LookupSampling samplingOf(Quality quality) {
     constexpr LookupSampling kSampling[] = {{2, 2}, {8, 4}, {32, 4}};
@@ -87,28 +84,31 @@ RayFrame rayFrameOf(const DisplayInput& input, const CameraMatrices& camera, con
             settings.rays,
             *input.rayHistory,
             *input.rayCounter,
+            input.clock,
             settings.followsLast};
 }
 
-// Glossy light: of PHATexels, and of rays where the GPU traces them.
+// Glossy light by reflection rays: of all lobes.
+void traceRays(const DisplayInput& input, const CameraMatrices& camera, const FrameTargets& targets,
+               const PendingSample& sample) {
+    const RayFrame rays = rayFrameOf(input, camera, targets, sample);
+    const ShaderProgram& program = input.rayPass->lobes;
+    beginTracedLobes(*input.rayPass, targets.rays, rays);
+    bindCamera(program, camera, sample.settings.camera);
+    drawOpaque(program, input);
+    input.clock.ended(Pass::lobes);
+    traceLobes(*input.rayPass, targets.rays, rays);
+}
+
+// Glossy light of PHATexels.
 void lookUp(const DisplayInput& input, const CameraMatrices& camera, const FrameTargets& targets,
             const PendingSample& sample) {
     const FrameSettings& settings = sample.settings;
-    const ShaderProgram& program = input.lookupPass->lookupProgram;
-    const auto drawLobes = [&](const ShaderProgram& lobes) {
-        bindCamera(lobes, camera, settings.camera);
-        drawOpaque(lobes, input);
-    };
-    std::optional<RayFrame> rays;
-    if (input.rayPass) {
-        rays.emplace(rayFrameOf(input, camera, targets, sample));
-        beginTracedLobes(*input.rayPass, targets.rays, *rays,
-                         sharpAlphaOf(settings.tracedByGpu, kSharpAlpha));
-        drawLobes(input.rayPass->lobes);
-    } else {
-        beginLobes(targets.lookup);
-        drawLobes(input.lookupPass->lobesProgram);
-    }
+    const ShaderProgram &lobes = input.lookupPass->lobesProgram, &program = input.lookupPass->lookupProgram;
+    beginLobes(targets.lookup);
+    bindCamera(lobes, camera, settings.camera);
+    drawOpaque(lobes, input);
+    input.clock.ended(Pass::lobes);
     beginLookup(*input.lookupPass, input.atlas, input.lookup, targets.lookup, samplingOf(settings.quality),
                 sample.view.frame);
     bindCamera(program, camera, settings.camera);
@@ -116,9 +116,6 @@ void lookUp(const DisplayInput& input, const CameraMatrices& camera, const Frame
     input.clock.ended(Pass::lookup);
     poolSums(*input.lookupPass, targets.lookup);
     input.clock.ended(Pass::pool);
-    if (!rays) return;
-    traceLobes(*input.rayPass, targets.rays, *rays);
-    input.clock.ended(Pass::rays);
 }
 
 OpaquePicture opaquePictureOf(const FrameTargets& targets) {
@@ -222,7 +219,10 @@ void prepareSample(const CommonPass& pass, const DisplayInput& input, const Fram
     input.clock.ended(Pass::depth);
     if (sample.preview || input.inspectProgram || settings.method != Method::phat) return;
     glDepthMask(GL_FALSE);  // clearing the targets must leave the depth
-    lookUp(input, camera, targets, sample);
+    if (input.rayPass)
+        traceRays(input, camera, targets, sample);
+    else
+        lookUp(input, camera, targets, sample);
     findTracedSurfaces(input, camera, targets, sample);
 }
 

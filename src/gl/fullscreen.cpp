@@ -24,4 +24,29 @@ void FullscreenProgram::draw(const GlFramebuffer& target, glm::uvec2 size) const
     draw();
 }
 
+void FullscreenProgram::drawTested(const GlFramebuffer& target, glm::uvec2 size) const {
+    glBindFramebuffer(GL_FRAMEBUFFER, target.name());
+    glViewport(0, 0, GLsizei(size.x), GLsizei(size.y));
+    glEnable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    glBindVertexArray(noVertices.name());
+    program.use();
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void FullscreenProgram::drawDepth(const GlFramebuffer& target, glm::uvec2 size) const {
+    glDepthFunc(GL_ALWAYS);
+    glDepthMask(GL_TRUE);
+    drawTested(target, size);
+    glDepthMask(GL_FALSE);
+}
+
+void FullscreenProgram::drawBefore(const GlFramebuffer& target, glm::uvec2 size, float depth) const {
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_FALSE);
+    glDepthRangef(depth, depth);
+    drawTested(target, size);
+    glDepthRangef(0, 1);
+}
+
 }  // namespace phat

@@ -21,9 +21,17 @@ struct FullscreenProgram {
     void draw() const;
     /// Over a target of `size`.
     void draw(const GlFramebuffer& target, glm::uvec2 size) const;
+    /// Likewise, and writes the depth that the shader says.
+    void drawDepth(const GlFramebuffer& target, glm::uvec2 size) const;
+    /// Likewise, but over those pixels alone whose depth exceeds `depth`: GPUs do not run the shader
+    /// elsewhere.
+    void drawBefore(const GlFramebuffer& target, glm::uvec2 size, float depth) const;
 
     ShaderProgram program;
     GlVertexArray noVertices;  // core profiles draw nothing without one
+
+  private:
+    void drawTested(const GlFramebuffer& target, glm::uvec2 size) const;
 };
 
 }  // namespace phat

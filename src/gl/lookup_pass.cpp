@@ -153,7 +153,7 @@ bool isReady(const LookupPass& pass) {
 LookupTargets createLookupTargets(const LookupPass& pass, glm::uvec2 size, GLuint depth, bool traced) {
     LookupTargets t;
     t.size = size;
-    const int layers = lookedUpLayers(pass);
+    const int layers = t.layers = lookedUpLayers(pass);
     // Two a lobe, see uploadReflections.
     const int tracedLayers = traced ? (pass.clearcoat ? 4 : 2) : 0;
     t.incident = createTextureArray(GL_RGBA32UI, size, layers + tracedLayers);
@@ -199,6 +199,12 @@ void bindLobes(const ShaderProgram& program, const LookupTargets& targets, int f
     if (targets.coatLobes) program.bind("coatLobes", firstUnit + 2, targets.coatLobes.name());
 }
 
+void clearSums(const LookupTargets& targets) {
+    glBindFramebuffer(GL_FRAMEBUFFER, targets.incidentTarget.name());
+    const GLuint none[4] = {0, 0, 0, 0};
+    for (int i = 0; i < targets.layers; ++i) glClearBufferuiv(GL_COLOR, i, none);
+}
+
 void beginLobes(const LookupTargets& targets) {
     glBindFramebuffer(GL_FRAMEBUFFER, targets.lobesTarget.name());
     const GLuint noSurface[4] = {0, 0, 0, 0};
@@ -207,9 +213,7 @@ void beginLobes(const LookupTargets& targets) {
 
 void beginLookup(const LookupPass& pass, const GpuAtlas& atlas, const GpuLookup& lookup,
                  const LookupTargets& targets, const LookupSampling& sampling, uint32_t seed) {
-    glBindFramebuffer(GL_FRAMEBUFFER, targets.incidentTarget.name());
-    const GLuint none[4] = {0, 0, 0, 0};
-    for (int i = 0; i < lookedUpLayers(pass); ++i) glClearBufferuiv(GL_COLOR, i, none);
+    clearSums(targets);
     const ShaderProgram& program = pass.lookupProgram;
     bindLobes(program, targets, bindPhatexels(program, atlas, lookup, 0));
     program.set("lightBits", sampling.lightBits);

@@ -34,6 +34,7 @@ struct LookupTargets {
     GlTexture pooled;  // the same, pooled along the rows
     // See shaders/lib/lobe_pixels.glsl: RGBA32UI, RGBA32F, RGBA32F; the last only with clear coats.
     GlTexture reflectances, baseLobes, coatLobes;
+    int layers = 0;  // of `incident`, that are the lookup's own
     GlFramebuffer incidentTarget, pooledTarget, lobesTarget;
 };
 
@@ -67,6 +68,8 @@ int bindPhatexels(const ShaderProgram& program, const GpuAtlas& atlas, const Gpu
 /// Binds what lib/lobe_pixels.glsl reads to three units from `firstUnit` on.
 inline constexpr int kLobeUnits = 3;
 void bindLobes(const ShaderProgram& program, const LookupTargets& targets, int firstUnit);
+/// Clears what the lookup writes, layers for traced radiance not included.
+void clearSums(const LookupTargets& targets);
 /// Clears the target of the lobes, which are drawn first.
 void beginLobes(const LookupTargets& targets);
 /// Clears the targets, binds the textures common to all surfaces, and reseeds the samples.

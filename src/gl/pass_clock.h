@@ -13,9 +13,14 @@ enum class Pass : uint8_t {
     pyramid,
     shadows,
     depth,
+    lobes,
     lookup,
     pool,
-    rays,
+    rayGuides,
+    rayTrace,
+    rayShade,
+    rayLights,
+    rayPool,
     display,
 };
 

@@ -8,6 +8,9 @@
 namespace phat {
 namespace {
 
+// twin: kCountedRays in shaders/reflection_guides.frag.
+constexpr float kCountedRays = 64;
+
 // Texture units of the passes; shaders with more would exceed the 16 that every GPU has.
 constexpr int kPointsUnit = kLobeUnits, kGuidesUnit = kPointsUnit + 1, kBvhUnit = kGuidesUnit + 1,
               kAfterBvh = kBvhUnit + kBvhUnits;
@@ -35,6 +38,17 @@ const GlTexture& guidesOf(const RayTargets& targets, const RayFrame& frame, int 
     return frameOf(targets, frame.history.frames, lobe).guides;
 }
 
+// Over the pixels that trace more than `ray` rays.
+void drawTraced(const FullscreenProgram& program, const GlFramebuffer& target, const RayFrame& frame,
+                int ray) {
+    program.drawBefore(target, frame.lookupTargets.size, (float(ray) + 0.5f) / kCountedRays);
+}
+
+// Over the pixels that have the lobe.
+void drawLobe(const FullscreenProgram& program, const GlFramebuffer& target, const RayFrame& frame) {
+    program.drawBefore(target, frame.lookupTargets.size, 0.125f / kCountedRays);
+}
+
 void makeGuides(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
     const ShaderProgram& program = pass.guides.program;
     bindLobes(program, frame.lookupTargets, 0);
@@ -43,7 +57,8 @@ void makeGuides(const RayPass& pass, const RayTargets& targets, const RayFrame& 
     program.set("lobe", lobe);
     program.set("raysPerNeighborhood", frame.budget.perNeighborhood);
     program.set("maxRays", frame.budget.maxPerPixel);
-    pass.guides.draw(frameOf(targets, frame.history.frames, lobe).guidesTarget, frame.lookupTargets.size);
+    pass.guides.drawDepth(frameOf(targets, frame.history.frames, lobe).guidesTarget,
+                          frame.lookupTargets.size);
 }
 
 void bindTrace(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
@@ -93,27 +108,29 @@ void traceLights(const RayPass& pass, const RayTargets& targets, const RayFrame&
     setSampleNumbers(program, uint32_t(frame.budget.lightSamples), ~frame.seed);
     for (int sample = 0; sample < frame.budget.lightSamples; ++sample) {
         program.set("lightSample", sample);
-        pass.lights.draw(targets.areaTarget, frame.lookupTargets.size);
+        drawTraced(pass.lights, targets.areaTarget, frame, 0);
     }
 }
 
 void poolLight(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
-    const glm::uvec2 size = frame.lookupTargets.size;
     const ShaderProgram& mean = pass.mean.program;
     mean.bind("indirectSums", 0, targets.indirectSums.name());
     mean.bind("areaSums", 1, targets.areaSums.name());
     mean.set("brightest", frame.scene.brightest);
-    pass.mean.draw(targets.meansTarget, size);
-    const auto pool = [&](const GlTexture& from, const GlFramebuffer& to, glm::ivec2 alongWhich) {
+    drawLobe(pass.mean, targets.meansTarget, frame);
+    const auto pool = [&](const GlTexture& from, const GlFramebuffer& to, glm::ivec2 alongWhich, bool wide) {
         const ShaderProgram& program = pass.pool.program;
         program.bind("lights", 0, from.name());
         program.bind("guides", 1, guidesOf(targets, frame, lobe).name());
         bindView(program, frame);
         program.set("alongWhich", alongWhich);
-        pass.pool.draw(to, size);
+        program.set("isWide", int(wide));
+        drawLobe(pass.pool, to, frame);
     };
-    pool(targets.means, targets.pooledTarget, {1, 0});
-    pool(targets.pooled, targets.meansTarget, {0, 1});
+    for (const bool wide : {false, true}) {
+        pool(targets.means, targets.pooledTarget, {1, 0}, wide);
+        pool(targets.pooled, targets.meansTarget, {0, 1}, wide);
+    }
 }
 
 void reproject(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
@@ -133,12 +150,15 @@ void reproject(const RayPass& pass, const RayTargets& targets, const RayFrame& f
     const bool follows = frame.follows && history.valid && history.eye.atInfinity == frame.eye.atInfinity;
     program.set("follows", int(follows));
     program.set("lobe", lobe);
-    pass.reproject.draw(now.target, frame.lookupTargets.size);
+    glBindFramebuffer(GL_FRAMEBUFFER, now.target.name());
+    const GLuint nothing[4] = {0, 0, 0, 0};
+    for (GLint layer : {0, 1}) glClearBufferuiv(GL_COLOR, layer, nothing);
+    drawLobe(pass.reproject, now.target, frame);
 }
 
 void traceLobe(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
-    const glm::uvec2 size = frame.lookupTargets.size;
     makeGuides(pass, targets, frame, lobe);
+    frame.clock.ended(Pass::rayGuides);
     glBindFramebuffer(GL_FRAMEBUFFER, targets.sumsTarget.name());
     const GLfloat nothing[4] = {0, 0, 0, 0};
     glClearBufferfv(GL_COLOR, 0, nothing);
@@ -153,43 +173,48 @@ void traceLobe(const RayPass& pass, const RayTargets& targets, const RayFrame& f
         const GLuint noRay[4] = {0, 0, 0, 0};
         glClearBufferuiv(GL_COLOR, 0, noRay);
         frame.counter.begin();
-        pass.trace.draw(targets.raysTarget, size);
+        drawTraced(pass.trace, targets.raysTarget, frame, ray);
         frame.counter.end();
+        frame.clock.ended(Pass::rayTrace);
         bindShade(pass, targets, frame);
         pass.shade.program.set("ray", ray);
         glEnable(GL_BLEND);
-        pass.shade.draw(targets.sumsTarget, size);
+        drawTraced(pass.shade, targets.sumsTarget, frame, ray);
         glDisable(GL_BLEND);
+        frame.clock.ended(Pass::rayShade);
     }
     glEnable(GL_BLEND);
     traceLights(pass, targets, frame, lobe);
     glDisable(GL_BLEND);
+    frame.clock.ended(Pass::rayLights);
     poolLight(pass, targets, frame, lobe);
     reproject(pass, targets, frame, lobe);
+    frame.clock.ended(Pass::rayPool);
 }
 
 }  // namespace
 
 RayPass createRayPass(const std::string& folder, const LookupPass& lookup, const GpuLookup& tables,
-                      const std::vector<std::string>& bvhDefines) {
+                      const std::vector<std::string>& bvhDefines, bool counts) {
     RayPass pass;
     pass.clearcoat = lookup.clearcoat;
     std::vector<std::string> defines;
     if (lookup.clearcoat) defines.push_back("CLEARCOAT");
     if (lookup.areaLights) defines.push_back("AREA");
     if (tables.scrambles) defines.push_back("SCRAMBLES");
+    if (counts) defines.push_back("COUNT_FETCHES");
     const auto with = [&](std::vector<std::string> more) {
         more.insert(more.end(), defines.begin(), defines.end());
         return more;
     };
-    pass.lobes = ShaderProgram(folder, "surface.vert", "lobes.frag", with({"TRACED"}));
-    pass.guides = FullscreenProgram(folder, "reflection_guides.frag", defines);
+    pass.lobes = ShaderProgram(folder, "surface.vert", "lobes.frag", with({"TRACED", "COUNT_ONLY_READS"}));
+    pass.guides = FullscreenProgram(folder, "reflection_guides.frag", with({"WRITES_DEPTH"}));
     pass.trace = FullscreenProgram(folder, "trace_reflections.frag", with(bvhDefines));
     pass.shade = FullscreenProgram(folder, "shade_reflections.frag", defines);
     pass.lights = FullscreenProgram(folder, "trace_lights.frag", with(bvhDefines));
-    pass.mean = FullscreenProgram(folder, "mean_reflections.frag");
-    pass.pool = FullscreenProgram(folder, "pool_reflections.frag");
-    pass.reproject = FullscreenProgram(folder, "reproject_reflections.frag");
+    pass.mean = FullscreenProgram(folder, "mean_reflections.frag", defines);
+    pass.pool = FullscreenProgram(folder, "pool_reflections.frag", defines);
+    pass.reproject = FullscreenProgram(folder, "reproject_reflections.frag", defines);
     return pass;
 }
 
@@ -210,27 +235,30 @@ RayTargets createRayTargets(const LookupPass& pass, const LookupTargets& lookup,
     if (lookup.coatLobes) lobes.push_back({lookup.coatLobes.name()});
     lobes.push_back({t.points.name()});
     t.lobesTarget = createFramebuffer(lobes, depth);
-    t.raysTarget = createFramebuffer({{t.hits.name()}, {t.places.name()}});
-    t.sumsTarget = createFramebuffer({{t.indirectSums.name()}, {t.areaSums.name()}});
-    t.areaTarget = createFramebuffer({{t.areaSums.name()}});
-    t.meansTarget = createFramebuffer({{t.means.name()}});
-    t.pooledTarget = createFramebuffer({{t.pooled.name()}});
+    t.counts = createTexture2D(GL_DEPTH_COMPONENT16, size);
+    const GLuint counts = t.counts.name();
+    t.raysTarget = createFramebuffer({{t.hits.name()}, {t.places.name()}}, counts);
+    t.sumsTarget = createFramebuffer({{t.indirectSums.name()}, {t.areaSums.name()}}, counts);
+    t.areaTarget = createFramebuffer({{t.areaSums.name()}}, counts);
+    t.meansTarget = createFramebuffer({{t.means.name()}}, counts);
+    t.pooledTarget = createFramebuffer({{t.pooled.name()}}, counts);
     for (int i = 0; i < 2 * (pass.clearcoat ? 2 : 1); ++i) {
         const int lobe = i / 2, layer = lookedUpLayers(pass) + 2 * lobe;
         RayTargets::Frame& frame = t.frames[size_t(i % 2)].emplace_back();
         frame.guides = createTexture2D(GL_RGBA32UI, size);
         frame.light = createTexture2D(GL_RGBA32UI, size);
-        frame.guidesTarget = createFramebuffer({{frame.guides.name()}});
+        frame.guidesTarget = createFramebuffer({{frame.guides.name()}}, counts);
         frame.target = createFramebuffer({{lookup.incident.name(), 0, layer},
                                           {lookup.incident.name(), 0, layer + 1},
-                                          {frame.light.name()}});
+                                          {frame.light.name()}},
+                                         counts);
     }
     checkGl("creating the rays' targets");
     return t;
 }
 
-void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame,
-                      float sharpAlpha) {
+void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame) {
+    clearSums(frame.lookupTargets);
     glBindFramebuffer(GL_FRAMEBUFFER, targets.lobesTarget.name());
     const GLuint noSurface[4] = {0, 0, 0, 0};
     glClearBufferuiv(GL_COLOR, 0, noSurface);
@@ -239,7 +267,6 @@ void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayF
     pass.lobes.bind("probes", 2, frame.lookup.probes.name());
     pass.lobes.set("unitMeters", frame.atlas.unitMeters);
     pass.lobes.set("frame", int(frame.seed));
-    pass.lobes.set("sharpAlpha", sharpAlpha);
 }
 
 void traceLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame) {

@@ -8,6 +8,7 @@
 #include "gl/bvh_upload.h"
 #include "gl/hit_tables.h"
 #include "gl/lookup_pass.h"
+#include "gl/pass_clock.h"
 #include "gl/ray_counter.h"
 #include "gl/relight_pass.h"
 #include "gl/renderer.h"
@@ -28,9 +29,9 @@ struct RayPass {
     bool clearcoat = false;
 };
 
-/// `bvhDefines`: of the trees. Throws GlError.
+/// `bvhDefines`: of the trees; `counts`: with shaders/lib/count_fetches.glsl. Throws GlError.
 RayPass createRayPass(const std::string& shaderFolder, const LookupPass& lookup, const GpuLookup& tables,
-                      const std::vector<std::string>& bvhDefines);
+                      const std::vector<std::string>& bvhDefines, bool counts);
 bool isReady(const RayPass& pass);
 
 /// Pictures between the passes, of the frame's size.
@@ -45,6 +46,7 @@ struct RayTargets {
     GlTexture hits, places;            // RGBA32UI, see lib/packed_rays.glsl
     GlTexture indirectSums, areaSums;  // RGBA16F, see shade_reflections.frag
     GlTexture means, pooled;           // RGBA32UI, see lib/pooled_light.glsl
+    GlTexture counts;                  // DEPTH_COMPONENT16: see reflection_guides.frag
     GlFramebuffer lobesTarget, raysTarget, sumsTarget, areaTarget, meansTarget, pooledTarget;
     std::array<std::vector<Frame>, 2> frames;  // [frame % 2][lobe]
 };
@@ -75,13 +77,13 @@ struct RayFrame {
     RayBudget budget;
     RayHistory& history;
     RayCounter& counter;
+    PassClock& clock;
     bool follows = false;  // whether the last frame's rays count
 };
 
-/// Binds the cleared targets; the caller draws its opaque surfaces with RayPass::lobes, then looks up what is
-/// not wholly traced. `sharpAlpha`: see reflection_pass.h.
-void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame,
-                      float sharpAlpha);
+/// Clears the lookup's sums and binds the cleared targets of the lobes; the caller draws its opaque surfaces
+/// with RayPass::lobes.
+void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame);
 /// Then: writes to the layers of LookupTargets::incident that follow the lookup's own, and makes the frame
 /// the last one.
 void traceLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame);

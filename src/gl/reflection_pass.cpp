@@ -53,7 +53,7 @@ void beginReflections(const ReflectionPass& pass, const GpuAtlas& atlas, const G
     pass.program.bind("probes", 2, lookup.probes.name());
     pass.program.set("unitMeters", atlas.unitMeters);
     pass.program.set("frame", int(frame));
-    pass.program.set("sharpAlpha", sharpAlphaOf(reflections, 0));
+    pass.program.set("tracesAll", int(reflections == Reflections::rays));
 }
 
 std::vector<TracedSurface> readTracedSurfaces(const ReflectionTargets& targets, glm::vec2 jitter) {

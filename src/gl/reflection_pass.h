@@ -14,11 +14,6 @@ struct ReflectionPass {
     bool clearcoat = false;
 };
 
-/// Lobes of alphas up to this are traced wherever they are. `sharp`: what counts so if others are looked up.
-inline float sharpAlphaOf(Reflections reflections, float sharp) {
-    return reflections == Reflections::rays ? 1.0f : sharp;
-}
-
 /// Throws GlError.
 ReflectionPass createReflectionPass(const std::string& shaderFolder, bool clearcoat);
 

@@ -117,15 +117,37 @@ FrameTimes Renderer::lastFrameTimes() const {
     times.pyramid = clock.seconds(Pass::pyramid);
     times.shadows = clock.seconds(Pass::shadows);
     times.depth = clock.seconds(Pass::depth);
+    times.lobes = clock.seconds(Pass::lobes);
     times.lookup = clock.seconds(Pass::lookup);
     times.pool = clock.seconds(Pass::pool);
-    times.rays = clock.seconds(Pass::rays);
+    times.rayGuides = clock.seconds(Pass::rayGuides);
+    times.rayTrace = clock.seconds(Pass::rayTrace);
+    times.rayShade = clock.seconds(Pass::rayShade);
+    times.rayLights = clock.seconds(Pass::rayLights);
+    times.rayPool = clock.seconds(Pass::rayPool);
     times.display = clock.seconds(Pass::display);
     return times;
 }
 
 uint64_t Renderer::lastFrameRays() const {
     return state_->rayCounter.rays();
+}
+
+uint64_t Renderer::countRayFetches(FrameSettings settings) {
+    settings.samplesPerPixel = 1;
+    GLuint name = 0;
+    glCreateBuffers(1, &name);
+    const GlBuffer buffer(name);
+    GLuint count = 0;
+    glNamedBufferStorage(name, sizeof(count), &count, 0);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, name);
+    state_->countsFetches = true;
+    render(settings);
+    state_->countsFetches = false;
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glGetNamedBufferSubData(name, 0, sizeof(count), &count);
+    checkGl("counting what rays read");
+    return count;
 }
 
 double Renderer::bytesPerPhatexel() const {

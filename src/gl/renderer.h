@@ -132,26 +132,38 @@ struct FrameTimes {
     double pyramid = 0;
     double shadows = 0;  // when lights or things have changed
     double depth = 0;    // with the background
+    double lobes = 0;
     double lookup = 0;
     double pool = 0;
-    double rays = 0;  // of the GPU
+    // Reflection rays by the GPU, see gl/ray_pass.h.
+    double rayGuides = 0;
+    double rayTrace = 0;
+    double rayShade = 0;
+    double rayLights = 0;
+    double rayPool = 0;
     double display = 0;
 
     double gpu() const;
+    double rays() const { return rayGuides + rayTrace + rayShade + rayLights + rayPool; }
 };
 /// The GPU's passes in the order in which they run.
 struct NamedPass {
     const char* name;
     double FrameTimes::*seconds;
 };
-inline constexpr std::array<NamedPass, 8> kGpuPasses = {{{"relight", &FrameTimes::relight},
-                                                         {"pyramid", &FrameTimes::pyramid},
-                                                         {"shadows", &FrameTimes::shadows},
-                                                         {"depth", &FrameTimes::depth},
-                                                         {"lookup", &FrameTimes::lookup},
-                                                         {"pool", &FrameTimes::pool},
-                                                         {"rays", &FrameTimes::rays},
-                                                         {"display", &FrameTimes::display}}};
+inline constexpr std::array<NamedPass, 13> kGpuPasses = {{{"relight", &FrameTimes::relight},
+                                                          {"pyramid", &FrameTimes::pyramid},
+                                                          {"shadows", &FrameTimes::shadows},
+                                                          {"depth", &FrameTimes::depth},
+                                                          {"lobes", &FrameTimes::lobes},
+                                                          {"lookup", &FrameTimes::lookup},
+                                                          {"pool", &FrameTimes::pool},
+                                                          {"rayGuides", &FrameTimes::rayGuides},
+                                                          {"rayTrace", &FrameTimes::rayTrace},
+                                                          {"rayShade", &FrameTimes::rayShade},
+                                                          {"rayLights", &FrameTimes::rayLights},
+                                                          {"rayPool", &FrameTimes::rayPool},
+                                                          {"display", &FrameTimes::display}}};
 inline double FrameTimes::gpu() const {
     double sum = 0;
     for (const NamedPass& pass : kGpuPasses) sum += this->*pass.seconds;
@@ -222,6 +234,9 @@ class Renderer {
     /// Reflection rays that the GPU traced for the same samples; those toward emitters do not count. Waits
     /// for the GPU.
     uint64_t lastFrameRays() const;
+    /// Texels that the GPU reads to trace the reflections of a frame of one sample: see
+    /// lib/count_fetches.glsl.
+    uint64_t countRayFetches(FrameSettings settings);
     /// On the GPU, for one PHATexel of the indirect light: itself, and all that the lookup reads beside it. 0
     /// where nothing can be looked up.
     double bytesPerPhatexel() const;

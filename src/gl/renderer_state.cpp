@@ -117,7 +117,7 @@ void Renderer::State::texelsChanged() {
 void Renderer::State::dropPasses() {
     relit.reset(), relitPaper.reset();
     lookupPass.reset(), countingLookupPass.reset();
-    reflectionPass.reset(), rayPass.reset();
+    reflectionPass.reset(), rayPass.reset(), countingRayPass.reset();
     display.reset(), displayPaper.reset(), countingDisplay.reset();
     addedProgram.reset();
     targets = {};
@@ -214,8 +214,10 @@ const GpuRayScene& Renderer::State::currentRayScene() {
 }
 
 const RayPass& Renderer::State::rayTracing() {
-    if (!rayPass) rayPass = createRayPass(shaderFolder, lookupFor(false), lookup, bvhDefines(*restBvh));
-    return *rayPass;
+    std::optional<RayPass>& made = countsFetches ? countingRayPass : rayPass;
+    if (!made)
+        made = createRayPass(shaderFolder, lookupFor(false), lookup, bvhDefines(*restBvh), countsFetches);
+    return *made;
 }
 
 void Renderer::State::drawShadows(const ShadowPrograms& programs) {

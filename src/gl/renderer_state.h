@@ -84,7 +84,8 @@ struct Renderer::State {
     std::optional<LookupPass> lookupPass, countingLookupPass;
     std::optional<ReflectionPass> reflectionPass;
     std::optional<GpuRayScene> rayScene;
-    std::optional<RayPass> rayPass;
+    std::optional<RayPass> rayPass, countingRayPass;
+    bool countsFetches = false;  // in the next frame
     RayHistory rayHistory;
     RayCounter rayCounter;
     std::optional<GpuLight> light;

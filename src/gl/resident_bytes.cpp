@@ -44,7 +44,7 @@ ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, cons
                           looked.baseLobes, looked.coatLobes, traced.base, traced.coat, traced.surface);
     const RayTargets& rays = targets.rays;
     bytes.frame += bytesOf(rays.points, rays.hits, rays.places, rays.indirectSums, rays.areaSums, rays.means,
-                           rays.pooled);
+                           rays.pooled, rays.counts);
     for (const auto& frame : rays.frames)
         for (const RayTargets::Frame& lobe : frame) bytes.frame += bytesOf(lobe.guides, lobe.light);
     const GlassTargets& glass = targets.glass;

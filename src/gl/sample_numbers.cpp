@@ -9,7 +9,7 @@
 namespace phat {
 
 void setSampleNumbers(const ShaderProgram& program, uint32_t count, uint32_t seed) {
-    constexpr uint32_t kRanks = 16, kPlaces = 9;
+    constexpr uint32_t kRanks = 16, kPlaces = 13;
     // Bayer's order: neighbouring pixels take samples that are far apart.
     constexpr uint32_t kBayer[kRanks] = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
     std::array<glm::uvec4, kMaxSamples> numbers;

@@ -91,6 +91,8 @@ ShaderSource assembleShader(const std::string& folder, const std::string& name, 
     ShaderSource source;
     source.text = preamble(flavor);
     for (const std::string& define : defines) source.text += "#define " + define + "\n";
+    const bool counts = std::find(defines.begin(), defines.end(), "COUNT_FETCHES") != defines.end();
+    if (counts && name.ends_with(".frag")) append(source, folder, "lib/count_fetches.glsl");
     append(source, folder, name);
     return source;
 }

@@ -256,6 +256,40 @@ TEST(GpuRays, AreCounted) {
     EXPECT_EQ(renderer.lastFrameRays(), 0u);
 }
 
+// Every program counts what it reads: with a lamp above, light samples read more; no lookup does.
+TEST(GpuRays, FetchesAreCounted) {
+    GpuWorld gpu(floorAndCeiling(whiteMetal(0.3f), emitter(glm::vec3(5))));
+    Renderer renderer(gpu.input(), kShaderFolder);
+    const uint64_t one = renderer.countRayFetches(gpu.frame);
+    EXPECT_EQ(renderer.countRayFetches(gpu.frame), one);
+    gpu.frame.samplesPerPixel = 1;
+    renderer.render(gpu.frame);
+    EXPECT_GT(one, 20 * renderer.lastFrameRays()) << "two triangles, their surface, and what is pooled";
+    gpu.frame.rays.lightSamples = 2;
+    EXPECT_GT(renderer.countRayFetches(gpu.frame), one + 5u * 32 * 24);
+    gpu.frame.tracedByGpu = Reflections::lookup;
+    EXPECT_EQ(renderer.countRayFetches(gpu.frame), 0u);
+}
+
+// Many rays a pixel are traced pass after pass, each over the pixels that trace so many.
+TEST(GpuRays, BudgetsLimitThem) {
+    Scene scene;
+    addFloor(scene, whiteMetal(0.3f), 8);
+    addCeiling(scene, emitter(glm::vec3(5)), 8, 0.05f);  // so near that pixels share nothing
+    GpuWorld gpu(std::move(scene));
+    gpu.frame.camera = lookAtCamera({0, 0.04f, 0.04f}, {0.004f, 0, 0}, 40);
+    gpu.frame.samplesPerPixel = 1;
+    Renderer renderer(gpu.input(), kShaderFolder);
+    uint64_t last = 0;
+    for (int most : {1, 2, 4, 8}) {
+        gpu.frame.rays = {64, most, 1};
+        renderer.render(gpu.frame);
+        EXPECT_GT(renderer.lastFrameRays(), last) << most;
+        EXPECT_LE(renderer.lastFrameRays(), uint64_t(most) * 32 * 24) << most;
+        last = renderer.lastFrameRays();
+    }
+}
+
 // Files of programs that knew no trees, and scenes too large for them.
 TEST(GpuRays, WithoutTreesReflectionsAreLookedUp) {
     GpuWorld gpu(floorAndCeiling(whiteMetal(0), emitter(glm::vec3(5))));

@@ -179,7 +179,7 @@ export class Passes {
         const targets = shared.rays,
             pass = this.rays.passOf(light, { view, shared, targets, passes: this });
         this.beginSurfaces(view);
-        this.drawing.draw(pass.beginLobes(light.reflections === 'rays'), view, kOpaqueSlots);
+        this.drawing.draw(pass.beginLobes(), view, kOpaqueSlots);
         return pass;
     }
 

@@ -11,9 +11,9 @@ const kPointsUnit = 3,
     kAfterTrees = 9,
     kHitUnits = 3,
     kUnused = 15;
-// twin: kSharpAlpha in src/gl/display_pass.cpp.
-const kSharpAlpha = 0.1;
 const kRegularized = 0.5;
+// twin: kCountedRays in shaders/reflection_guides.frag.
+const kCountedRays = 64;
 
 export class RayPrograms {
     // `defines`: of all passes; `hasOpacity`: whether rays pass some surfaces.
@@ -58,8 +58,8 @@ export class RayPass {
         this.unitMeters = passes.bake.atlas.unitMeters;
     }
 
-    // Before the surfaces are drawn by the program that it returns. `tracesAll`: whether all lobes are traced.
-    beginLobes(tracesAll) {
+    // Before the surfaces are drawn by the program that it returns.
+    beginLobes() {
         const { gl, targets, passes } = this,
             { lobes: program } = this.programs;
         gl.bindFramebuffer(gl.FRAMEBUFFER, targets.lobesTarget);
@@ -70,7 +70,6 @@ export class RayPass {
         program.bind('probes', 2, gl.TEXTURE_2D, passes.probes);
         program.set('unitMeters', this.unitMeters);
         program.set('frame', this.seed);
-        program.set('sharpAlpha', tracesAll ? 1 : kSharpAlpha);
         return program;
     }
 
@@ -82,6 +81,7 @@ export class RayPass {
         gl.blendFunc(gl.ONE, gl.ONE);
         gl.bindVertexArray(this.noVertices);
         targets.incidentTargets.forEach((_, lobe) => this.traceLobe(lobe));
+        gl.depthFunc(gl.EQUAL); // as Passes.beginSurfaces has it
     }
 
     traceLobe(lobe) {
@@ -93,7 +93,7 @@ export class RayPass {
             this.traceRay(lobe, ray);
             gl.enable(gl.BLEND);
             this.shade(ray);
-            if (scene.lightCount > 0) this.lightHits();
+            if (scene.lightCount > 0) this.lightHits(ray);
             gl.disable(gl.BLEND);
         }
         if (scene.hits.emitterCount > 0) {
@@ -104,10 +104,43 @@ export class RayPass {
         this.pool(lobe);
     }
 
+    // Writes the depths, too, that the shader says.
+    drawCounts(target) {
+        const { gl } = this;
+        gl.enable(gl.DEPTH_TEST);
+        gl.depthFunc(gl.ALWAYS);
+        gl.depthMask(true);
+        this.drawTo(target);
+        gl.depthMask(false);
+        gl.disable(gl.DEPTH_TEST);
+    }
+
     drawTo(target) {
         const { gl } = this;
         gl.bindFramebuffer(gl.FRAMEBUFFER, target);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
+
+    // Over the pixels whose depth is above `depth` alone.
+    drawBefore(target, depth) {
+        const { gl } = this;
+        gl.enable(gl.DEPTH_TEST);
+        gl.depthFunc(gl.LESS);
+        gl.depthMask(false);
+        gl.depthRange(depth, depth);
+        this.drawTo(target);
+        gl.depthRange(0, 1);
+        gl.disable(gl.DEPTH_TEST);
+    }
+
+    // Over the pixels that trace more than `ray` rays.
+    drawTraced(target, ray) {
+        this.drawBefore(target, (ray + 0.5) / kCountedRays);
+    }
+
+    // Over the pixels that have the lobe.
+    drawLobe(target) {
+        this.drawBefore(target, 0.125 / kCountedRays);
     }
 
     bindLobes(program, lobe) {
@@ -148,7 +181,7 @@ export class RayPass {
         this.bindView(program);
         program.set('raysPerNeighborhood', this.rays.raysPerNeighborhood);
         program.set('maxRays', this.rays.maxRays);
-        this.drawTo(targets.guidesTarget);
+        this.drawCounts(targets.guidesTarget);
     }
 
     traceRay(lobe, ray) {
@@ -163,7 +196,7 @@ export class RayPass {
         const { gl, targets } = this;
         gl.bindFramebuffer(gl.FRAMEBUFFER, targets.raysTarget);
         gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]); // no ray
-        this.drawTo(targets.raysTarget);
+        this.drawTraced(targets.raysTarget, ray);
     }
 
     // The ray's hits in the first two units, the surfaces there in the next ones.
@@ -190,11 +223,11 @@ export class RayPass {
         program.set('turn', 0);
         this.setNumbers(program);
         program.set('ray', ray);
-        this.drawTo(this.targets.sumsTarget);
+        this.drawTraced(this.targets.sumsTarget, ray);
         gl.bindSampler(unit - 1, null);
     }
 
-    lightHits() {
+    lightHits(ray) {
         const { gl, scene, passes } = this,
             { hitLights: program } = this.programs;
         program.use();
@@ -206,7 +239,7 @@ export class RayPass {
         program.set('lightCount', scene.lightCount);
         program.set('hasGlass', scene.hasGlass);
         program.set('originUnitMeters', this.unitMeters);
-        this.drawTo(this.targets.indirectTarget);
+        this.drawTraced(this.targets.indirectTarget, ray);
     }
 
     traceLights(lobe) {
@@ -227,7 +260,7 @@ export class RayPass {
         this.setNumbers(program, { ...this.numbers, ...sampleNumberTables(lightSamples, ~this.seed >>> 0) });
         for (let sample = 0; sample < lightSamples; ++sample) {
             program.set('lightSample', sample);
-            this.drawTo(targets.areaTarget);
+            this.drawTraced(targets.areaTarget, 0);
         }
     }
 
@@ -239,18 +272,20 @@ export class RayPass {
         mean.bind('indirectSums', 0, gl.TEXTURE_2D, targets.indirectSums);
         mean.bind('areaSums', 1, gl.TEXTURE_2D, targets.areaSums);
         mean.set('brightest', this.scene.brightest);
-        this.drawTo(targets.meansTarget);
+        this.drawLobe(targets.meansTarget);
         program.use();
         program.bind('guides', 1, gl.TEXTURE_2D, targets.guides);
         this.bindView(program);
-        for (const [from, to, alongWhich] of [
-            [targets.hits, targets.pooledTarget, [1, 0]],
-            [targets.places, targets.meansTarget, [0, 1]],
-        ]) {
-            program.bind('lights', 0, gl.TEXTURE_2D, from);
-            program.set('alongWhich', alongWhich);
-            this.drawTo(to);
-        }
+        for (const isWide of [false, true])
+            for (const [from, to, alongWhich] of [
+                [targets.hits, targets.pooledTarget, [1, 0]],
+                [targets.places, targets.meansTarget, [0, 1]],
+            ]) {
+                program.bind('lights', 0, gl.TEXTURE_2D, from);
+                program.set('alongWhich', alongWhich);
+                program.set('isWide', isWide);
+                this.drawLobe(to);
+            }
         this.write(lobe);
     }
 
@@ -267,6 +302,9 @@ export class RayPass {
         this.bindView(program);
         program.set('follows', false);
         program.set('lobe', lobe);
-        this.drawTo(targets.incidentTargets[lobe]);
+        const target = targets.incidentTargets[lobe];
+        gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+        for (const layer of [0, 1]) gl.clearBufferuiv(gl.COLOR, layer, [0, 0, 0, 0]);
+        this.drawLobe(target);
     }
 }

@@ -3,7 +3,7 @@
 
 const kRanks = 16,
     kMaxSamples = 32,
-    kPlaces = 9; // twin: shaders/lib/sample_numbers.glsl
+    kPlaces = 13; // twin: shaders/lib/sample_numbers.glsl
 
 // A primitive polynomial over GF(2) of degree s with inner coefficients a, and the first numbers m.
 function directionNumbers(s, a, m) {

@@ -36,11 +36,13 @@ function createRayTargets(gl, texture, { targets, lobes, layers, lobeCount }) {
     const { incident, opaque } = targets,
         [points, guides, hits, places] = Array.from({ length: 4 }, () => texture(gl.RGBA32UI)),
         [indirectSums, areaSums] = [0, 1].map(() => texture(gl.RGBA16F));
+    const counts = texture(gl.DEPTH_COMPONENT16); // see shaders/reflection_guides.frag
     const incidentTargets = Array.from({ length: lobeCount }, (_, lobe) => {
         const first = layers + 2 * lobe;
         return createFramebuffer(
             gl,
             [first, first + 1].map((layer) => ({ texture: incident, layer })),
+            counts,
         );
     });
     return {
@@ -50,14 +52,15 @@ function createRayTargets(gl, texture, { targets, lobes, layers, lobeCount }) {
         places,
         indirectSums,
         areaSums,
+        counts,
         lobesTarget: createFramebuffer(gl, [...lobes, points], opaque.depth),
-        guidesTarget: createFramebuffer(gl, [guides]),
-        raysTarget: createFramebuffer(gl, [hits, places]),
-        sumsTarget: createFramebuffer(gl, [indirectSums, areaSums]),
-        indirectTarget: createFramebuffer(gl, [indirectSums]),
-        areaTarget: createFramebuffer(gl, [areaSums]),
-        meansTarget: createFramebuffer(gl, [hits]),
-        pooledTarget: createFramebuffer(gl, [places]),
+        guidesTarget: createFramebuffer(gl, [guides], counts),
+        raysTarget: createFramebuffer(gl, [hits, places], counts),
+        sumsTarget: createFramebuffer(gl, [indirectSums, areaSums], counts),
+        indirectTarget: createFramebuffer(gl, [indirectSums], counts),
+        areaTarget: createFramebuffer(gl, [areaSums], counts),
+        meansTarget: createFramebuffer(gl, [hits], counts),
+        pooledTarget: createFramebuffer(gl, [places], counts),
         incidentTargets,
     };
 }
