@@ -55,8 +55,8 @@ struct VisibleHit {
 
 /// Radiance that a surface reflects, W/(m2 sr).
 struct HitReflection {
-    glm::vec3 glossy{
-        0};  // by its glossy lobes, of all but punctual lights: the mean of walks, with their noise
+    /// By its glossy lobes, of all but punctual lights: the mean of walks, with their noise.
+    glm::vec3 glossy{0};
     glm::vec3 rest{0};
     glm::vec3 glossyAlbedo{0};
     int walks = 0;

@@ -67,9 +67,10 @@ void addSphereRays(const ProbeWorld& world, uint64_t seed, ProbeRays& probe, uin
         if (seen.hit) {
             const SurfacePoint point = surfaceAt(scene.rays.scene(), seen.hit, arriving);
             emitted = point.emission;
-            const glm::vec3 reflected = reflectedFromTexels(
+            const HitReflection reflected = reflectedFromTexels(
                 world.texels, world.irradiance, {seen.hit, point, -arriving}, kPaths, rng, rayCount);
-            probe.indirect.addLight(direction, seen.throughput * reflected * balance(kSpherePdf, 0, false));
+            probe.indirect.addLight(direction,
+                                    seen.throughput * reflected.sum() * balance(kSpherePdf, 0, false));
         }
         if (maxComponent(emitted) <= 0.0f) continue;
         const float lightPdf = areaPdf(scene.lights, seen.ray.origin, seen.hit, arriving);
