@@ -14,8 +14,8 @@
 namespace phat {
 namespace {
 
-constexpr std::array<FlagName<LightEngine>, 3> kEngineNames = {
-    {{"auto", LightEngine::automatic}, {"gpu", LightEngine::gpu}, {"cpu", LightEngine::cpu}}};
+constexpr std::array<FlagName<LightEngine>, 2> kEngineNames = {
+    {{"cpu", LightEngine::cpu}, {"gpu", LightEngine::gpu}}};
 
 }  // namespace
 
@@ -48,11 +48,10 @@ void addViewCommand(CLI::App& app) {
                          "Of a moving view: reflection rays are traced as it allows; default: 8")
             ->type_name("MS")
             ->check(CLI::Range(1.0, 1000.0));
-    const auto engine = std::make_shared<LightEngine>(LightEngine::automatic);
+    const auto engine = std::make_shared<LightEngine>(LightEngine::cpu);
     DeclareOption{*command}.choice(
         "--engine", kEngineNames, *engine,
-        "Which processor makes the light that follows changes; auto is gpu, unless "
-        "OpenGL is drawn in software or there is glass");
+        "Which processor makes the light that follows changes; gpu needs a fast one");
     command->footer("Example: phat view room.phat.glb");
     command->callback([=] {
         ViewerOptions options;

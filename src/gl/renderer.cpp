@@ -238,11 +238,11 @@ bool Renderer::takeUpdate(LightUpdate& update, double seconds) {
     return update.empty();
 }
 
-void Renderer::beginLight(const Scene& restScene, const Phatexture& phatexture) {
+void Renderer::beginLight(const RendererInput& rest) {
     State& s = *state_;
     if (!s.restBvh || s.lookup.guideCount == 0) throw GlError("this bake's light cannot be made by the GPU");
-    s.light = createGpuLight(restScene, *s.shownAtlas, *s.shownPoints, phatexture);
-    moveTexelPoints(s.light->points, restScene, *s.shownAtlas, s.worldFromRest);
+    s.light = createGpuLight(rest.scene, rest.atlas, rest.points, rest.phatexture);
+    moveTexelPoints(s.light->points, rest.scene, rest.atlas, s.worldFromRest);
     s.lightPass = createLightUpdatePass(s.shaderFolder, s.atlas, s.lookup, bvhDefines(*s.restBvh));
 }
 

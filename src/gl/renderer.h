@@ -262,10 +262,10 @@ class Renderer {
     /// taken out of `update`; returns whether all is.
     bool takeUpdate(LightUpdate& update, double seconds);
 
-    /// Light is made by the GPU from now on (gl/light_update_pass.h). `restScene` and `phatexture`: those of
-    /// the constructor, whose points must be at rest. pre: RendererInput::bvh. Throws GlError for PHATexels
+    /// Light is made by the GPU from now on (gl/light_update_pass.h). `rest`: as the constructor was given
+    /// it, also where things have been moved since. pre: with trees for rays. Throws GlError for PHATexels
     /// that cannot be looked up.
-    void beginLight(const Scene& restScene, const Phatexture& phatexture);
+    void beginLight(const RendererInput& rest);
     /// Traces the rays of a round. Irradiance is shown by the next filterLight().
     void traceLight(const LightRound& round);
     void filterLight();

@@ -6,9 +6,8 @@ namespace phat {
 
 /// Where the light is made that follows changes.
 enum class LightEngine : uint8_t {
-    automatic,  // on the GPU, unless OpenGL is drawn in software or there is glass
-    cpu,
-    gpu,
+    cpu,  // by the incremental baker: in the end a bake of what is shown
+    gpu,  // by the renderer, with estimators of its own
 };
 
 }  // namespace phat

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "gl/gl_error.h"
-#include "gl/traced_frame.h"
 #include "io/phat/bake_record.h"
 #include "viewer/sentence.h"
 #include "viewer/window.h"
@@ -13,11 +12,6 @@ namespace {
 
 // The time of uploads of updated PHATexels, per frame.
 constexpr double kUploadSeconds = 0.004;
-
-bool makesLightOnGpu(const ViewerState& state) {
-    if (state.lightEngine != LightEngine::automatic) return state.lightEngine == LightEngine::gpu;
-    return prefersGpuRays(state.document->shown());
-}
 
 }  // namespace
 
@@ -36,7 +30,7 @@ void LightFollower::begin(const Document& document) {
 void LightFollower::follow(ViewerState& state, bool changed, bool visible) {
     if (failed_) return;
     try {
-        const bool byGpu = makesLightOnGpu(state);
+        const bool byGpu = state.lightEngine == LightEngine::gpu;
         followByBaker(state, changed, visible, !byGpu);
         roundsGoOn_ = byGpu && state.view.liveLight;
         if (roundsGoOn_ && rounds_.follow(state, changed)) ++state.lightVersion;

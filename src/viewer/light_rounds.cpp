@@ -20,7 +20,7 @@ bool LightRounds::follow(ViewerState& state, bool changed) {
     const BakedScene& baked = state.document->baked;
     if (!order_) {
         if (!changed || state.document->isAtRest()) return false;
-        state.renderer->beginLight(state.document->scene(), baked.phatexture);
+        state.renderer->beginLight({state.document->scene(), baked.atlas, baked.points, baked.phatexture});
         order_.emplace(baked.atlas, baked.points);
     }
     if (changed) order_->noteChange();
@@ -32,8 +32,8 @@ bool LightRounds::follow(ViewerState& state, bool changed) {
     const double seconds = std::max(watch.seconds(), 1e-5);
     const bool rests = std::chrono::steady_clock::now() - state.lastInput > kRest;
     const double budget = rests ? kRestingSeconds : kMovingSeconds;
-    blocksPerFrame_ = std::clamp(blocksPerFrame_ * std::clamp(budget / seconds, 0.5, 2.0), 1.0,
-                                 double(order_->size()));
+    blocksPerFrame_ =
+        std::clamp(blocksPerFrame_ * std::clamp(budget / seconds, 0.5, 2.0), 1.0, double(order_->size()));
     unfiltered_ += turns.size();
     if (unfiltered_ * kFiltersPerPass < order_->size() && !order_->settled()) return false;
     unfiltered_ = 0;

@@ -19,7 +19,7 @@ struct ViewerOptions {
     glm::ivec2 size{1280, 720};
     float uiScale = 0;                  // 0: the screen's
     double frameBudgetSeconds = 0.008;  // of a moving view; rays are traced as it allows
-    LightEngine lightEngine = LightEngine::automatic;
+    LightEngine lightEngine = LightEngine::cpu;
 };
 
 /// Returns when the window is closed. A file that cannot be opened first throws FileError; later ones are

@@ -59,7 +59,7 @@ struct ViewerState {
     std::string message;         // the last error or notice, one sentence, until the next key or click
     std::vector<std::string> recentFiles;
     double frameBudgetSeconds = 0.008;  // see ViewerOptions
-    LightEngine lightEngine = LightEngine::automatic;
+    LightEngine lightEngine = LightEngine::cpu;
     bool fileChanged = false;  // on disk, since it was read
     /// Grows with every change that requires a new image.
     uint64_t version = 0;

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <glm/gtc/matrix_transform.hpp>
+
 #include "core/bake/bake.h"
+#include "core/dynamic/incremental_baker.h"
 #include "gl/traced_world.h"
 
 namespace phat::test {
@@ -64,7 +67,7 @@ TEST(GpuLight, PhatexelsHoldWhatTheirRaysMeet) {
         LightWorld gpu(floorAndCeiling(lambert(0.5f), lambert(0.5f)));
         setIrradiance(gpu.world, 1, 3);
         Renderer renderer(gpu.input(), kShaderFolder);
-        renderer.beginLight(gpu.world.scene, gpu.world.phatexture);
+        renderer.beginLight(gpu.input());
         renderer.traceLight(gpu.round(1, directions));
         size_t hits = 0, misses = 0, moved = 0;
         forPhatexels(gpu, renderer.readLight(), 0, [&](size_t texel, glm::vec3 d, const Phatexel& found) {
@@ -92,7 +95,7 @@ TEST(GpuLight, PhatexelsHoldWhatTheirRaysMeet) {
 TEST(GpuLight, NewDirectionsFollowTheGuideAndTheLayout) {
     LightWorld gpu(floorAndCeiling(lambert(0.5f), lambert(0.5f)));
     Renderer renderer(gpu.input(), kShaderFolder);
-    renderer.beginLight(gpu.world.scene, gpu.world.phatexture);
+    renderer.beginLight(gpu.input());
     renderer.traceLight(gpu.round(5));
     const StoredLight light = renderer.readLight();
     const Atlas& atlas = gpu.world.atlas;
@@ -145,7 +148,7 @@ TEST(GpuLight, IrradianceOfAPanel) {
         addCeiling(scene, emitter(glm::vec3(6)), c.side, c.height);
         LightWorld gpu(std::move(scene));
         Renderer renderer(gpu.input(), kShaderFolder);
-        renderer.beginLight(gpu.world.scene, gpu.world.phatexture);
+        renderer.beginLight(gpu.input());
         for (uint32_t i = 1; i <= 256; ++i) {
             LightRound round = gpu.round(i);
             round.phatexels = false;
@@ -181,7 +184,7 @@ TEST(GpuLight, FurnaceSettlesAndDoesNotDrift) {
     baked.phatexture.areaIrradiance.assign(baked.atlas.texelCount(), 0);
     const HeadlessContext context;
     Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, &bvh}, kShaderFolder);
-    renderer.beginLight(scene, baked.phatexture);
+    renderer.beginLight({scene, baked.atlas, baked.points, baked.phatexture});
     const auto run = [&](uint32_t first, uint32_t rounds) {
         for (uint32_t i = first; i < first + rounds; ++i) {
             const std::vector<BlockTurn> blocks = turnsOf(baked.atlas, i);
@@ -212,6 +215,70 @@ TEST(GpuLight, FurnaceSettlesAndDoesNotDrift) {
     const glm::dvec2 late = radiance();
     EXPECT_NEAR(late.x, 2, 0.01);
     EXPECT_NEAR(late.y, 2, 0.01);
+}
+
+// A lamp that is dimmed and a box that moves: in the end the light is that of a bake of what is there now.
+TEST(GpuLight, SettlesToABakeOfTheChangedScene) {
+    Scene scene;
+    addRoom(scene, lambert(0.5f), {1, 1, 1});
+    addOutwardBox(scene, lambert(0.3f), {0.1f, 0.001f, 0.35f}, {0.3f, 0.3f, 0.3f});
+    for (size_t i = 6; i < scene.surfaces.size(); ++i) scene.surfaces[i].node = 1;
+    addQuad(scene, emitter(glm::vec3(8)), {0.4f, 0.98f, 0.4f}, {0.2f, 0, 0}, {0, 0, 0.2f});
+    scene.lights = {pointLight(glm::vec3(0.4f), {0.8f, 0.8f, 0.2f})};
+    BakeSettings settings;
+    settings.atlas.texelBudget = 12'000;
+    settings.photons.count = 20'000;
+    settings.pathsPerPhatexel = 1;
+    SilentProgress progress;
+    const Bake baked = bake(scene, settings, progress);
+    const SceneBvh bvh = buildSceneBvh(scene);
+    PosedScene posed(scene);
+    IncrementalBaker engine(posed.snapshot(), baked.atlas, baked.points, baked.phatexture, settings);
+    const HeadlessContext context;
+    Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, &bvh}, kShaderFolder);
+
+    SceneState pose{{}, scene.lights, scene.materials};
+    pose.lights[0].intensity *= 0.5f;
+    pose.worldFromRest = {glm::mat4(1), glm::translate(glm::mat4(1), {0.4f, 0, 0.1f})};
+    posed.setState(pose);
+    ASSERT_TRUE(engine.setScene(posed.snapshot()));
+    renderer.moveScene(engine.scene().scene(), baked.atlas, engine.scene().points(), pose.worldFromRest);
+    renderer.setLights(pose.lights);
+    // Of the geometry alone.
+    LightUpdate geometry = engine.drainUpdate();
+    while (!renderer.takeUpdate(geometry, 1)) continue;
+    renderer.beginLight({scene, baked.atlas, baked.points, baked.phatexture});
+    BlockOrder order(baked.atlas, baked.points);
+    const Camera eye = lookAtCamera({0.5f, 0.6f, 0.9f}, {0.5f, 0.2f, 0.3f}, 60);
+    for (uint32_t number = 1; !order.settled(); ++number) {
+        const std::vector<BlockTurn> turns = order.next(order.size(), eye);
+        renderer.traceLight({.blocks = turns, .number = number});
+        renderer.filterLight();
+    }
+    const StoredLight light = renderer.readLight();
+    engine.converge(progress);
+    const Phatexture& expected = engine.phatexture();
+    std::array<double, 2> before{}, now{}, changed{}, error{};
+    for (size_t i = 0; i < baked.points.state.size(); ++i) {
+        if (engine.scene().points().state[i] != TexelState::surface) continue;
+        const std::array old = {luminance(unpackRgb9e5(baked.phatexture.indirectIrradiance[i])),
+                                luminance(unpackRgb9e5(baked.phatexture.areaIrradiance[i]))};
+        const std::array want = {luminance(unpackRgb9e5(expected.indirectIrradiance[i])),
+                                 luminance(unpackRgb9e5(expected.areaIrradiance[i]))};
+        for (size_t s = 0; s < 2; ++s) {
+            const float found = luminance(light.irradiance[s][i]);
+            before[s] += double(want[s]);
+            now[s] += double(found);
+            changed[s] += double(std::abs(want[s] - old[s]));
+            error[s] += double(std::abs(want[s] - found));
+        }
+    }
+    for (size_t s = 0; s < 2; ++s) {
+        EXPECT_NEAR(now[s] / before[s], 1, 0.02) << s;
+        // The noise of rounds and of the bake.
+        EXPECT_LT(error[s], 0.04 * before[s]) << s;
+        EXPECT_GT(changed[s], 2 * error[s]) << s;
+    }
 }
 
 }  // namespace

@@ -117,24 +117,6 @@ TEST_F(LiveWindow, LightFollowsWhatIsMoved) {
     EXPECT_EQ(readBytes(baked()), before);
 }
 
-// The same by the GPU: its own estimators, against a bake with the crate there.
-TEST_F(LiveWindow, LightFollowsOnTheGpu) {
-    WindowDriver window(kWindow, {baked(), "--ui-scale", "0.5", "--engine", "gpu"});
-    window.settle();
-    moveCrate(window, "0.15");
-    window.settle(300);
-    window.key("p");
-    window.settle();
-    const Image kept = readPicture(savedFile(window.folder().file("phat-0001.exr")));
-    writeMovedScene(folder->file("moved.glb"), 0.15);
-    bake(folder->file("moved.glb"), folder->file("moved.phat.glb"));
-    const Image expected = rendered(folder->file("moved.phat.glb")), unmoved = rendered(baked());
-    EXPECT_LT(meanDifference(kept, expected), 0.2 * meanDifference(unmoved, expected));
-    printf("rel %.4f moved %.4f\n", meanDifference(kept, expected), meanDifference(unmoved, expected));
-    EXPECT_EQ(window.close(), 0);
-    EXPECT_EQ(window.errors(), "");
-}
-
 // The window's picture comes nearer to that of many bakes, and rests once nobody wants more.
 TEST_F(LiveWindow, RefinesAtRest) {
     WindowDriver window(kWindow, {baked(), "--ui-scale", "0.5"});
