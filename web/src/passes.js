@@ -162,6 +162,7 @@ export class Passes {
         if (lookup) this.rays.beginLookup(kRelativeCost[light.quality]);
         if (traces) pass = this.beginRays(view, shared, light);
         else if (lookup) this.drawLobes(view, target);
+        if (pass || lookup) this.clock?.ended('lobes');
         this.drawLookup(view, shared, target, light);
         if (lookup) this.rays.endLookup();
         if (pass) this.rays.trace(pass);
