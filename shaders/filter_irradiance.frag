@@ -23,7 +23,7 @@ layout(location = 0) out vec4 irradianceOut;
 
 const float kNormalPower = 32.0;
 const float kPlaneTexels = 1.0;   // off the texel's plane, in texels of a tap
-const float kReach = 0.5;         // of the harmonic mean distance, for one sample a texel
+const float kReachOverDistance = 0.5;  // of the harmonic mean distance, for one sample a texel
 const float kMaxDeviations = 3.0;
 const float kQuiet = 0.01;        // relative standard error of area lights that needs no filter
 // Of more samples a texel the first pass needs no neighbours.
@@ -39,7 +39,7 @@ float countAt(ivec2 texel) {
 vec4 valueAt(ivec2 texel) {
     IrradianceEstimate e = unpackEstimate(texelFetch(estimates, ivec3(texel, source), 0));
     if (e.count == 0.0) return vec4(0.0, 0.0, 0.0, -1.0);
-    if (source == 0) return vec4(e.mean, kReach * pow(e.count, -0.25) / max(e.statistic, 1e-3));
+    if (source == 0) return vec4(e.mean, kReachOverDistance * pow(e.count, -0.25) / max(e.statistic, 1e-3));
     float bright = luminance(e.mean), square = e.statistic * e.statistic;
     float variance = e.count < kFewSamples ? square : max(square - bright * bright, 0.0);
     return vec4(e.mean, sqrt(variance / e.count));

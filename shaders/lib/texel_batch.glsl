@@ -1,5 +1,5 @@
 // Texels whose light is made anew: blocks of the atlas, side by side in the target of a pass.
-// twin: src/gl/light_batch.h.
+// twin: src/gl/light_update_pass.cpp.
 #include "lib/block_layout.glsl"
 
 const int kBatchSide = 8;  // blocks

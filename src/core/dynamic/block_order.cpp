@@ -7,7 +7,7 @@ namespace phat {
 namespace {
 
 // Rounds of blocks outside the view count as so many: they still light what is visible.
-constexpr float kOutOfView = 4;
+constexpr float kUnseenCount = 4;
 
 }  // namespace
 
@@ -54,7 +54,7 @@ std::vector<BlockTurn> BlockOrder::next(size_t count, const Camera& eye) {
     std::vector<float> due(places_.size());
     for (uint32_t block = 0; block < places_.size(); ++block) {
         if (rounds_[block] >= kSettledRounds) continue;
-        due[block] = float(rounds_[block]) * (outOfView(places_[block]) ? kOutOfView : 1.0f);
+        due[block] = float(rounds_[block]) * (outOfView(places_[block]) ? kUnseenCount : 1.0f);
         order.push_back(block);
     }
     count = std::min(count, order.size());
