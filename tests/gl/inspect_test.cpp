@@ -277,7 +277,8 @@ TEST_F(Inspect, KnowsWhatItKeepsInMemory) {
     const ResidentBytes bytes = renderer_->residentBytes();
     const uint64_t texels = world_.atlas.texelCount();
     EXPECT_EQ(bytes.phatexels, 8 * texels);
-    EXPECT_EQ(bytes.irradiance, 2 * 6 * texels);  // indirect and area, three halves each
+    EXPECT_EQ(bytes.irradiance,
+              2 * 8 * texels);  // indirect and area, four halves each, of which one is spare
     EXPECT_GE(bytes.pyramid, 24 * texels);
     EXPECT_GE(bytes.frame, uint64_t(20 * kWidth * kHeight));
 }
