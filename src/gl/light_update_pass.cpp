@@ -162,19 +162,7 @@ void Batch::trace(int choice, int layer, int source, const ScrambleOf& scrambleO
 
 void Batch::shade() const {
     const ShaderProgram& program = pass.shade.program;
-    program.bind("hits", 0, pass.hits.name());
-    program.bind("places", 1, pass.places.name());
-    bindHits(world.rays.hits, program, 2);
-    int unit = bindPhatexels(program, world.atlas, world.lookup, 2 + kHitUnits);
-    program.bind("splitSumTable", unit++, world.surfaces.splitSum.name());
-    program.bind("lightTable", unit++, world.shadows.lightTable.name());
-    program.bind("shadowMaps", unit++, world.shadows.depth.name());
-    program.bind("irradiance", unit++, world.atlas.irradiance.name(), world.rays.hits.filtered.name());
-    const GlTexture& sky = world.surfaces.environment;
-    program.bind("environment", unit++, sky.name(), sky ? world.surfaces.environmentSampler.name() : 0);
-    program.set("lightCount", world.shadows.lightCount);
-    program.set("turn", world.environmentTurn);
-    program.set("brightest", world.rays.brightest);
+    bindHitShading(program, world, pass.hits, pass.places);
     program.set("raySpread", 0.0f);
     program.set("regularized", 0.0f);
     program.set("ray", 0);

@@ -42,16 +42,6 @@ struct LightUpdatePass {
 LightUpdatePass createLightUpdatePass(const std::string& shaderFolder, const GpuAtlas& atlas,
                                       const GpuLookup& lookup, const std::vector<std::string>& bvhDefines);
 
-/// What the rays meet, as it is now.
-struct LitWorld {
-    const GpuRayScene& rays;
-    const GpuAtlas& atlas;
-    const GpuLookup& lookup;
-    const GpuScene& surfaces;
-    const ShadowMaps& shadows;
-    float environmentTurn = 0;
-};
-
 /// PHATexels are replaced; irradiance is estimated better, and shown once it is filtered.
 void traceLight(const LightUpdatePass& pass, const GpuLight& light, const LitWorld& world,
                 const LightRound& round);

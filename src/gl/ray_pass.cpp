@@ -73,19 +73,10 @@ void bindTrace(const RayPass& pass, const RayTargets& targets, const RayFrame& f
 
 void bindShade(const RayPass& pass, const RayTargets& targets, const RayFrame& frame) {
     const ShaderProgram& program = pass.shade.program;
-    program.bind("hits", 0, targets.hits.name());
-    program.bind("places", 1, targets.places.name());
-    bindHits(frame.scene.hits, program, 2);
-    int unit = bindPhatexels(program, frame.atlas, frame.lookup, 2 + kHitUnits);
-    program.bind("splitSumTable", unit++, frame.surfaces.splitSum.name());
-    program.bind("lightTable", unit++, frame.shadows.lightTable.name());
-    program.bind("shadowMaps", unit++, frame.shadows.depth.name());
-    program.bind("irradiance", unit++, frame.atlas.irradiance.name(), frame.scene.hits.filtered.name());
-    const GlTexture& sky = frame.surfaces.environment;
-    program.bind("environment", unit++, sky.name(), sky ? frame.surfaces.environmentSampler.name() : 0);
-    program.set("lightCount", frame.shadows.lightCount);
-    program.set("turn", frame.environmentTurn);
-    program.set("brightest", frame.scene.brightest);
+    bindHitShading(
+        program,
+        {frame.scene, frame.atlas, frame.lookup, frame.surfaces, frame.shadows, frame.environmentTurn},
+        targets.hits, targets.places);
     program.set("raySpread", frame.pixelRadians);
     program.set("regularized", kRegularized);
 }
@@ -193,6 +184,23 @@ void traceLobe(const RayPass& pass, const RayTargets& targets, const RayFrame& f
 }
 
 }  // namespace
+
+void bindHitShading(const ShaderProgram& program, const LitWorld& world, const GlTexture& hits,
+                    const GlTexture& places) {
+    program.bind("hits", 0, hits.name());
+    program.bind("places", 1, places.name());
+    bindHits(world.rays.hits, program, 2);
+    int unit = bindPhatexels(program, world.atlas, world.lookup, 2 + kHitUnits);
+    program.bind("splitSumTable", unit++, world.surfaces.splitSum.name());
+    program.bind("lightTable", unit++, world.shadows.lightTable.name());
+    program.bind("shadowMaps", unit++, world.shadows.depth.name());
+    program.bind("irradiance", unit++, world.atlas.irradiance.name(), world.rays.hits.filtered.name());
+    const GlTexture& sky = world.surfaces.environment;
+    program.bind("environment", unit++, sky.name(), sky ? world.surfaces.environmentSampler.name() : 0);
+    program.set("lightCount", world.shadows.lightCount);
+    program.set("turn", world.environmentTurn);
+    program.set("brightest", world.rays.brightest);
+}
 
 RayPass createRayPass(const std::string& folder, const LookupPass& lookup, const GpuLookup& tables,
                       const std::vector<std::string>& bvhDefines, bool counts) {

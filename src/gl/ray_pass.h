@@ -53,6 +53,20 @@ struct RayTargets {
 /// `lookup`: with layers for traced radiance.
 RayTargets createRayTargets(const LookupPass& pass, const LookupTargets& lookup, GLuint depth);
 
+/// What the rays meet, as it is now.
+struct LitWorld {
+    const GpuRayScene& rays;
+    const GpuAtlas& atlas;
+    const GpuLookup& lookup;
+    const GpuScene& surfaces;
+    const ShadowMaps& shadows;
+    float environmentTurn = 0;
+};
+
+/// Binds what shade_reflections.frag reads of the world and of the rays, see shaders/lib/packed_rays.glsl.
+void bindHitShading(const ShaderProgram& program, const LitWorld& world, const GlTexture& hits,
+                    const GlTexture& places);
+
 /// The camera of the last frame.
 struct RayHistory {
     glm::mat4 clipFromWorld{1};
