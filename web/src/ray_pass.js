@@ -11,6 +11,7 @@ const kPointsUnit = 3,
     kAfterTrees = 9,
     kHitUnits = 3,
     kUnused = 15;
+// twin: kRegularized in src/gl/ray_pass.cpp.
 const kRegularized = 0.5;
 // twin: kCountedRays in shaders/reflection_guides.frag.
 const kCountedRays = 64;
@@ -207,7 +208,6 @@ export class RayPass {
         scene.bindHits(program, 2);
         program.set('brightest', scene.brightest);
         program.set('raySpread', this.view.pixelRadians);
-        program.set('regularized', kRegularized);
         return 2 + kHitUnits;
     }
 
@@ -221,6 +221,7 @@ export class RayPass {
         gl.bindSampler(unit, scene.linear);
         program.bind('irradiance', unit++, gl.TEXTURE_2D_ARRAY, passes.atlas.irradiance);
         program.set('turn', 0);
+        program.set('regularized', kRegularized);
         this.setNumbers(program);
         program.set('ray', ray);
         this.drawTraced(this.targets.sumsTarget, ray);
