@@ -20,18 +20,11 @@ void main() {
     vec3 u = randomNumbers(uvec3(t.texel, seed));
     // The layout's numbers choose the point; which emitter is left to chance.
     HitEmitter emitter = hitEmitter(chooseEmitter(u.z));
-    vec3 toward = pointOnEmitter(emitter, stratifiedSquare(t.inBlock, t.scramble, u.xy)) - point.position;
-    float square = dot(toward, toward);
-    if (!(square > 0.0)) return;
-    float meters = sqrt(square);
-    vec3 direction = toward / meters;
-    float cosine = dot(direction, point.normal);
-    if (cosine <= 0.0 || dot(direction, point.flatNormal) <= 0.0) return;
-    float emitted = -dot(normalize(cross(emitter.b - emitter.a, emitter.c - emitter.a)), direction);
-    if (emitter.doubleSided) emitted = abs(emitted);
-    if (emitted < 1e-6) return;
-    float lightPdf = emitter.areaDensity * square / emitted;
-    float ratio = cosine / kPi / lightPdf, weight = 1.0 / (1.0 + ratio * ratio);
-    if (anyHit(offsetOrigin(point.position, point.flatNormal, vec3(0.0)), direction, meters * (1.0 - 1e-4))) return;
-    areaOut = vec4(emitter.radiance * (cosine * weight / (kPi * lightPdf)), 0.0);
+    EmitterSample light = sampleEmitter(emitter, stratifiedSquare(t.inBlock, t.scramble, u.xy), point.position);
+    float cosine = dot(light.direction, point.normal);
+    if (light.pdf <= 0.0 || cosine <= 0.0 || dot(light.direction, point.flatNormal) <= 0.0) return;
+    float weight = powerWeight(light.pdf, cosine / kPi);
+    vec3 origin = offsetOrigin(point.position, point.flatNormal, vec3(0.0));
+    if (anyHit(origin, light.direction, light.meters * (1.0 - 1e-4))) return;
+    areaOut = vec4(light.radiance * (cosine * weight / (kPi * light.pdf)), 0.0);
 }

@@ -1,4 +1,5 @@
 // PHATexels of some blocks from their rays.
+#include "lib/packed_rays.glsl"
 #include "lib/phatexel.glsl"
 
 uniform usampler2D hits;     // see lib/packed_rays.glsl
@@ -13,7 +14,6 @@ void main() {
     phatexelOut = uvec2(0u);
     if (code == 0xffffffffu) return;
     uvec4 hit = texelFetch(hits, pixel, 0);
-    bool sky = (hit.y & 0x1ffffffu) == 0u;
-    float meters = sky ? kFarDistance : uintBitsToFloat(hit.x);
+    float meters = hitsNothing(hit) ? kFarDistance : hitDistance(hit);
     phatexelOut = uvec2(packRgb9e5(texelFetch(radiance, pixel, 0).rgb), code | (packDistance(meters) << 24));
 }

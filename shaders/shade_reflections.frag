@@ -98,8 +98,7 @@ float emissionWeight(TracedRay ray, HitSurface s) {
     vec3 normal = normalize(cross(emitter.b - emitter.a, emitter.c - emitter.a));
     float cosine = abs(dot(normal, ray.direction));
     float lightPdf = emitter.areaDensity * ray.distance * ray.distance / max(cosine, 1e-6);
-    float ratio = lightPdf / max(ray.pdf, 1e-6);
-    return 1.0 / (1.0 + ratio * ratio);
+    return powerWeight(max(ray.pdf, 1e-6), lightPdf);
 }
 
 void main() {

@@ -30,27 +30,21 @@ void main() {
     PixelLobe l = pixelLobe(pixel, lobe);
     uvec4 point = texelFetch(points, pixel, 0);
     vec3 position = uintBitsToFloat(point.xyz), normalGeometric = octahedralToDirection(unpackSnorm2x16(point.w));
-    vec3 toward = pointOnEmitter(emitter, u.xy) - position;
-    float square = dot(toward, toward);
-    if (!(square > 0.0)) return;
-    float meters = sqrt(square);
-    vec3 direction = toward / meters;
-    float cosine = -dot(normalize(cross(emitter.b - emitter.a, emitter.c - emitter.a)), direction);
-    if (emitter.doubleSided) cosine = abs(cosine);
-    if (cosine < 1e-6 || dot(direction, normalGeometric) <= 0.0) return;
+    EmitterSample light = sampleEmitter(emitter, u.xy, position);
+    if (light.pdf <= 0.0 || dot(light.direction, normalGeometric) <= 0.0) return;
 
     mat3 worldFromLocal = frameFromNormal(l.normal);
     vec3 towardEye = normalize(eyeWorld - position * (1.0 - eyeAtInfinity));
-    vec3 wo = towardEye * worldFromLocal, wi = direction * worldFromLocal;
+    vec3 wo = towardEye * worldFromLocal, wi = light.direction * worldFromLocal;
     if (wo.z <= 0.0 || wi.z <= 0.0) return;
     float value = lobeValueLocal(ScalarLobe(l.normal, l.f0, l.f90, l.alpha), wo, wi);
-    float lightPdf = emitter.areaDensity * square / cosine;
     float lobePdf = smithG1(wo.z, l.alpha) * ggxD(normalize(wo + wi).z, l.alpha) / (4.0 * wo.z);
-    float ratio = lobePdf / lightPdf, weight = 1.0 / (1.0 + ratio * ratio);
+    float weight = powerWeight(light.pdf, lobePdf);
     float albedo = specularAlbedo(vec3(l.f0), l.f90, l.alpha, wo.z).x;
     // Below this weight no emitter is bright enough to be visible, and the ray is saved.
     if (value <= 0.0 || weight < 1e-6 || albedo <= 0.0) return;
-    if (anyHit(offsetOrigin(position, normalGeometric, towardEye), direction, meters * (1.0 - 1e-4))) return;
-    vec3 light = min(value * weight / lightPdf / albedo * emitter.radiance, brightest);
-    areaOut = vec4(texelFetch(rayWeights, pixel, 0).a / float(lightSamples) * light, 0.0);
+    vec3 origin = offsetOrigin(position, normalGeometric, towardEye);
+    if (anyHit(origin, light.direction, light.meters * (1.0 - 1e-4))) return;
+    vec3 arriving = min(value * weight / light.pdf / albedo * light.radiance, brightest);
+    areaOut = vec4(texelFetch(rayWeights, pixel, 0).a / float(lightSamples) * arriving, 0.0);
 }

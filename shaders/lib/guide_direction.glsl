@@ -1,16 +1,16 @@
 // Directions drawn from a block's guide.
-// twin: squareToGuide and squareToGuidePdf in src/core/phatexel/phatexture.cpp; tests/gl compares the two.
+// twin: squareToGuide in src/core/phatexel/phatexture.cpp; tests/gl compares the two.
 #include "lib/hemisphere_map.glsl"
 #include "lib/phatexel.glsl"
 
-// 16x16 a guide, kGuidesWide side by side: the weights in the row before the cell; << 16: those of the rows before.
+// 16x16 a guide, side by side: the weights in the row before the cell; << 16: those of the rows before.
 uniform usampler2D guideSums;
 
-const int kGuidesWide = 128;
 const float kGuideTotal = 65536.0;
 
 ivec2 guideCorner(int guide) {
-    return ivec2(guide % kGuidesWide, guide / kGuidesWide) * kGuideSize;
+    int wide = textureSize(guideSums, 0).x / kGuideSize;
+    return ivec2(guide % wide, guide / wide) * kGuideSize;
 }
 
 float rowsBefore(ivec2 corner, int row) {
@@ -41,11 +41,4 @@ vec3 squareToGuide(int guide, vec2 square) {
         if (cellsBefore(corner, cell + ivec2(step, 0)) <= u) cell.x += step;
     vec2 within = vec2((u - cellsBefore(corner, cell)) / cellWeight(corner, cell), (v - before) / row);
     return squareToHemisphere((vec2(cell) + clamp(within, 0.0, 0.9999999)) / float(kGuideSize));
-}
-
-// 1/sr.
-float guidePdf(int guide, vec3 directionBlock) {
-    if (directionBlock.z < 0.0) return 0.0;
-    ivec2 cell = clamp(ivec2(hemisphereToSquare(directionBlock) * float(kGuideSize)), 0, kGuideSize - 1);
-    return cellWeight(guideCorner(guide), cell) * float(kGuideSize * kGuideSize) / (2.0 * kPi * kGuideTotal);
 }

@@ -158,8 +158,33 @@ int chooseEmitter(float choice) {
     return scaled - float(column) < threshold ? column : int(hitTexel(first + 1).w);
 }
 
+// A point of an emitter, as it is seen from elsewhere.
+struct EmitterSample {
+    vec3 direction;  // unit
+    float meters;
+    float pdf;       // 1/sr; 0: it does not shine there
+    vec3 radiance;
+};
+
 // Its point by a random one of the unit square.
 vec3 pointOnEmitter(HitEmitter emitter, vec2 square) {
     vec2 on = squareToTriangle(square);
     return mix(emitter.a, emitter.b, on.x) + on.y * (emitter.c - emitter.a);
+}
+
+EmitterSample sampleEmitter(HitEmitter emitter, vec2 square, vec3 position) {
+    vec3 toward = pointOnEmitter(emitter, square) - position;
+    float squared = dot(toward, toward);
+    if (!(squared > 0.0)) return EmitterSample(vec3(0.0), 0.0, 0.0, vec3(0.0));
+    float meters = sqrt(squared);
+    vec3 direction = toward / meters;
+    float cosine = -dot(normalize(cross(emitter.b - emitter.a, emitter.c - emitter.a)), direction);
+    if (emitter.doubleSided) cosine = abs(cosine);
+    return EmitterSample(direction, meters, cosine < 1e-6 ? 0.0 : emitter.areaDensity * squared / cosine, emitter.radiance);
+}
+
+// By the power heuristic (Veach 1997), of a sample of density `own` against another technique's.
+float powerWeight(float own, float other) {
+    float ratio = other / own;
+    return 1.0 / (1.0 + ratio * ratio);
 }

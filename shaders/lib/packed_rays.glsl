@@ -35,9 +35,18 @@ void packRay(TracedRay ray, out uvec4 hit, out uvec4 place) {
     place = uvec4(floatBitsToUint(ray.position), packSnorm2x16(octahedralFromDirection(ray.direction)));
 }
 
+bool hitsNothing(uvec4 hit) {
+    return (hit.y & 0x1ffffffu) == 0u;
+}
+
+// Metres, where it hits something.
+float hitDistance(uvec4 hit) {
+    return uintBitsToFloat(hit.x);
+}
+
 TracedRay unpackRay(uvec4 hit, uvec4 place) {
     vec2 weightPdf = unpackHalf2x16(hit.w);
     return TracedRay(int((hit.y >> 25) & 63u), octahedralToDirection(unpackSnorm2x16(place.w)), weightPdf.x, weightPdf.y,
                      int(hit.y & 0x1ffffffu) - 1, (hit.y >> 31u) != 0u, unpackUnorm2x16(hit.z),
-                     uintBitsToFloat(hit.x), uintBitsToFloat(place.xyz));
+                     hitDistance(hit), uintBitsToFloat(place.xyz));
 }

@@ -20,13 +20,13 @@ const int kMaxCellDivisions = 2;
 const float kOffsetFraction = 0.25;
 // twin: kDistanceIntervals in src/core/probes/probe_distances.h.
 const int kDistanceIntervals = 3;
-// twin: kSeenWithin, kHiddenFrom, kHiddenWeight, kHiddenHalvings, kLeastWeight, kRangeSteps, kRangeLowest in
+// twin: kSeenWithin, kHiddenFrom, kHiddenWeight, kHiddenHalvings, kMinWeight, kRangeSteps, kRangeLowest in
 // src/core/probes/probe_distances.cpp.
 const float kSeenWithin = 1.02;
 const float kHiddenFrom = 1.06;
 const float kHiddenWeight = 1e-4;
 const float kHiddenHalvings = 60.0;
-const float kLeastWeight = 1e-30;
+const float kMinWeight = 1e-30;
 const float kRangeSteps = 16.0;
 const float kRangeLowest = -4.0;
 
@@ -88,7 +88,7 @@ float probeVisibility(uint probe, uint place, vec3 offset) {
     float range = exp2(float(place >> 24) / kRangeSteps + kRangeLowest) / probeUnitMeters();
     float before = kHiddenFrom - t * mean / 255.0 * range;
     float seen = clamp(before / (kHiddenFrom - kSeenWithin), 0.0, 1.0);
-    return max(max(seen, kHiddenWeight * exp2(kHiddenHalvings * min(before, 0.0))), kLeastWeight);
+    return max(max(seen, kHiddenWeight * exp2(kHiddenHalvings * min(before, 0.0))), kMinWeight);
 }
 
 // The terms that depend on the direction alone, times the bounds of their ratios to the mean.

@@ -4,7 +4,7 @@
 
 const int kBatchSide = 8;  // blocks
 
-uniform uvec4 batchBlocks[kBatchSide * kBatchSide];  // origin y << 16 | x, size y << 16 | x, texels; block; scramble
+uniform uvec4 batchBlocks[kBatchSide * kBatchSide];  // origin, size (y << 16 | x, texels), block, maxSamples << 16 | scramble
 
 struct BatchTexel {
     bool valid;
@@ -12,7 +12,7 @@ struct BatchTexel {
     ivec2 inBlock;
     int block;
     uint scramble;      // of the block's layout, see stratifiedSquare
-    float mostSamples;  // that the irradiance so far counts as
+    float maxSamples;  // that the irradiance so far counts as
 };
 
 BatchTexel batchTexelAt(ivec2 pixel) {

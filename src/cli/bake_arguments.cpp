@@ -34,8 +34,8 @@ std::string defaultOutput(const std::string& input) {
 int probeCountOf(const CLI::Option& option, std::optional<uint64_t> maxBytes) {
     if (option && option.as<std::string>() == "none") return 0;
     if (option) return int(parseCount(&option, 8, double(kMaxProbes)));
-    constexpr double kMostOfFile = 0.05, kBytesOfProbe = 60;  // measured: compressed, with its cells
-    const double most = maxBytes ? kMostOfFile * double(*maxBytes) / kBytesOfProbe : 1e9;
+    constexpr double kMaxOfFile = 0.05, kBytesOfProbe = 60;  // measured: compressed, with its cells
+    const double most = maxBytes ? kMaxOfFile * double(*maxBytes) / kBytesOfProbe : 1e9;
     return most < 8 ? 0 : int(std::min(double(ProbeSettings().count), most));
 }
 

@@ -51,7 +51,7 @@ void addViewCommand(CLI::App& app) {
     const auto engine = std::make_shared<LightEngine>(LightEngine::cpu);
     DeclareOption{*command}.choice(
         "--engine", kEngineNames, *engine,
-        "Which processor makes the light that follows changes; gpu needs a fast one");
+        "Which processor updates the light after changes; software drivers are too slow for gpu");
     command->footer("Example: phat view room.phat.glb");
     command->callback([=] {
         ViewerOptions options;

@@ -1,6 +1,14 @@
 #include "gl/fullscreen.h"
 
 namespace phat {
+namespace {
+
+void bindTarget(const GlFramebuffer& target, glm::uvec2 size) {
+    glBindFramebuffer(GL_FRAMEBUFFER, target.name());
+    glViewport(0, 0, GLsizei(size.x), GLsizei(size.y));
+}
+
+}  // namespace
 
 FullscreenProgram::FullscreenProgram(const std::string& folder, const std::string& fragmentFile,
                                      const std::vector<std::string>& defines)
@@ -10,28 +18,27 @@ FullscreenProgram::FullscreenProgram(const std::string& folder, const std::strin
     noVertices = GlVertexArray(name);
 }
 
-void FullscreenProgram::draw() const {
-    glDisable(GL_DEPTH_TEST);
+void FullscreenProgram::drawTriangle() const {
     glDisable(GL_CULL_FACE);
     glBindVertexArray(noVertices.name());
     program.use();
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
+void FullscreenProgram::draw() const {
+    glDisable(GL_DEPTH_TEST);
+    drawTriangle();
+}
+
 void FullscreenProgram::draw(const GlFramebuffer& target, glm::uvec2 size) const {
-    glBindFramebuffer(GL_FRAMEBUFFER, target.name());
-    glViewport(0, 0, GLsizei(size.x), GLsizei(size.y));
+    bindTarget(target, size);
     draw();
 }
 
 void FullscreenProgram::drawTested(const GlFramebuffer& target, glm::uvec2 size) const {
-    glBindFramebuffer(GL_FRAMEBUFFER, target.name());
-    glViewport(0, 0, GLsizei(size.x), GLsizei(size.y));
+    bindTarget(target, size);
     glEnable(GL_DEPTH_TEST);
-    glDisable(GL_CULL_FACE);
-    glBindVertexArray(noVertices.name());
-    program.use();
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    drawTriangle();
 }
 
 void FullscreenProgram::drawDepth(const GlFramebuffer& target, glm::uvec2 size) const {

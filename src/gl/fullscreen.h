@@ -31,6 +31,7 @@ struct FullscreenProgram {
     GlVertexArray noVertices;  // core profiles draw nothing without one
 
   private:
+    void drawTriangle() const;
     void drawTested(const GlFramebuffer& target, glm::uvec2 size) const;
 };
 

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <glm/gtc/packing.hpp>
+#include <utility>
 
 #include "core/bake/irradiance.h"
 #include "core/base/random.h"
+#include "gl/guide_tables.h"
 #include "gl/sample_numbers.h"
 #include "gl/textures.h"
 
@@ -15,37 +17,31 @@ namespace {
 // twin: shaders/lib/texel_batch.glsl.
 constexpr uint32_t kBatchSide = 8, kBatchBlocks = kBatchSide * kBatchSide;
 constexpr uint32_t kBatchTexels = kBatchSide * kBlockSize;
-// twin: shaders/lib/guide_direction.glsl.
-constexpr uint32_t kGuidesWide = 128;
 // Steps of 1, 2, 4, 8 and 16 texels.
 constexpr int kFilterPasses = 5;
 
 // twin: the constants of trace_texels.frag.
 constexpr int kDiffuseChoice = 2;
 
-GlTexture uploadGuideSums(const Phatexture& phatexture) {
-    std::vector<const Guide*> guides;
-    for (const auto* of : {&phatexture.indirectGuides, &phatexture.areaGuides})
-        for (const Guide& guide : *of) guides.push_back(&guide);
-    const uint32_t count = std::max<uint32_t>(1, uint32_t(guides.size()));
-    const glm::uvec2 size(kGuidesWide * kGuideSize, (count + kGuidesWide - 1) / kGuidesWide * kGuideSize);
-    std::vector<uint32_t> sums(size_t(size.x) * size.y, 0);
-    for (uint32_t g = 0; g < guides.size(); ++g) {
-        const glm::uvec2 corner = glm::uvec2(g % kGuidesWide, g / kGuidesWide) * uint32_t(kGuideSize);
-        uint32_t rows = 0;
-        for (uint32_t y = 0; y < kGuideSize; ++y) {
-            uint32_t row = 0;
-            for (uint32_t x = 0; x < kGuideSize; ++x) {
-                sums[size_t(corner.y + y) * size.x + corner.x + x] = rows << 16 | row;
-                row += guides[g]->weight[y * kGuideSize + x];
-            }
-            rows += row;
-        }
+using GuideSums = std::array<uint32_t, kGuideCells>;
+
+// twin: shaders/lib/guide_direction.glsl.
+GuideSums sumsOf(const Guide& guide) {
+    GuideSums sums;
+    uint32_t rows = 0, row = 0;
+    for (size_t cell = 0; cell < sums.size(); ++cell) {
+        if (cell % kGuideSize == 0) rows += std::exchange(row, 0);
+        sums[cell] = rows << 16 | row;
+        row += guide.weight[cell];
     }
-    GlTexture texture = createTexture2D(GL_R32UI, size);
-    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(size.x), GLsizei(size.y), GL_RED_INTEGER,
-                        GL_UNSIGNED_INT, sums.data());
-    return texture;
+    return sums;
+}
+
+GlTexture uploadGuideSums(const Phatexture& phatexture) {
+    std::vector<GuideSums> sums;
+    for (const auto* guides : {&phatexture.indirectGuides, &phatexture.areaGuides})
+        for (const Guide& guide : *guides) sums.push_back(sumsOf(guide));
+    return uploadGuideTables({GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT}, sums);
 }
 
 // The bake's irradiance, as if by so many samples.
@@ -77,9 +73,9 @@ GlTexture uploadEstimates(const Atlas& atlas, const std::vector<uint8_t>& receiv
 
 // What irradiance was before counts as so many samples: few for as long as a change spreads from bounce to
 // bounce, and then ever more.
-uint32_t mostSamples(uint32_t rounds) {
-    constexpr uint32_t kLeast = 4, kSpreading = 32;
-    return kLeast + (std::max(rounds, kSpreading) - kSpreading) / 4;
+uint32_t maxSamples(uint32_t rounds) {
+    constexpr uint32_t kMin = 4, kSpreading = 32;
+    return kMin + (std::max(rounds, kSpreading) - kSpreading) / 4;
 }
 
 // The blocks of a batch, of which the layouts follow from `scrambleOf(turn)`.
@@ -90,7 +86,7 @@ void setBatch(const ShaderProgram& program, const GpuLight& light, std::span<con
     for (size_t i = 0; i < blocks.size(); ++i) {
         const BlockRect& rect = light.blocks[blocks[i].block];
         entries[i] = {rect.origin.y << 16 | rect.origin.x, rect.size.y << 16 | rect.size.x, blocks[i].block,
-                      mostSamples(blocks[i].rounds) << 16 | scrambleOf(blocks[i])};
+                      maxSamples(blocks[i].rounds) << 16 | scrambleOf(blocks[i])};
     }
     program.set("batchBlocks", std::span<const glm::uvec4>(entries));
 }
@@ -239,11 +235,8 @@ GpuLight createGpuLight(const Scene& scene, const Atlas& atlas, const TexelPoint
 LightUpdatePass createLightUpdatePass(const std::string& folder, const GpuAtlas& atlas,
                                       const GpuLookup& lookup, const std::vector<std::string>& bvhDefines) {
     LightUpdatePass pass;
-    std::vector<std::string> shading;
-    if (lookup.areaGuideCount > 0) shading.push_back("AREA");
-    if (lookup.scrambles) shading.push_back("SCRAMBLES");
     pass.trace = FullscreenProgram(folder, "trace_texels.frag", bvhDefines);
-    pass.shade = FullscreenProgram(folder, "shade_reflections.frag", shading);
+    pass.shade = FullscreenProgram(folder, "shade_reflections.frag", phatexelDefines(lookup));
     pass.lights = FullscreenProgram(folder, "light_texels.frag", bvhDefines);
     pass.pack = FullscreenProgram(folder, "pack_phatexels.frag");
     pass.estimate = FullscreenProgram(folder, "estimate_irradiance.frag");

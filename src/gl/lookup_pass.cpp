@@ -4,37 +4,14 @@
 #include <array>
 
 #include "core/phatexel/lookup_tables.h"
+#include "gl/guide_tables.h"
 #include "gl/sample_numbers.h"
 #include "gl/textures.h"
 
 namespace phat {
 namespace {
 
-// twin: kTablesWide in shaders/lib/lookup_tables.glsl.
-constexpr uint32_t kTablesWide = 512;
-constexpr uint32_t kTableSide = 16;
-
-template <typename Table>
-GlTexture uploadTables(GLenum internal, GLenum format, const std::vector<Table>& tables) {
-    static_assert(sizeof(Table) % (kTableSide * kTableSide) == 0);
-    constexpr size_t kBytes = sizeof(Table) / (kTableSide * kTableSide);
-    const uint32_t count = std::max<uint32_t>(1, uint32_t(tables.size()));
-    const glm::uvec2 size(std::min(count, kTablesWide) * kTableSide,
-                          (count + kTablesWide - 1) / kTablesWide * kTableSide);
-    std::vector<uint8_t> pixels(size_t(size.x) * size.y * kBytes, 0);
-    for (uint32_t i = 0; i < tables.size(); ++i) {
-        const auto* bytes = reinterpret_cast<const uint8_t*>(&tables[i]);
-        const glm::uvec2 corner = glm::uvec2(i % kTablesWide, i / kTablesWide) * kTableSide;
-        for (uint32_t y = 0; y < kTableSide; ++y)
-            std::copy_n(bytes + y * kTableSide * kBytes, kTableSide * kBytes,
-                        &pixels[(size_t(corner.y + y) * size.x + corner.x) * kBytes]);
-    }
-    GlTexture texture = createTexture2D(internal, size);
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(size.x), GLsizei(size.y), format, GL_UNSIGNED_BYTE,
-                        pixels.data());
-    return texture;
-}
+constexpr TableFormat kInverseCdfs = {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
 
 // A probe's 16x16 levels as 2x4 texels of 8x4 levels, so that neighbouring directions come in one read.
 constexpr glm::uvec2 kLevels(8, 4), kProbeTexels = uint32_t(kProbeSize) / kLevels;
@@ -99,7 +76,7 @@ GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas) {
         for (const Guide& guide : *guides) inverseCdfs.push_back(inverseCdfOf(guide));
     for (const auto* layers : {&phatexture.indirect, &phatexture.area})
         for (const PhatexelLayer& layer : *layers) scrambles.push_back(&layer.scrambles);
-    gpu.inverseCdfs = uploadTables(GL_RGBA8, GL_RGBA, inverseCdfs);
+    gpu.inverseCdfs = uploadGuideTables(kInverseCdfs, inverseCdfs);
     if (scrambles.size() > 1) gpu.scrambles = uploadScrambles(scrambles);
     gpu.probes = uploadProbes(phatexture.probes, atlas.sizeTiles());
     checkGl("uploading the lookup tables");
@@ -108,10 +85,7 @@ GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas) {
 
 void updateLookupGuides(const GpuLookup& gpu, const LightUpdate::Guides& block) {
     const auto upload = [&](uint32_t table, const Guide& guide) {
-        const InverseCdf inverseCdf = inverseCdfOf(guide);
-        const glm::uvec2 corner = glm::uvec2(table % kTablesWide, table / kTablesWide) * kTableSide;
-        glTextureSubImage2D(gpu.inverseCdfs.name(), 0, GLint(corner.x), GLint(corner.y), kTableSide,
-                            kTableSide, GL_RGBA, GL_UNSIGNED_BYTE, inverseCdf.data());
+        updateGuideTable(gpu.inverseCdfs, kInverseCdfs, table, inverseCdfOf(guide));
     };
     // Where there is one guide for all blocks, it stays.
     if (int(block.block) < gpu.guideCount) upload(block.block, block.indirect);
@@ -130,15 +104,20 @@ void updateProbe(const GpuLookup& gpu, const LightUpdate::TileGeometry& tile, gl
                         kProbeTexels.y, GL_RGBA_INTEGER, GL_UNSIGNED_INT, packed.data());
 }
 
+std::vector<std::string> phatexelDefines(const GpuLookup& lookup) {
+    std::vector<std::string> defines;
+    if (lookup.areaGuideCount > 0) defines.push_back("AREA");
+    if (lookup.scrambles) defines.push_back("SCRAMBLES");
+    return defines;
+}
+
 LookupPass createLookupPass(const std::string& folder, const GpuLookup& lookup, bool clearcoat,
                             bool countReads) {
     LookupPass pass;
     pass.clearcoat = clearcoat;
     pass.areaLights = lookup.areaGuideCount > 0;
-    std::vector<std::string> defines;
+    std::vector<std::string> defines = phatexelDefines(lookup);
     if (clearcoat) defines.push_back("CLEARCOAT");
-    if (pass.areaLights) defines.push_back("AREA");
-    if (lookup.scrambles) defines.push_back("SCRAMBLES");
     if (countReads) defines.push_back("COUNT_READS");
     pass.lobesProgram = ShaderProgram(folder, "surface.vert", "lobes.frag", defines);
     pass.lookupProgram = ShaderProgram(folder, "surface.vert", "lookup.frag", defines);

@@ -26,6 +26,9 @@ GpuLookup uploadLookup(const Phatexture& phatexture, const Atlas& atlas);
 void updateLookupGuides(const GpuLookup& gpu, const LightUpdate::Guides& block);
 void updateProbe(const GpuLookup& gpu, const LightUpdate::TileGeometry& tile, glm::uvec2 sizeTiles);
 
+/// The defines of programs that read these PHATexels.
+std::vector<std::string> phatexelDefines(const GpuLookup& lookup);
+
 /// Pictures between the passes, of the frame's size.
 struct LookupTargets {
     glm::uvec2 size{0};

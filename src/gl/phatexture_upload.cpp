@@ -4,13 +4,13 @@
 
 #include "core/phatexel/radiance_bound.h"
 #include "gl/gl_error.h"
+#include "gl/guide_tables.h"
 #include "gl/textures.h"
 
 namespace phat {
 namespace {
 
-// Tiles of 16x16 densities, this many side by side: 2048 texels wide.
-constexpr uint32_t kGuidesWide = 128;
+constexpr TableFormat kDensities = {GL_R32F, GL_RED, GL_FLOAT};
 
 using GuidePdf = std::array<float, kGuideCells>;
 
@@ -23,24 +23,10 @@ GuidePdf guidePdf(const Guide& guide) {
     return pdf;
 }
 
-glm::uvec2 guideCorner(uint32_t guide) {
-    return glm::uvec2(guide % kGuidesWide, guide / kGuidesWide) * uint32_t(kGuideSize);
-}
-
 GlTexture uploadGuides(const std::vector<Guide>& guides) {
-    const uint32_t count = std::max<uint32_t>(1, uint32_t(guides.size()));
-    const glm::uvec2 size(kGuidesWide * kGuideSize, (count + kGuidesWide - 1) / kGuidesWide * kGuideSize);
-    std::vector<float> pdf(size_t(size.x) * size.y, 0.0f);
-    for (uint32_t g = 0; g < guides.size(); ++g) {
-        const GuidePdf cells = guidePdf(guides[g]);
-        const glm::uvec2 corner = guideCorner(g);
-        for (uint32_t y = 0; y < kGuideSize; ++y)
-            std::copy_n(&cells[y * kGuideSize], kGuideSize, &pdf[size_t(corner.y + y) * size.x + corner.x]);
-    }
-    GlTexture texture = createTexture2D(GL_R32F, size);
-    glTextureSubImage2D(texture.name(), 0, 0, 0, GLsizei(size.x), GLsizei(size.y), GL_RED, GL_FLOAT,
-                        pdf.data());
-    return texture;
+    std::vector<GuidePdf> densities;
+    for (const Guide& guide : guides) densities.push_back(guidePdf(guide));
+    return uploadGuideTables(kDensities, densities);
 }
 
 void addSource(GpuAtlas& gpu, const std::vector<PhatexelLayer>& layers, const std::vector<Guide>& guides) {
@@ -203,10 +189,7 @@ void updateGuides(const GpuAtlas& gpu, const LightUpdate::Guides& block) {
     const Guide* guides[] = {&block.indirect, &block.area};
     for (size_t s = 0; s < gpu.sources.size(); ++s) {
         if (int(block.block) >= gpu.sources[s].guideCount) continue;  // one for all, which stays
-        const GuidePdf pdf = guidePdf(*guides[s]);
-        const glm::uvec2 corner = guideCorner(block.block);
-        glTextureSubImage2D(gpu.sources[s].guidePdf.name(), 0, GLint(corner.x), GLint(corner.y), kGuideSize,
-                            kGuideSize, GL_RED, GL_FLOAT, pdf.data());
+        updateGuideTable(gpu.sources[s].guidePdf, kDensities, block.block, guidePdf(*guides[s]));
     }
 }
 

@@ -206,10 +206,8 @@ RayPass createRayPass(const std::string& folder, const LookupPass& lookup, const
                       const std::vector<std::string>& bvhDefines, bool counts) {
     RayPass pass;
     pass.clearcoat = lookup.clearcoat;
-    std::vector<std::string> defines;
+    std::vector<std::string> defines = phatexelDefines(tables);
     if (lookup.clearcoat) defines.push_back("CLEARCOAT");
-    if (lookup.areaLights) defines.push_back("AREA");
-    if (tables.scrambles) defines.push_back("SCRAMBLES");
     if (counts) defines.push_back("COUNT_FETCHES");
     const auto with = [&](std::vector<std::string> more) {
         more.insert(more.end(), defines.begin(), defines.end());

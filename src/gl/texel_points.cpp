@@ -15,13 +15,6 @@
 namespace phat {
 namespace {
 
-glm::vec3 flatNormal(const Scene& scene, uint32_t triangle, bool back) {
-    const glm::uvec3 t = scene.triangles[triangle];
-    const glm::vec3 normal =
-        glm::cross(scene.positions[t.y] - scene.positions[t.x], scene.positions[t.z] - scene.positions[t.x]);
-    return glm::normalize(back ? -normal : normal);
-}
-
 // twin: shaders/lib/texel_point.glsl; octahedral directions have no such halves.
 constexpr uint32_t kNoIrradiance = 0x80008000u;
 
@@ -36,7 +29,6 @@ GpuTexelPoints uploadTexelPoints(const Scene& scene, const Atlas& atlas, const T
         throw GlError("the atlas and its texels differ in size");
     GpuTexelPoints gpu{
         createTexture2D(GL_RGBA32UI, atlas.sizeTexels), createTexture2D(GL_R32UI, atlas.sizeTexels), {}};
-    const size_t wide = atlas.sizeTexels.x;
     const float none = std::numeric_limits<float>::quiet_NaN();
     std::vector<glm::uvec4> places(atlas.texelCount());
     std::vector<uint32_t> normals(atlas.texelCount());
@@ -44,14 +36,13 @@ GpuTexelPoints uploadTexelPoints(const Scene& scene, const Atlas& atlas, const T
     oneapi::tbb::parallel_for(size_t(0), places.size(), [&](size_t texel) {
         places[texel] = glm::uvec4(std::bit_cast<uint32_t>(none));
         if (!points.valid(texel)) return;
-        const bool back = atlas.charts[atlas.chartAt({texel % wide, texel / wide})].back;
         const glm::vec3 position = points.position[texel];
         places[texel] = {std::bit_cast<uint32_t>(position.x), std::bit_cast<uint32_t>(position.y),
                          std::bit_cast<uint32_t>(position.z),
-                         packDirection(flatNormal(scene, points.triangle[texel], back))};
+                         packDirection(flatNormalOf(scene, atlas, points, texel))};
         normals[texel] = receives[texel] ? packDirection(points.normal[texel]) : kNoIrradiance;
     });
-    const GLsizei width = GLsizei(wide), height = GLsizei(atlas.sizeTexels.y);
+    const GLsizei width = GLsizei(atlas.sizeTexels.x), height = GLsizei(atlas.sizeTexels.y);
     glTextureSubImage2D(gpu.points.name(), 0, 0, 0, width, height, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
                         places.data());
     glTextureSubImage2D(gpu.normals.name(), 0, 0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT,

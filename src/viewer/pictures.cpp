@@ -92,7 +92,7 @@ void Pictures::traceOnGpu(const ViewerState& state, const Side& side, bool atRes
     if (!showsReflections(state, side)) return;
     // The first picture does not wait for the rays' programs, which a software driver compiles when they
     // draw.
-    if (!atRest && (state.lastInput == std::chrono::steady_clock::time_point())) return;
+    if (!atRest && state.lastInput == std::chrono::steady_clock::time_point()) return;
     settings.tracedByGpu = Reflections::automatic;
     if (atRest) return;
     settings.rays = kRayLevels[size_t(rayLevel_)];

@@ -145,6 +145,10 @@ struct TexelPoints {
     }
 };
 
+/// Unit normal of the flat triangle under a texel, on the chart's side. pre: `points` of the scene and the
+/// atlas, valid there.
+glm::vec3 flatNormalOf(const Scene& scene, const Atlas& atlas, const TexelPoints& points, size_t texel);
+
 /// Rasterises the atlas and extends the charts into their gutters. Deterministic: the baked file does not
 /// store it. States are unused, surface or gutter.
 TexelPoints buildTexelPoints(const Scene& scene, const Atlas& atlas);

@@ -219,6 +219,15 @@ ChartTriangles trianglesByChart(const Atlas& atlas) {
 
 }  // namespace
 
+glm::vec3 flatNormalOf(const Scene& scene, const Atlas& atlas, const TexelPoints& points, size_t texel) {
+    const glm::uvec2 xy(texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x);
+    const bool back = atlas.charts[atlas.chartAt(xy)].back;
+    const glm::uvec3 t = scene.triangles[points.triangle[texel]];
+    const glm::vec3 normal =
+        glm::cross(scene.positions[t.y] - scene.positions[t.x], scene.positions[t.z] - scene.positions[t.x]);
+    return glm::normalize(back ? -normal : normal);
+}
+
 TexelPoints buildTexelPoints(const Scene& scene, const Atlas& atlas) {
     const size_t count = atlas.texelCount();
     TexelPoints points;

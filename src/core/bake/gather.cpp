@@ -25,7 +25,7 @@ std::optional<Ray> texelRay(const GatherInput& input, const TexelDirection& chos
     const Frame& frame = input.frames[input.atlas.blockAt(xy)];
 
     const glm::vec3 direction = glm::normalize(frame.toWorld(chosen.directionBlock));
-    const glm::vec3 flatNormal = flatNormalOf(input, texel);
+    const glm::vec3 flatNormal = flatNormalOf(input.rays.scene(), input.atlas, input.points, texel);
     if (glm::dot(direction, input.points.normal[texel]) <= 0.0f || glm::dot(direction, flatNormal) <= 0.0f)
         return {};
     return Ray{input.rays.offsetOrigin(input.points.position[texel], flatNormal), direction};
@@ -116,16 +116,6 @@ IrradianceEstimate joined(const IrradianceEstimate& first, const IrradianceEstim
 }
 
 }  // namespace
-
-glm::vec3 flatNormalOf(const GatherInput& input, size_t texel) {
-    const glm::uvec2 xy(texel % input.atlas.sizeTexels.x, texel / input.atlas.sizeTexels.x);
-    const bool back = input.atlas.charts[input.atlas.chartAt(xy)].back;
-    const Scene& scene = input.rays.scene();
-    const glm::uvec3 t = scene.triangles[input.points.triangle[texel]];
-    const glm::vec3 normal =
-        glm::cross(scene.positions[t.y] - scene.positions[t.x], scene.positions[t.z] - scene.positions[t.x]);
-    return glm::normalize(back ? -normal : normal);
-}
 
 PackedPhatexel indirectPhatexel(const IndirectLayer& layer, const TexelDirection& direction, size_t texel,
                                 uint64_t& rays) {

@@ -38,9 +38,6 @@ struct GatherContext {
     uint64_t sliceWork = kNoSlicing;  // rays between two yields of a ResumableTask
 };
 
-/// Unit normal of a valid texel's flat triangle, on the chart's side.
-glm::vec3 flatNormalOf(const GatherInput& input, size_t texel);
-
 /// All that a bake gathers for the texels of an atlas, whatever they are in the scene by now.
 Phatexture gatherLight(const GatherContext& context);
 

@@ -50,7 +50,7 @@ struct Gatherer {
         const glm::uvec2 group =
             glm::uvec2(texel % input.atlas.sizeTexels.x, texel / input.atlas.sizeTexels.x) / level.step;
         const Frame frame = frameFromNormalAndTangent(points.normal[texel], points.tangent[texel]);
-        const glm::vec3 flatNormal = flatNormalOf(input, texel);
+        const glm::vec3 flatNormal = flatNormalOf(input.rays.scene(), input.atlas, points, texel);
         const glm::vec3 origin = input.rays.offsetOrigin(points.position[texel], flatNormal);
         uint32_t count = 0;
         for (uint32_t i = 0; i < rayCount; ++i) {

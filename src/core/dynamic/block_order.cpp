@@ -1,7 +1,9 @@
 #include "core/dynamic/block_order.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "core/dynamic/view_test.h"
+#include "core/phatexel/directions.h"
 
 namespace phat {
 namespace {
@@ -12,18 +14,12 @@ constexpr float kUnseenCount = 4;
 }  // namespace
 
 BlockOrder::BlockOrder(const Atlas& atlas, const TexelPoints& points) {
-    for (const BlockRect& rect : blockRects(atlas)) {
-        Bounds bounds;
-        glm::vec3 normal(0);
-        for (uint32_t y = 0; y < rect.size.y; ++y)
-            for (uint32_t x = 0; x < rect.size.x; ++x) {
-                const size_t texel = size_t(rect.origin.y + y) * atlas.sizeTexels.x + rect.origin.x + x;
-                if (!points.valid(texel)) continue;
-                bounds.add(points.position[texel]);
-                normal += points.normal[texel];
-            }
+    const std::vector<BlockRect> rects = blockRects(atlas);
+    const std::vector<Frame> frames = blockFrames(atlas, points);
+    for (size_t block = 0; block < rects.size(); ++block) {
+        const Bounds bounds = blockBounds(atlas, points, rects[block]);
         Place place;
-        if (!bounds.empty()) place = {bounds.center(), normal, 0.5f * bounds.diagonal()};
+        if (!bounds.empty()) place = {bounds.center(), frames[block].normal, 0.5f * bounds.diagonal()};
         places_.push_back(place);
     }
     rounds_.assign(places_.size(), 0);
@@ -36,25 +32,14 @@ void BlockOrder::noteChange() {
 }
 
 std::vector<BlockTurn> BlockOrder::next(size_t count, const Camera& eye) {
-    const glm::mat4 cameraFromWorld = glm::inverse(eye.worldFromCamera);
-    const glm::vec3 position(eye.worldFromCamera[3]);
-    const auto outOfView = [&](const Place& place) {
-        const glm::vec3 local = cameraFromWorld * glm::vec4(place.center, 1);
-        if (!eye.perspective) return std::abs(local.y) > eye.ymag + place.radius;
-        if (local.z > place.radius) return true;
-        // Blocks that are bent have short mean normals.
-        if (glm::dot(position - place.center, place.normal) < -place.radius * glm::length(place.normal))
-            return true;
-        const float aspect = eye.aspect > 0 ? eye.aspect : 16.0f / 9;
-        const float half = -local.z * std::tan(0.5f * eye.yfovRadians);
-        return std::abs(local.y) > half + 2 * place.radius ||
-               std::abs(local.x) > half * aspect + 2 * place.radius;
-    };
+    const ViewTest view(eye);
     std::vector<uint32_t> order;
     std::vector<float> due(places_.size());
     for (uint32_t block = 0; block < places_.size(); ++block) {
         if (rounds_[block] >= kSettledRounds) continue;
-        due[block] = float(rounds_[block]) * (outOfView(places_[block]) ? kUnseenCount : 1.0f);
+        const Place& place = places_[block];
+        const bool seen = view.maySee(place.center, place.normal, place.radius);
+        due[block] = float(rounds_[block]) * (seen ? 1.0f : kUnseenCount);
         order.push_back(block);
     }
     count = std::min(count, order.size());

@@ -1,8 +1,10 @@
 #include "core/dynamic/urgency.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "core/base/parallel.h"
+#include "core/dynamic/view_test.h"
 
 namespace phat {
 namespace {
@@ -18,19 +20,6 @@ constexpr float kMovedBonus = 2.0f;
 // A pass over everything, in rays a texel: by its age an item's urgency grows by 1 in that time.
 constexpr uint64_t kPassWork = 64;
 
-bool isVisible(const Camera& camera, const TilePatch& patch, glm::vec3 normal, float radius) {
-    const glm::mat4 cameraFromWorld = glm::inverse(camera.worldFromCamera);
-    const glm::vec3 p = cameraFromWorld * glm::vec4(patch.center, 1.0f);
-    const float aspect = camera.aspect > 0 ? camera.aspect : 16.0f / 9;
-    if (!camera.perspective)
-        return std::abs(p.y) < camera.ymag + radius && std::abs(p.x) < camera.ymag * aspect + radius;
-    if (p.z > radius) return false;
-    const glm::vec3 towardCamera = glm::vec3(camera.worldFromCamera[3]) - patch.center;
-    if (glm::dot(towardCamera, normal) < -radius) return false;
-    const float half = std::tan(0.5f * camera.yfovRadians);
-    return std::abs(p.y) < -p.z * half + 2 * radius && std::abs(p.x) < -p.z * half * aspect + 2 * radius;
-}
-
 }  // namespace
 
 std::vector<float> tileValues(const BakerState& state, const Camera* camera) {
@@ -40,6 +29,8 @@ std::vector<float> tileValues(const BakerState& state, const Camera* camera) {
     for (const SceneChange& change : state.scene.changes())
         if (change.kind != SceneChange::Kind::wholeScene) changes.push_back(change);
     const auto recent = std::span(std::as_const(changes)).last(std::min(changes.size(), kRecentChanges));
+    std::optional<ViewTest> view;
+    if (camera) view.emplace(*camera);
     std::vector<float> values(atlas.tileChart.size(), 0.0f);
     SilentProgress silent;
     parallelRanges(values.size(), 512, silent, [&](size_t begin, size_t end) {
@@ -59,7 +50,7 @@ std::vector<float> tileValues(const BakerState& state, const Camera* camera) {
             const float radius =
                 0.5f * float(kTileSize) * (glm::length(patch.alongX) + glm::length(patch.alongY));
             values[tile] = (value + kMinValue) *
-                           (!camera || isVisible(*camera, patch, normal, radius) ? 1.0f : kOutOfView);
+                           (!view || view->maySee(patch.center, normal, radius) ? 1.0f : kOutOfView);
         }
     });
     return values;

@@ -8,7 +8,7 @@ constexpr float kRangeSteps = 16, kRangeLowest = -4;
 // A point on a surface is seen, in spite of rounding; one that is farther behind it than this is not.
 constexpr float kSeenWithin = 1.02f, kHiddenFrom = 1.06f;
 // Weights of what is hidden: at once, and how often it is halved over one more distance to the surface.
-constexpr float kHiddenWeight = 1e-4f, kHiddenHalvings = 60, kLeastWeight = 1e-30f;
+constexpr float kHiddenWeight = 1e-4f, kHiddenHalvings = 60, kMinWeight = 1e-30f;
 
 float rangeOf(uint8_t code, float unitMeters) {
     return std::exp2(float(code) / kRangeSteps + kRangeLowest) / unitMeters;
@@ -62,7 +62,7 @@ float probeVisibility(const ProbeDistances& distances, glm::vec3 offset, float u
     const float depth = t * mean / 255.0f * rangeOf(distances.rangeCode, unitMeters);
     const float seen = std::clamp((kHiddenFrom - depth) / (kHiddenFrom - kSeenWithin), 0.0f, 1.0f);
     const float hidden = kHiddenWeight * std::exp2(kHiddenHalvings * std::min(kHiddenFrom - depth, 0.0f));
-    return std::max({seen, hidden, kLeastWeight});
+    return std::max({seen, hidden, kMinWeight});
 }
 
 }  // namespace phat

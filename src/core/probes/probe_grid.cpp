@@ -8,7 +8,7 @@ namespace {
 // The outer corners of the grid are moved inward by this fraction of a cell, off the walls.
 constexpr float kInset = 0.125f;
 // Less than this fraction of the mean is no light: what comes through cracks of a model.
-constexpr float kLeastLight = 1e-4f;
+constexpr float kMinLight = 1e-4f;
 
 glm::ivec3 cornerStep(uint32_t corner) {
     return glm::ivec3(corner & 1u, corner >> 1 & 1u, corner >> 2);
@@ -147,7 +147,7 @@ LightProbes packProbes(const ProbeGrid& grid, const std::vector<ProbeRays>& prob
     packed.lowWorld = grid.lowWorld;
     packed.cellMeters = grid.cellMeters;
     packed.gridSize = grid.gridSize;
-    const float least = kLeastLight * meanLight(probes);
+    const float least = kMinLight * meanLight(probes);
     bool area = false;
     for (const ProbeRays& probe : probes) area |= maxComponent(probe.area.coefficient[0]) > 0.0f;
 

@@ -1,5 +1,7 @@
 #include "core/scene/join_scenes.h"
 
+#include "core/scene/append_vertices.h"
+
 namespace phat {
 namespace {
 
@@ -9,24 +11,14 @@ constexpr TextureSlot Material::*kTextures[] = {
     &Material::clearcoatTexture,    &Material::clearcoatRoughnessTexture, &Material::clearcoatNormalTexture,
     &Material::transmissionTexture, &Material::thicknessTexture};
 
-template <typename T>
-void append(std::vector<T>& all, const std::vector<T>& more) {
-    all.insert(all.end(), more.begin(), more.end());
-}
-
 }  // namespace
 
 void appendSurfaces(Scene& scene, const Scene& from) {
     const auto vertices = uint32_t(scene.positions.size()), triangles = uint32_t(scene.triangles.size());
     const auto surfaces = uint32_t(scene.surfaces.size()), materials = uint32_t(scene.materials.size());
     const auto images = int32_t(scene.images.size());
-    append(scene.positions, from.positions);
-    append(scene.normals, from.normals);
-    append(scene.tangents, from.tangents);
-    append(scene.uv0, from.uv0);
-    append(scene.uv1, from.uv1);
-    append(scene.colors, from.colors);
-    append(scene.images, from.images);
+    appendVertices(scene, from);
+    scene.images.insert(scene.images.end(), from.images.begin(), from.images.end());
     for (const glm::uvec3& t : from.triangles) scene.triangles.push_back(t + vertices);
     for (const uint32_t surface : from.triangleSurface) scene.triangleSurface.push_back(surface + surfaces);
     for (Surface surface : from.surfaces) {

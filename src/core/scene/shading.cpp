@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "core/base/srgb.h"
 #include "core/scene/footprint.h"
 #include "core/scene/transparency.h"
 
@@ -10,10 +11,7 @@ namespace {
 
 std::array<float, 256> makeSrgbTable() {
     std::array<float, 256> table{};
-    for (int i = 0; i < 256; ++i) {
-        const float s = float(i) / 255.0f;
-        table[i] = s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
-    }
+    for (int i = 0; i < 256; ++i) table[i] = linearFromSrgb(float(i) / 255.0f);
     return table;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/base/srgb.h"
 #include "core/scene/footprint.h"
 
 namespace phat {
@@ -10,20 +11,15 @@ namespace {
 
 constexpr int kCodes = 4096;  // of the square root of a linear value, in which sRGB is nearly straight
 
-float decoded(float s) {
-    return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
-}
-
 struct SrgbTables {
     std::array<float, 256> linear;
     std::array<uint8_t, kCodes + 1> encoded;
 
     SrgbTables() {
-        for (int i = 0; i < 256; ++i) linear[size_t(i)] = decoded(float(i) / 255.0f);
+        for (int i = 0; i < 256; ++i) linear[size_t(i)] = linearFromSrgb(float(i) / 255.0f);
         for (int i = 0; i <= kCodes; ++i) {
             const float l = square(float(i) / float(kCodes));
-            const float s = l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1 / 2.4f) - 0.055f;
-            encoded[size_t(i)] = uint8_t(255.0f * s + 0.5f);
+            encoded[size_t(i)] = uint8_t(255.0f * srgbFromLinear(l) + 0.5f);
         }
     }
     uint8_t encode(float l) const { return encoded[size_t(std::sqrt(l) * float(kCodes) + 0.5f)]; }

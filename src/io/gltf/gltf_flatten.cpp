@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/scene/append_vertices.h"
 #include "io/gltf/gltf_lights_cameras.h"
 #include "io/gltf/gltf_materials.h"
 #include "io/gltf/gltf_mesh.h"
@@ -122,11 +123,6 @@ void placeTangents(MeshPart& part, const Placement& placement, Notes& notes) {
     }
 }
 
-template <typename T>
-void append(std::vector<T>& all, const std::vector<T>& more) {
-    all.insert(all.end(), more.begin(), more.end());
-}
-
 void appendPart(Scene& scene, const MeshPart& part, Surface surface) {
     surface.firstTriangle = uint32_t(scene.triangles.size());
     surface.triangleCount = uint32_t(part.triangles.size());
@@ -135,12 +131,7 @@ void appendPart(Scene& scene, const MeshPart& part, Surface surface) {
     for (const glm::uvec3& t : part.triangles) scene.triangles.push_back(t + surface.firstVertex);
     scene.triangleSurface.insert(scene.triangleSurface.end(), part.triangles.size(),
                                  uint32_t(scene.surfaces.size()));
-    append(scene.positions, part.positions);
-    append(scene.normals, part.normals);
-    append(scene.tangents, part.tangents);
-    append(scene.uv0, part.uv0);
-    append(scene.uv1, part.uv1);
-    append(scene.colors, part.colors);
+    appendVertices(scene, part);
     scene.surfaces.push_back(std::move(surface));
 }
 

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "core/base/srgb.h"
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
 #include "io/image/image_file.h"
@@ -20,15 +21,6 @@ namespace phat {
 namespace {
 
 using Pixels = std::unique_ptr<void, void (*)(void*)>;
-
-// sRGB transfer curve, IEC 61966-2-1.
-float linearFromSrgb(float encoded) {
-    return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
-}
-
-float srgbFromLinear(float linear) {
-    return linear <= 0.0031308f ? linear * 12.92f : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
-}
 
 // A file as stb reads it. stb takes a missing byte for 0: a cut Radiance file would never end (a run of
 // length 0 is no progress) and a cut JPEG would pass, so bytes past the end are counted, and after
