@@ -32,12 +32,16 @@ const roots = [
     'accumulate.frag',
 ];
 
-// Comments and indentation are not worth sending.
+// Neither comments nor spaces are worth sending, but in directives, whose spaces count.
 function strip(text) {
+    const compact = (line) => (line.startsWith('#') ? line : line.replace(/ *([-+*\/<>=!&|?:;,(){}[\]]) */g, '$1'));
     return text
         .replace(/\/\/.*$/gm, '')
         .replace(/^\s+/gm, '')
-        .replace(/[ \t]+$/gm, '');
+        .replace(/[ \t]+$/gm, '')
+        .split('\n')
+        .map(compact)
+        .join('\n');
 }
 
 async function shaderFiles() {
