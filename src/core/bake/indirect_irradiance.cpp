@@ -112,14 +112,26 @@ std::vector<glm::vec3> bounce(const std::vector<NodeRays>& nodes, Progress& prog
     return next;
 }
 
+/// [y][x] The node of each texel's group and piece.
+std::vector<uint32_t> nodesOfTexels(const IrradianceLevel& level, const GatherInput& input) {
+    std::vector<uint32_t> nodes(input.atlas.texelCount());
+    SilentProgress silent;
+    parallelRanges(nodes.size(), 4096, silent, [&](size_t begin, size_t end) {
+        for (size_t texel = begin; texel < end; ++texel)
+            nodes[texel] = level.nodeOf(input.atlas, input.points, uint32_t(texel));
+    });
+    return nodes;
+}
+
 /// Light bounces between the nodes of the coarsest level, each hit taking that of the node of its group and
 /// piece, until nothing changes or all bounces are used up.
 ResumableTask solve(IrradianceLevel& level, const std::vector<NodeRays>& nodes, const GatherInput& input,
                     int bounces, Progress& progress) {
     level.value.assign(nodes.size(), glm::vec3(0));
+    const std::vector<uint32_t> nodeOf = nodesOfTexels(level, input);
     for (int i = 0; i < bounces; ++i) {
         std::vector<glm::vec3> next = bounce(nodes, progress, [&](uint32_t texel) {
-            const uint32_t node = level.nodeOf(input.atlas, input.points, texel);
+            const uint32_t node = nodeOf[texel];
             return node != kNoNode ? level.value[node] : glm::vec3(0);
         });
         float change = 0, largest = 0;

@@ -15,8 +15,16 @@ namespace {
 
 // Walks that a lossless mirror gets for each path that is asked for: measured, see notes/experiments.md.
 constexpr float kWalksPerPath = 3.0f;
+// A walk between lossless mirrors would not end before the longest path does.
+constexpr int kMaxWalkBounces = 12;
 // Factor by which near hits have more walks.
 constexpr float kMaxNearFactor = 8.0f;
+
+// Light that reaches a rough surface by way of a sharp one (a caustic) is found by rare walks alone, each of
+// which is a firefly. So a surface that a walk meets is taken at least so rough as this part of the lobe that
+// led there, and samples of the lights find what it reflects: a bias, a blur of what is seen in two
+// reflections. source: Kaplanyan and Dachsbacher 2013, "Path Space Regularization".
+constexpr float kRegularized = 0.5f;
 
 // The fraction of diffuse irradiance over pi that is reflected toward the eye.
 glm::vec3 diffuseAlbedo(const Brdf& brdf, glm::vec3 towardEyeLocal) {
@@ -30,6 +38,15 @@ TexelWorld texelWorldOf(const GatherInput& input) {
 
 SurfacePoint withoutDiffuse(SurfacePoint point) {
     point.brdf.diffuseColor = glm::vec3(0);
+    return point;
+}
+
+SurfacePoint regularized(SurfacePoint point, const Brdf& before) {
+    const bool coated = before.clearcoat > 0.0f;
+    const float atLeast =
+        kRegularized * (coated ? std::min(before.alpha, before.clearcoatAlpha) : before.alpha);
+    point.brdf.alpha = std::max(point.brdf.alpha, atLeast);
+    point.brdf.clearcoatAlpha = std::max(point.brdf.clearcoatAlpha, atLeast);
     return point;
 }
 
@@ -83,32 +100,29 @@ struct Walk {
     Rng& rng;
     uint64_t& rayCount;
     Hit hit;
-    SurfacePoint point;
+    SurfacePoint point;  // at `hit`, with the lobes that reflect
     glm::vec3 towardEye;
     glm::vec3 throughput{1};
-    IrradianceRay found;
+    IrradianceRay found{};
     float stepMeters = kFarDistance;  // of the last step
 
     glm::vec3 eyeLocal() const { return point.shading.toLocal(towardEye); }
-    bool ends(int bouncesLeft);
-    bool reflectsGlossily(int bounce, const StepNumbers& numbers);
+    bool ends();
+    bool reflects(int bounce, const StepNumbers& numbers);
 };
 
-// The diffuse part stops here, or the specular part goes on.
-bool Walk::ends(int bouncesLeft) {
+// The diffuse part stops here, or the specular part goes on; where there is no texel, both do.
+bool Walk::ends() {
     if (maxComponent(reflectance(point.brdf, eyeLocal())) <= 0.0f) return true;
-    const std::optional<uint32_t> texel = texelOfHit(world, hit);
-    if (!texel) {
-        found.light +=
-            throughput * traceReflected(world.scene, {point, towardEye}, bouncesLeft, rng, rayCount);
-        return true;
-    }
     found.light += throughput * punctualLight(world.scene, point, towardEye, rng, rayCount);
+    const std::optional<uint32_t> texel = texelOfHit(world, hit);
+    if (!texel) return false;
     const glm::vec3 diffuse = diffuseAlbedo(point.brdf, eyeLocal());
     if (!areaIrradiance.empty())
         found.light += throughput * diffuse / kPi * unpackRgb9e5(areaIrradiance[*texel]);
 
-    const float specular = maxComponent(reflectance(withoutDiffuse(point).brdf, eyeLocal()));
+    point = withoutDiffuse(point);
+    const float specular = maxComponent(reflectance(point.brdf, eyeLocal()));
     const float follow = specular / (specular + maxComponent(diffuse));
     if (rng.uniform() >= follow) {
         found.texel = *texel;
@@ -119,13 +133,12 @@ bool Walk::ends(int bouncesLeft) {
     return false;
 }
 
-bool Walk::reflectsGlossily(int bounce, const StepNumbers& numbers) {
-    const SurfacePoint glossy = withoutDiffuse(point);
+bool Walk::reflects(int bounce, const StepNumbers& numbers) {
     if (world.scene.lights.hasArea())
         found.light +=
-            throughput * areaLight(world.scene, PathVertex(glossy, towardEye), numbers.light, rayCount);
+            throughput * areaLight(world.scene, PathVertex(point, towardEye), numbers.light, rayCount);
     const glm::vec4 u = numbers.reflection;
-    const BrdfSample sample = sampleBrdf(glossy.brdf, eyeLocal(), u.x, {u.y, u.z});
+    const BrdfSample sample = sampleBrdf(point.brdf, eyeLocal(), u.x, {u.y, u.z});
     if (sample.pdf <= 0.0f) return false;
     const glm::vec3 direction = glm::normalize(point.shading.toWorld(sample.direction));
     if (!leavesSurface(point, direction)) return false;
@@ -147,7 +160,7 @@ bool Walk::reflectsGlossily(int bounce, const StepNumbers& numbers) {
         found.light += throughput * weight * world.scene.lights.environmentRadiance(arriving);
         return false;
     }
-    point = surfaceAt(world.scene.rays.scene(), hit, arriving);
+    point = regularized(surfaceAt(world.scene.rays.scene(), hit, arriving), point.brdf);
     found.light += throughput * weight * point.emission;
     towardEye = -arriving;
     return true;
@@ -163,12 +176,44 @@ IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t
     const TexelWorld world = texelWorldOf(input);
     const glm::vec3 arriving = seen.ray.direction;
     const SurfacePoint point = surfaceAt(input.rays.scene(), seen.hit, arriving);
-    Walk walk{world, areaIrradiance, rng, rayCount, seen.hit, point, -arriving, seen.throughput, {}};
+    Walk walk{world, areaIrradiance, rng, rayCount, seen.hit, point, -arriving, seen.throughput};
     walk.found.distance = seen.hit.distance;
-    for (int bounce = 0; bounce < maxBounces; ++bounce)
-        if (walk.ends(maxBounces - bounce) || !walk.reflectsGlossily(bounce, stepNumbers(rng))) break;
+    for (int bounce = 0; bounce < std::min(maxBounces, kMaxWalkBounces); ++bounce)
+        if (walk.ends() || !walk.reflects(bounce, stepNumbers(rng))) break;
     return walk.found;
 }
+
+namespace {
+
+/// The mean of some walks from one point: what they found, and of 1 / m to what they met first.
+struct MeanOfWalks {
+    glm::vec3 light{0};
+    float nearness = 0;
+};
+
+// The walks begin with the lobes that `visible.point` has.
+MeanOfWalks meanOfWalks(const TexelWorld& world, const TexelIrradiance& irradiance, const VisibleHit& visible,
+                        const PathSettings& settings, Rng& rng, uint64_t& rayCount) {
+    MeanOfWalks mean;
+    const uint64_t seed = rng.bits64();
+    for (int i = 0; i < settings.pathsPerHit; ++i) {
+        Walk walk{world, irradiance.area, rng, rayCount, visible.hit, visible.point, visible.towardEye};
+        for (int bounce = 0; bounce < std::min(settings.maxBounces, kMaxWalkBounces); ++bounce) {
+            const bool goesOn =
+                walk.reflects(bounce, bounce ? stepNumbers(rng) : firstStepNumbers(uint32_t(i), seed));
+            if (bounce == 0) mean.nearness += 1.0f / walk.stepMeters;
+            if (!goesOn || walk.ends()) break;
+        }
+        mean.light += walk.found.light;
+        if (walk.found.texel != kNoTexel)
+            mean.light += walk.found.weight * unpackRgb9e5(irradiance.indirect[walk.found.texel]);
+    }
+    mean.light /= float(settings.pathsPerHit);
+    mean.nearness /= float(settings.pathsPerHit);
+    return mean;
+}
+
+}  // namespace
 
 HitReflection reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance,
                                   const VisibleHit& visible, const PathSettings& settings, Rng& rng,
@@ -179,13 +224,12 @@ HitReflection reflectedFromTexels(const TexelWorld& world, const TexelIrradiance
     if (maxComponent(reflectance(point.brdf, eyeLocal)) <= 0.0f) return {};
 
     HitReflection reflected;
-    const int paths = std::max(settings.pathsPerHit, 1);
+    reflected.rest = punctualLight(world.scene, point, towardEye, rng, rayCount);
+    PathSettings walks = settings;
+    walks.pathsPerHit = std::max(settings.pathsPerHit, 1);
     const std::optional<uint32_t> texel = texelOfHit(world, visible.hit);
     if (!texel) {
-        for (int i = 0; i < paths; ++i)
-            reflected.rest +=
-                traceReflected(world.scene, {point, towardEye}, settings.maxBounces, rng, rayCount);
-        reflected.rest /= float(paths);
+        reflected.rest += meanOfWalks(world, irradiance, visible, walks, rng, rayCount).light;
         return reflected;
     }
     const auto arriving = [&](const std::vector<uint32_t>& map) {
@@ -194,30 +238,20 @@ HitReflection reflectedFromTexels(const TexelWorld& world, const TexelIrradiance
         return bilinearAt(world.atlas, atlasPositionOf(world.atlas, visible.hit),
                           [&](size_t at) { return unpackRgb9e5(map[at]); });
     };
-    const glm::vec3 diffuse = diffuseAlbedo(point.brdf, eyeLocal) / kPi *
-                              (arriving(irradiance.indirect) + arriving(irradiance.area));
-    reflected.rest = punctualLight(world.scene, point, towardEye, rng, rayCount) + diffuse;
-    reflected.glossyAlbedo = reflectance(withoutDiffuse(point).brdf, eyeLocal);
+    reflected.rest += diffuseAlbedo(point.brdf, eyeLocal) / kPi *
+                      (arriving(irradiance.indirect) + arriving(irradiance.area));
+    const SurfacePoint glossy = withoutDiffuse(point);
+    reflected.glossyAlbedo = reflectance(glossy.brdf, eyeLocal);
     const float albedo = maxComponent(reflected.glossyAlbedo);
     if (albedo <= 0.0f) return reflected;
 
     // The walks' noise counts by the albedo.
-    reflected.walks = std::max(1, int(std::ceil(kWalksPerPath * albedo * float(paths))));
-    const uint64_t seed = rng.bits64();
-    for (int i = 0; i < reflected.walks; ++i) {
-        Walk walk{world, irradiance.area, rng, rayCount, visible.hit, point, towardEye, glm::vec3(1), {}};
-        for (int bounce = 0; bounce < settings.maxBounces; ++bounce) {
-            const bool goesOn = walk.reflectsGlossily(
-                bounce, bounce ? stepNumbers(rng) : firstStepNumbers(uint32_t(i), seed));
-            if (bounce == 0) reflected.nearness += 1.0f / walk.stepMeters;
-            if (!goesOn || walk.ends(settings.maxBounces - bounce - 1)) break;
-        }
-        reflected.glossy += walk.found.light;
-        if (walk.found.texel != kNoTexel)
-            reflected.glossy += walk.found.weight * unpackRgb9e5(irradiance.indirect[walk.found.texel]);
-    }
-    reflected.glossy /= float(reflected.walks);
-    reflected.nearness /= float(reflected.walks);
+    walks.pathsPerHit = std::max(1, int(std::ceil(kWalksPerPath * albedo * float(walks.pathsPerHit))));
+    const MeanOfWalks mean =
+        meanOfWalks(world, irradiance, {visible.hit, glossy, towardEye}, walks, rng, rayCount);
+    reflected.glossy = mean.light;
+    reflected.nearness = mean.nearness;
+    reflected.walks = walks.pathsPerHit;
     return reflected;
 }
 

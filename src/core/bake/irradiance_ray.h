@@ -34,7 +34,7 @@ struct IrradianceRay {
 /// Traces one ray. The diffuse part of its hit ends the path: shadow rays sample the punctual lights'
 /// light, `areaIrradiance` (RGB9E5 [y][x] or empty) the area lights', and the texel the rest. The specular
 /// part is followed, chosen in proportion to the albedos, through at most `maxBounces` reflections. Where a
-/// hit has no texel, an ordinary path goes on.
+/// hit has no texel, the diffuse part is followed, too.
 IrradianceRay traceToTexels(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
                             const Ray& ray, int maxBounces, Rng& rng, uint64_t& rayCount);
 
@@ -67,7 +67,7 @@ struct HitReflection {
 
 /// What the surface at a ray's hit reflects back along the ray: its diffuse part by the irradiance of the
 /// texel there and by shadow rays to the punctual lights, its glossy part by `pathsPerHit` walks through
-/// further glossy reflections until they end in a texel. Where there is no texel, ordinary paths.
+/// further glossy reflections until they end in a texel. Where there is no texel, by walks alone.
 HitReflection reflectedFromTexels(const TexelWorld& world, const TexelIrradiance& irradiance,
                                   const VisibleHit& visible, const PathSettings& settings, Rng& rng,
                                   uint64_t& rayCount);
