@@ -6,7 +6,6 @@
 
 #include "core/bake/irradiance.h"
 #include "core/base/random.h"
-#include "gl/sample_numbers.h"
 #include "gl/textures.h"
 
 namespace phat {
@@ -98,8 +97,7 @@ void Batch::shade() const {
     bindHitShading(program, world, pass.hits, pass.places);
     program.set("raySpread", 0.0f);
     program.set("regularized", 0.0f);
-    program.set("ray", 0);
-    setSampleNumbers(program, 1, seed);
+    program.set("seed", int(seed));
     pass.shade.draw(pass.lightTarget, texels.size());
 }
 
@@ -180,7 +178,9 @@ LightUpdatePass createLightUpdatePass(const std::string& folder, const GpuAtlas&
     LightUpdatePass pass;
     pass.guides = createGuidePass(folder);
     pass.trace = FullscreenProgram(folder, "trace_texels.frag", bvhDefines);
-    pass.shade = FullscreenProgram(folder, "shade_reflections.frag", phatexelDefines(lookup));
+    std::vector<std::string> shading = phatexelDefines(lookup);
+    shading.push_back("TEXELS");
+    pass.shade = FullscreenProgram(folder, "shade_reflections.frag", shading);
     pass.lights = FullscreenProgram(folder, "light_texels.frag", bvhDefines);
     pass.pack = FullscreenProgram(folder, "pack_phatexels.frag");
     pass.estimate = FullscreenProgram(folder, "estimate_irradiance.frag");
