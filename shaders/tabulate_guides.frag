@@ -14,22 +14,32 @@ const int kGuideBits = 4;
 const int kGuideCells = kGuideSize * kGuideSize;
 // twin: kUniformFraction in src/core/phatexel/directions.cpp.
 const float kUniformFraction = 0.3;
+// A histogram of few PHATexels is noise; of many whose light is that of a few, too.
+// twin: kPriorPhotons in src/core/phatexel/directions.cpp.
+const float kPriorPhotons = 8.0;
 
-float lightOf(ivec2 first, int cell) {
-    return texelFetch(cells, first + ivec2(cell & (kGuideSize - 1), cell >> kGuideBits), 0).x;
+vec4 cellOf(ivec2 first, int cell) {
+    return texelFetch(cells, first + ivec2(cell & (kGuideSize - 1), cell >> kGuideBits), 0);
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy), cell = pixel & (kGuideSize - 1), first = pixel - cell;
     int own = cell.y * kGuideSize + cell.x, row = cell.y * kGuideSize;
-    float sum = 0.0;
-    for (int i = 0; i < kGuideCells; ++i) sum += lightOf(first, i);
-    float scale = sum > 0.0 ? (1.0 - kUniformFraction) / sum : 0.0;
-    float least = (sum > 0.0 ? kUniformFraction : 1.0) / float(kGuideCells);
+    float rounds = 0.0;
+    vec3 sums = vec3(0.0);
+    for (int i = 0; i < kGuideCells; ++i) {
+        vec4 cellHere = cellOf(first, i);
+        sums += cellHere.xzw;
+        rounds = max(rounds, cellHere.y);
+    }
+    // How many PHATexels of equal light would be as noisy.
+    float count = sums.z > 0.0 ? rounds * sums.y * sums.y / sums.z : 0.0;
+    float guided = sums.x > 0.0 ? (1.0 - kUniformFraction) * count / (count + kPriorPhotons) : 0.0;
+    float scale = guided / max(sums.x, 1e-20), least = (1.0 - guided) / float(kGuideCells);
     float weight = 0.0, all = 0.0, rowsBefore = 0.0, before = 0.0, rowWeight = 0.0, most = 0.0;
     int heaviest = 0;
     for (int i = 0; i < kGuideCells; ++i) {
-        float w = floor((scale * lightOf(first, i) + least) * kGuideTotal);
+        float w = floor((scale * cellOf(first, i).x + least) * kGuideTotal);
         all += w;
         if (i < row) rowsBefore += w;
         if (i >= row && i < row + kGuideSize) rowWeight += w;

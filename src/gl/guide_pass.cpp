@@ -38,10 +38,10 @@ GpuGuides uploadGuideSums(const Phatexture& phatexture) {
     std::vector<GuideSums> sums;
     for (const auto* guides : {&phatexture.indirectGuides, &phatexture.areaGuides})
         for (const Guide& guide : *guides) sums.push_back(sumsOf(guide));
-    using Cells = std::array<glm::vec2, kGuideCells>;
+    using Cells = std::array<glm::vec4, kGuideCells>;
     const std::vector<Cells> unknown(sums.size(), Cells{});
     return {uploadGuideTables({GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT}, sums),
-            uploadGuideTables({GL_RG32F, GL_RG, GL_FLOAT}, unknown)};
+            uploadGuideTables({GL_RGBA32F, GL_RGBA, GL_FLOAT}, unknown)};
 }
 
 GuidePass createGuidePass(const std::string& folder) {
@@ -49,7 +49,7 @@ GuidePass createGuidePass(const std::string& folder) {
     pass.gather = FullscreenProgram(folder, "gather_guides.frag");
     pass.tabulate = FullscreenProgram(folder, "tabulate_guides.frag");
     const glm::uvec2 size = batchTarget(kGuideSize);
-    pass.cells = createTexture2D(GL_RG32F, size);
+    pass.cells = createTexture2D(GL_RGBA32F, size);
     pass.sums = createTexture2D(GL_R32UI, size);
     pass.inverseCdfs = createTexture2D(GL_RGBA8, size);
     pass.densities = createTexture2D(GL_R32F, size);

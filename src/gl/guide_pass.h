@@ -11,7 +11,7 @@ namespace phat {
 /// All guides, those of the area lights last, as what draws directions reads them.
 struct GpuGuides {
     GlTexture sums;   // R32UI, see shaders/lib/guide_direction.glsl
-    GlTexture cells;  // RG32F, see gather_guides.frag
+    GlTexture cells;  // RGBA32F, see gather_guides.frag
 };
 /// Throws GlError.
 GpuGuides uploadGuideSums(const Phatexture& phatexture);

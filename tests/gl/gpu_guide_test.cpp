@@ -29,6 +29,7 @@ Guide guideOf(const LightWorld& gpu, const std::vector<PackedPhatexel>& phatexel
               uint32_t block) {
     const Atlas& atlas = gpu.world.atlas;
     std::array<double, kGuideCells> light{}, count{};
+    double sum = 0, squares = 0;
     for (size_t texel = 0; texel < atlas.texelCount(); ++texel) {
         if (atlas.blockAt({texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x}) != block) continue;
         const Phatexel phatexel = unpackPhatexel(phatexels[texel], 1);
@@ -36,21 +37,25 @@ Guide guideOf(const LightWorld& gpu, const std::vector<PackedPhatexel>& phatexel
         const glm::ivec2 cell = hemisphereToSquare(phatexel.directionBlock) * float(kGuideSize);
         const size_t i =
             size_t(std::min(cell.y, kGuideSize - 1) * kGuideSize + std::min(cell.x, kGuideSize - 1));
-        light[i] += double(luminance(phatexel.radiance)) / before.weight[i];
+        const double here = double(luminance(phatexel.radiance)) / before.weight[i];
+        light[i] += here;
+        sum += here;
+        squares += here * here;
         count[i] += 1.0 / before.weight[i];
     }
     std::array<float, kGuideCells> cells{};
     for (int i = 0; i < kGuideCells; ++i) {
-        double sum = 0, all = 0;
+        double lightAround = 0, all = 0;
         for (int k = 0; k < 9; ++k) {
             const int x = std::clamp(i % kGuideSize + k % 3 - 1, 0, kGuideSize - 1);
             const int y = std::clamp(i / kGuideSize + k / 3 - 1, 0, kGuideSize - 1);
-            sum += light[size_t(y * kGuideSize + x)];
+            lightAround += light[size_t(y * kGuideSize + x)];
             all += count[size_t(y * kGuideSize + x)];
         }
-        cells[size_t(i)] = float(sum / std::max(all, 1e-12));
+        cells[size_t(i)] = float(lightAround / std::max(all, 1e-12));
     }
-    return makeGuide(cells, 0.3f);
+    const double equal = sum * sum / std::max(squares, 1e-30);
+    return makeGuide(cells, float(1 - 0.7 * equal / (equal + 8)));
 }
 
 TEST(GpuGuides, AreThoseOfThePhatexels) {

@@ -71,10 +71,9 @@ TEST(GpuLight, NewDirectionsFollowTheGuideAndTheLayout) {
     EXPECT_LT(astray, checked / 100);
 }
 
-// Rays that meet the same see the same, also where what they meet is glossy; half of the light is a change by
-// a half.
+// What meets the same sees the same; half of the light is a change by a half.
 TEST(GpuLight, ChecksTellWhatHasChanged) {
-    Scene scene = floorAndCeiling(metal(0.5f), lambert(0.5f));
+    Scene scene = floorAndCeiling(lambert(0.3f), lambert(0.5f));
     scene.lights = {pointLight(glm::vec3(4), {0.3f, 1, 0.2f})};
     LightWorld gpu(std::move(scene));
     Renderer renderer(gpu.input(), kShaderFolder);
@@ -85,22 +84,15 @@ TEST(GpuLight, ChecksTellWhatHasChanged) {
         round.compares = true;
         return renderer.traceLight(round);
     };
-    // PHATexels that were made up; and those that show these in gloss.
+    // From PHATexels that were made up.
     for (const float change : changes(1)) EXPECT_GT(change, 0.1f);
     changes(2);
-    for (uint32_t number = 3; number < 30; ++number) changes(number);
-    for (const float change : changes(30)) EXPECT_LT(change, 1e-3f);
+    for (const float change : changes(3)) EXPECT_EQ(change, 0.0f);
     std::vector<PunctualLight> dimmed = gpu.world.scene.lights;
     dimmed[0].intensity *= 0.5f;
     renderer.setLights(dimmed);
-    // The ceiling's blocks see the floor, which shows the ceiling as it was.
-    const std::vector<float> found = changes(31);
-    size_t halves = 0;
-    for (const float change : found) {
-        EXPECT_GT(change, 0.02f);
-        halves += std::abs(change - 0.5f) < 0.01f;
-    }
-    EXPECT_GE(halves, found.size() / 2);
+    // Radiance is stored to a fivehundredth.
+    for (const float change : changes(4)) EXPECT_NEAR(change, 0.5f, 0.005f);
 }
 
 // The irradiance of a horizontal panel of radiance 1 over the origin, by integration.
