@@ -20,6 +20,9 @@
 namespace phat {
 namespace {
 
+// Light that is reflected sharply so many times is brought to what the GPU sees.
+constexpr int kAdaptions = 3;
+
 struct Options {
     std::string baked, node = "crate";
     float meters = -0.2f, raysPerTexel = 48;
@@ -145,7 +148,9 @@ void Jump::byGpu(LightUpdate geometry, IncrementalBaker& engine) {
     uint32_t number = 0;
     // What was baked is brought to what the GPU sees along the same rays, so that changes can be told from
     // that.
-    for (int i = 0; i < 2; ++i) takeTurns(renderer, order, order.next(order.size(), frame_.camera), number);
+    const std::vector<BlockTurn> all = order.next(order.size(), frame_.camera);
+    for (int i = 0; i < kAdaptions; ++i)
+        renderer.traceLight({.blocks = all, .number = ++number, .irradiance = false});
     moveRenderer(renderer, engine);
     while (!renderer.takeUpdate(geometry, 1)) continue;
     order = BlockOrder(baked_.atlas, baked_.points);
