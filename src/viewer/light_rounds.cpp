@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "core/base/stopwatch.h"
+#include "gl/light_turns.h"
 
 namespace phat {
 namespace {
@@ -27,7 +28,7 @@ bool LightRounds::follow(ViewerState& state, bool changed) {
     if (order_->settled()) return false;
     const std::vector<BlockTurn> turns = order_->next(size_t(blocksPerFrame_), state.navigation.camera);
     const Stopwatch watch;
-    state.renderer->traceLight({.blocks = turns, .number = ++number_});
+    takeTurns(*state.renderer, *order_, turns, number_);
     state.renderer->waitForLight();
     const double seconds = std::max(watch.seconds(), 1e-5);
     const bool rests = std::chrono::steady_clock::now() - state.lastInput > kRest;

@@ -6,61 +6,11 @@
 
 #include "core/bake/bake.h"
 #include "core/dynamic/incremental_baker.h"
-#include "gl/traced_world.h"
+#include "gl/light_turns.h"
+#include "gl/light_world.h"
 
 namespace phat::test {
 namespace {
-
-std::vector<BlockTurn> turnsOf(const Atlas& atlas, uint32_t rounds) {
-    std::vector<BlockTurn> turns;
-    for (uint32_t block = 0; block < atlas.blockCount; ++block) turns.push_back({block, rounds});
-    return turns;
-}
-
-/// Of worlds of quads, with guides that differ from block to block.
-struct LightWorld {
-    explicit LightWorld(Scene scene, uint32_t tiles = 8)
-        : world(worldOfQuads(std::move(scene), tiles)), bvh(buildSceneBvh(world.scene)) {
-        fillWithLookups(world, 2, 0);
-        blocks = turnsOf(world.atlas, 0);
-    }
-    RendererInput input() const { return {world.scene, world.atlas, world.points, world.phatexture, &bvh}; }
-    LightRound round(uint32_t number, RayChoice directions = RayChoice::guided) {
-        blocks = turnsOf(world.atlas, number);
-        return {.blocks = blocks, .number = number, .directions = directions};
-    }
-    size_t texelNear(uint32_t surface, glm::vec3 position) const {
-        size_t best = 0;
-        float nearest = 1e30f;
-        for (size_t texel = 0; texel < world.atlas.texelCount(); ++texel) {
-            const glm::uvec2 xy(texel % world.atlas.sizeTexels.x, texel / world.atlas.sizeTexels.x);
-            const float away = glm::distance(world.points.position[texel], position);
-            if (world.atlas.chartAt(xy) != surface || away >= nearest) continue;
-            nearest = away;
-            best = texel;
-        }
-        return best;
-    }
-
-    HeadlessContext context;
-    RendererWorld world;
-    SceneBvh bvh;
-    std::vector<BlockTurn> blocks;
-};
-
-// Calls body(texel, world direction, PHATexel) for the valid PHATexels of a surface's own texels.
-template <typename Body>
-void forPhatexels(const LightWorld& gpu, const StoredLight& light, uint32_t surface, const Body& body) {
-    const Atlas& atlas = gpu.world.atlas;
-    const std::vector<Frame> frames = blockFrames(atlas, gpu.world.points);
-    for (size_t texel = 0; texel < atlas.texelCount(); ++texel) {
-        const glm::uvec2 xy(texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x);
-        const Phatexel phatexel = unpackPhatexel(light.phatexels[0][texel], 1);
-        if (atlas.chartAt(xy) == surface && gpu.world.points.state[texel] == TexelState::surface &&
-            phatexel.valid)
-            body(texel, frames[atlas.blockAt(xy)].toWorld(phatexel.directionBlock), phatexel);
-    }
-}
 
 TEST(GpuLight, PhatexelsHoldWhatTheirRaysMeet) {
     for (const RayChoice directions : {RayChoice::stored, RayChoice::guided}) {
@@ -109,9 +59,8 @@ TEST(GpuLight, NewDirectionsFollowTheGuideAndTheLayout) {
         const glm::uvec2 inBlock = (xy - atlas.charts[atlas.chartAt(xy)].originTexel()) % kBlockSize;
         const glm::vec2 cell =
             float(kBlockSize) * stratifiedSquare(inBlock, layer.scrambles[block], glm::vec2(0));
-        const glm::vec2 square = float(kBlockSize) * guideToSquare(gpu.world.phatexture.indirectGuides[block],
-                                                                   phatexel.directionBlock);
-        // Directions are rounded to 24 bits, which is the more the denser the guide.
+        const glm::vec2 square =
+            float(kBlockSize) * guideToSquare(light.guides[0][block], phatexel.directionBlock);
         // Directions are rounded to 24 bits; near the border of a row of the guide, into the next one.
         const bool inside =
             glm::all(glm::greaterThan(square, cell - 0.1f)) && glm::all(glm::lessThan(square, cell + 1.1f));
@@ -120,6 +69,30 @@ TEST(GpuLight, NewDirectionsFollowTheGuideAndTheLayout) {
     }
     EXPECT_GT(checked, 4000u);
     EXPECT_LT(astray, checked / 100);
+}
+
+// What meets the same sees the same; half of the light is a change by a half.
+TEST(GpuLight, ChecksTellWhatHasChanged) {
+    Scene scene = floorAndCeiling(lambert(0.3f), lambert(0.5f));
+    scene.lights = {pointLight(glm::vec3(4), {0.3f, 1, 0.2f})};
+    LightWorld gpu(std::move(scene));
+    Renderer renderer(gpu.input(), kShaderFolder);
+    renderer.beginLight(gpu.input());
+    const auto changes = [&](uint32_t number) {
+        LightRound round = gpu.round(number, RayChoice::stored);
+        round.irradiance = false;
+        round.compares = true;
+        return renderer.traceLight(round);
+    };
+    // From PHATexels that were made up.
+    for (const float change : changes(1)) EXPECT_GT(change, 0.1f);
+    changes(2);
+    for (const float change : changes(3)) EXPECT_EQ(change, 0.0f);
+    std::vector<PunctualLight> dimmed = gpu.world.scene.lights;
+    dimmed[0].intensity *= 0.5f;
+    renderer.setLights(dimmed);
+    // Radiance is stored to a fivehundredth.
+    for (const float change : changes(4)) EXPECT_NEAR(change, 0.5f, 0.005f);
 }
 
 // The irradiance of a horizontal panel of radiance 1 over the origin, by integration.
@@ -250,9 +223,8 @@ TEST(GpuLight, SettlesToABakeOfTheChangedScene) {
     renderer.beginLight({scene, baked.atlas, baked.points, baked.phatexture});
     BlockOrder order(baked.atlas, baked.points);
     const Camera eye = lookAtCamera({0.5f, 0.6f, 0.9f}, {0.5f, 0.2f, 0.3f}, 60);
-    for (uint32_t number = 1; !order.settled(); ++number) {
-        const std::vector<BlockTurn> turns = order.next(order.size(), eye);
-        renderer.traceLight({.blocks = turns, .number = number});
+    for (uint32_t number = 0; !order.settled();) {
+        takeTurns(renderer, order, order.next(order.size(), eye), number);
         renderer.filterLight();
     }
     const StoredLight light = renderer.readLight();

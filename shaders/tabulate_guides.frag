@@ -1,0 +1,62 @@
+// The guides of some blocks from the light in their cells, as they are read: by what draws directions, by the lookup, and
+// by the pyramid.
+// twin: makeGuide in src/core/phatexel/phatexture.cpp; then sumsOf in src/gl/guide_pass.cpp, inverseCdfOf in
+// src/core/phatexel/lookup_tables.cpp and guidePdf in src/gl/phatexture_upload.cpp.
+#include "lib/guide_direction.glsl"
+
+uniform sampler2D cells;  // of the batch, see gather_guides.frag
+
+layout(location = 0) out uint sumsOut;     // see lib/guide_direction.glsl
+layout(location = 1) out vec4 inverseOut;  // see lib/lookup_tables.glsl
+layout(location = 2) out float densityOut;
+
+const int kGuideBits = 4;
+const int kGuideCells = kGuideSize * kGuideSize;
+// twin: kUniformFraction in src/core/phatexel/directions.cpp.
+const float kUniformFraction = 0.3;
+// A histogram of few PHATexels is noise; of many whose light is that of a few, too.
+// twin: kPriorPhotons in src/core/phatexel/directions.cpp.
+const float kPriorPhotons = 8.0;
+
+vec4 cellOf(ivec2 first, int cell) {
+    return texelFetch(cells, first + ivec2(cell & (kGuideSize - 1), cell >> kGuideBits), 0);
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy), cell = pixel & (kGuideSize - 1), first = pixel - cell;
+    int own = cell.y * kGuideSize + cell.x, row = cell.y * kGuideSize;
+    float rounds = 0.0;
+    vec3 sums = vec3(0.0);
+    for (int i = 0; i < kGuideCells; ++i) {
+        vec4 cellHere = cellOf(first, i);
+        sums += cellHere.xzw;
+        rounds = max(rounds, cellHere.y);
+    }
+    // How many PHATexels of equal light would be as noisy.
+    float count = sums.z > 0.0 ? rounds * sums.y * sums.y / sums.z : 0.0;
+    float guided = sums.x > 0.0 ? (1.0 - kUniformFraction) * count / (count + kPriorPhotons) : 0.0;
+    float scale = guided / max(sums.x, 1e-20), least = (1.0 - guided) / float(kGuideCells);
+    float weight = 0.0, all = 0.0, rowsBefore = 0.0, before = 0.0, rowWeight = 0.0, most = 0.0;
+    int heaviest = 0;
+    for (int i = 0; i < kGuideCells; ++i) {
+        float w = floor((scale * cellOf(first, i).x + least) * kGuideTotal);
+        all += w;
+        if (i < row) rowsBefore += w;
+        if (i >= row && i < row + kGuideSize) rowWeight += w;
+        if (i >= row && i < own) before += w;
+        if (i == own) weight = w;
+        if (w > most) {
+            most = w;
+            heaviest = i;
+        }
+    }
+    // What rounding leaves.
+    float rest = kGuideTotal - all;
+    if (heaviest < row) rowsBefore += rest;
+    if (heaviest >= row && heaviest < row + kGuideSize) rowWeight += rest;
+    if (heaviest >= row && heaviest < own) before += rest;
+    if (heaviest == own) weight += rest;
+    sumsOut = uint(rowsBefore) << 16 | uint(before);
+    inverseOut = vec4(vec2(before, before + weight) / rowWeight, vec2(rowsBefore, rowsBefore + rowWeight) / kGuideTotal);
+    densityOut = weight * float(kGuideCells) / (2.0 * kPi * kGuideTotal);
+}
