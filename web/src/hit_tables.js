@@ -10,7 +10,7 @@ const kTriangleWords = 24,
 // Points of a triangle at which a picture of what shines is read.
 const kEmissionSamples = 64;
 
-const luminance = ([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
+export const luminance = ([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 const minus = (a, b) => a.map((x, i) => x - b[i]);
 const length = (v) => Math.hypot(...v);
 const cross = ([a, b, c], [d, e, f]) => [b * f - c * e, c * d - a * f, a * e - b * d];
@@ -47,8 +47,10 @@ function octahedral([x, y, z]) {
     return z < 0 ? [fold(u, v), fold(v, u)] : [u, v];
 }
 
-function packSnorm2x16([x, y]) {
-    const code = (t) => Math.round(Math.min(Math.max(t, -1), 1) * 32767) & 0xffff;
+// As octahedral code, twice 16 bits.
+export function packDirection(direction) {
+    const [x, y] = octahedral(direction),
+        code = (t) => Math.round(Math.min(Math.max(t, -1), 1) * 32767) & 0xffff;
     return (code(x) | (code(y) << 16)) >>> 0;
 }
 
@@ -74,7 +76,7 @@ function writeTriangle(table, at, corners, triangle, { material, map, emitter })
     places.forEach((place, i) => {
         // Texels of the front: words 0 to 5; normals: 8 to 10; texture coordinates: 12 to 17; colours: 20 to 22.
         out.set(floats.subarray(place + 18, place + 20), at + 2 * i);
-        table[at + 8 + i] = packSnorm2x16(octahedral(floats.subarray(place + 3, place + 6)));
+        table[at + 8 + i] = packDirection(floats.subarray(place + 3, place + 6));
         out.set(uvs[i], at + 12 + 2 * i);
         table[at + 20 + i] = packColor(floats.subarray(place + 14, place + 17));
     });

@@ -1,0 +1,303 @@
+// PHATexels and irradiance of blocks of the atlas made anew, one ray each.
+// twin: src/gl/light_update_pass.cpp; what punctual lights add at hits is a pass of its own, as in ray_pass.js.
+import later from 'phat:later-shaders';
+import { ShaderProgram, addShaders, createFramebuffer, createTexture2D, createTextureArray } from './gl.js';
+import { prepareUploads, resetState } from './fixed.js';
+import { bakedEstimates, guideSumsOf, kLights, kRays, layoutOf, maxSamples } from './light_tables.js';
+import { ProgramSet, bindHitLights, shadeHits } from './ray_pass.js';
+import { hashOf, placeNumbers, sampleNumberTables } from './sample_numbers.js';
+import { createTable, uploadGuideTables } from './tables.js';
+import { kBlockSize } from './texel_points.js';
+
+// twin: shaders/lib/texel_batch.glsl.
+const kBatchSide = 8,
+    kBatchBlocks = kBatchSide * kBatchSide,
+    kBatchTexels = kBatchSide * kBlockSize;
+// Steps of 1, 2, 4, 8 and 16 texels.
+const kFilterPasses = 5;
+// twin: the constants of trace_texels.frag.
+const kStoredChoice = 0,
+    kDiffuseChoice = 2;
+// Texture units; trees come first.
+const kTreeUnits = 4,
+    kTexelPointUnits = 4,
+    kHitUnits = 3;
+
+export class LightPrograms extends ProgramSet {
+    // As of RayPrograms.
+    constructor(gl, { defines, scrambles, hasOpacity }) {
+        addShaders(later);
+        const ofLookup = scrambles ? [...defines, 'SCRAMBLES'] : defines,
+            ofTrees = hasOpacity ? [...defines, 'BVH_OPACITY'] : defines;
+        const fullscreen = (file, more = []) => new ShaderProgram(gl, 'fullscreen.vert', file, more);
+        super({
+            trace: fullscreen('trace_texels.frag', ofTrees),
+            shade: fullscreen('shade_reflections.frag', [...ofLookup, 'WITHOUT_PUNCTUAL_LIGHTS']),
+            hitLights: fullscreen('trace_hit_lights.frag', ofTrees),
+            lights: fullscreen('light_texels.frag', ofTrees),
+            pack: fullscreen('pack_phatexels.frag'),
+            estimate: fullscreen('estimate_irradiance.frag'),
+            filterFirst: fullscreen('filter_irradiance.frag', ['FIRST']),
+            filter: fullscreen('filter_irradiance.frag'),
+        });
+    }
+}
+
+export class LightUpdatePass {
+    // `passes`: whose textures are written to from now on; `points`: TexelPoints; `programs`: compiled LightPrograms.
+    // Leaves WebGL's state to the caller.
+    constructor(passes, points, programs) {
+        const { gl } = passes,
+            { lookup } = passes,
+            { atlas } = passes.bake;
+        Object.assign(this, { gl, passes, blocks: points.blocks, set: programs, programs: programs.all });
+        this.sources = [
+            { firstLayer: 0, layers: lookup.layerCount, firstGuide: 0, guideCount: lookup.guideCount },
+            {
+                firstLayer: lookup.layerCount,
+                layers: lookup.layers.length - lookup.layerCount,
+                firstGuide: lookup.guideCount,
+                guideCount: lookup.areaGuideCount,
+            },
+        ].slice(0, atlas.areaIrradiance ? 2 : 1);
+        prepareUploads(gl);
+        this.createLight(atlas, points);
+        this.createTargets(atlas);
+    }
+
+    // What is known of the light beside what pictures are drawn from.
+    createLight({ width, height, charts, indirectIrradiance, areaIrradiance }, points) {
+        const { gl } = this,
+            identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
+        this.points = createTexture2D(gl, gl.RGBA32UI, width, height, points.places);
+        this.normals = createTexture2D(gl, gl.R32UI, width, height, points.normals);
+        this.poses = createTable(gl, gl.RGBA32F, Float32Array.from(charts.flatMap(() => identity)));
+        this.guideSums = uploadGuideTables(gl, gl.R32UI, this.passes.lookup.guides, guideSumsOf);
+        const none = new Uint32Array(4 * width * height);
+        this.estimates = createTextureArray(gl, gl.RGBA32UI, width, height, [
+            bakedEstimates(indirectIrradiance, points, false),
+            areaIrradiance ? bakedEstimates(areaIrradiance, points, true) : none,
+        ]);
+    }
+
+    createTargets({ width, height }) {
+        const { gl } = this,
+            side = kBatchTexels,
+            texture = (format) => createTexture2D(gl, format, side, side);
+        [this.hits, this.places, this.indirectEstimate, this.areaEstimate] = Array.from({ length: 4 }, () =>
+            texture(gl.RGBA32UI),
+        );
+        this.codes = texture(gl.R32UI);
+        this.packed = texture(gl.RG32UI);
+        [this.indirect, this.area] = [0, 1].map(() => texture(gl.RGBA16F));
+        this.filtered = [0, 1].map(() => createTexture2D(gl, gl.RGBA16F, width, height));
+        this.irradiance = createTextureArray(gl, gl.RGBA16F, width, height, this.sources.length);
+        this.targets = {
+            rays: createFramebuffer(gl, [this.hits, this.places, this.codes]),
+            light: createFramebuffer(gl, [this.indirect, this.area]),
+            indirect: createFramebuffer(gl, [this.indirect]),
+            area: createFramebuffer(gl, [this.area]),
+            packed: createFramebuffer(gl, [this.packed]),
+            estimates: createFramebuffer(gl, [this.indirectEstimate, this.areaEstimate]),
+            filtered: this.filtered.map((of) => createFramebuffer(gl, [of])),
+            irradiance: this.sources.map((_, layer) =>
+                createFramebuffer(gl, [{ texture: this.irradiance, layer }]),
+            ),
+        };
+    }
+
+    // PHATexels of `blocks` (BlockOrder.next) are replaced; their irradiance is estimated better, and shown once it is
+    // filtered. `scene`: a RayScene; `number`: of the round.
+    trace(scene, blocks, number) {
+        const { gl, passes } = this;
+        this.world = { gl, scene, passes };
+        for (let first = 0; first < blocks.length; first += kBatchBlocks) {
+            const batch = blocks.slice(first, first + kBatchBlocks);
+            this.batch = batch;
+            this.seed = hashOf(number, first);
+            this.size = [kBatchTexels, Math.ceil(batch.length / kBatchSide) * kBlockSize];
+            this.tracePhatexels();
+            this.estimateIrradiance();
+        }
+    }
+
+    draw(target, [width, height] = this.size) {
+        const { gl } = this;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+        gl.viewport(0, 0, width, height);
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
+
+    begin() {
+        resetState(this.gl, 1, 1);
+        this.gl.bindVertexArray(this.passes.noVertices);
+        this.gl.blendEquation(this.gl.FUNC_ADD);
+        this.gl.blendFunc(this.gl.ONE, this.gl.ONE);
+    }
+
+    drawAdded(target) {
+        this.gl.enable(this.gl.BLEND);
+        this.draw(target);
+        this.gl.disable(this.gl.BLEND);
+    }
+
+    // The blocks of the batch, of which the layouts follow from `scrambleOf(turn)`.
+    setBatch(program, scrambleOf) {
+        const entries = new Uint32Array(4 * kBatchBlocks);
+        this.batch.forEach((turn, i) => {
+            const { origin, size } = this.blocks[turn.block];
+            entries.set(
+                [
+                    (origin[1] << 16) | origin[0],
+                    (size[1] << 16) | size[0],
+                    turn.block,
+                    (maxSamples(turn.rounds) << 16) | scrambleOf(turn),
+                ],
+                4 * i,
+            );
+        });
+        program.set('batchBlocks', entries);
+    }
+
+    // Copies attachment `from` of what was drawn for each block to its place.
+    copyBlocks(target, from, to, layer) {
+        const { gl } = this;
+        gl.bindFramebuffer(gl.READ_FRAMEBUFFER, target);
+        gl.readBuffer(gl.COLOR_ATTACHMENT0 + from);
+        gl.bindTexture(gl.TEXTURE_2D_ARRAY, to);
+        this.batch.forEach(({ block }, i) => {
+            const { origin, size } = this.blocks[block],
+                corner = [i % kBatchSide, Math.floor(i / kBatchSide)].map((at) => at * kBlockSize);
+            gl.copyTexSubImage3D(gl.TEXTURE_2D_ARRAY, 0, ...origin, layer, ...corner, ...size);
+        });
+    }
+
+    // What lib/texel_point.glsl reads, from `unit` on.
+    bindTexelPoints(program, unit) {
+        const { gl } = this;
+        program.bind('texelPoints', unit, gl.TEXTURE_2D, this.points);
+        program.bind('texelNormals', unit + 1, gl.TEXTURE_2D, this.normals);
+        program.bind('chartPoses', unit + 2, gl.TEXTURE_2D, this.poses);
+        program.bind('tileTable', unit + 3, gl.TEXTURE_2D, this.passes.atlas.tileTable);
+    }
+
+    traceRays(choice, layer, { firstGuide, guideCount }, scrambleOf) {
+        const { gl, passes } = this,
+            { trace: program } = this.programs,
+            { unitMeters } = passes.bake.atlas;
+        program.use();
+        this.world.scene.bindTrees(program, 0);
+        this.bindTexelPoints(program, kTreeUnits);
+        let unit = kTreeUnits + kTexelPointUnits;
+        program.bind('guideSums', unit++, gl.TEXTURE_2D, this.guideSums);
+        program.bind('phatexels', unit++, gl.TEXTURE_2D_ARRAY, passes.phatexels);
+        program.bind('tilePatches', unit++, gl.TEXTURE_2D, passes.atlas.tilePatches);
+        for (const [name, value] of Object.entries({ unitMeters, originUnitMeters: unitMeters, choice, layer }))
+            program.set(name, value);
+        program.set('firstGuide', firstGuide);
+        program.set('guideCount', guideCount);
+        program.set('seed', this.seed | 0);
+        this.setBatch(program, scrambleOf);
+        this.draw(this.targets.rays);
+    }
+
+    shade() {
+        const { shade: program, hitLights } = this.programs,
+            numbers = { ...sampleNumberTables(1, this.seed), placeNumbers: placeNumbers(), ray: 0 };
+        shadeHits(program, this.world, this, { spread: 0, regularized: 0 }, () => {
+            for (const [name, value] of Object.entries(numbers)) program.set(name, value);
+            this.draw(this.targets.light);
+        });
+        if (this.world.scene.lightCount === 0) return;
+        bindHitLights(hitLights, this.world, this, 0);
+        this.drawAdded(this.targets.indirect);
+    }
+
+    tracePhatexels() {
+        const { gl, passes } = this,
+            { pack: program } = this.programs;
+        this.sources.forEach((source, kind) => {
+            for (let layer = source.firstLayer; layer < source.firstLayer + source.layers; ++layer) {
+                const { scrambles } = passes.lookup.layers[layer];
+                this.traceRays(kStoredChoice, layer, source, ({ block }) => scrambles[block]);
+                this.shade();
+                program.use();
+                program.bind('hits', 0, gl.TEXTURE_2D, this.hits);
+                program.bind('codes', 1, gl.TEXTURE_2D, this.codes);
+                program.bind('radiance', 2, gl.TEXTURE_2D, kind === 0 ? this.indirect : this.area);
+                program.set('unitMeters', passes.bake.atlas.unitMeters);
+                this.draw(this.targets.packed);
+                this.copyBlocks(this.targets.packed, 0, passes.phatexels, layer);
+            }
+        });
+    }
+
+    // Light of a sampled point of an emitter.
+    traceLights() {
+        const { gl, passes } = this,
+            { scene } = this.world,
+            { lights: program } = this.programs;
+        program.use();
+        scene.bindTrees(program, 0);
+        this.bindTexelPoints(program, kTreeUnits);
+        scene.bindHits(program, kTreeUnits + kTexelPointUnits);
+        const unit = kTreeUnits + kTexelPointUnits + kHitUnits;
+        program.bind('splitSumTable', unit, gl.TEXTURE_2D, passes.splitSum);
+        program.set('originUnitMeters', passes.bake.atlas.unitMeters);
+        program.set('seed', ~this.seed);
+        this.setBatch(program, (turn) => layoutOf(kLights, turn));
+        this.drawAdded(this.targets.area);
+    }
+
+    estimateIrradiance() {
+        const { gl, passes, targets } = this,
+            { estimate: program } = this.programs;
+        this.traceRays(kDiffuseChoice, 0, this.sources[0], (turn) => layoutOf(kRays, turn));
+        this.shade();
+        if (this.world.scene.hits.emitterCount > 0) this.traceLights();
+        program.use();
+        program.bind('indirectLight', 0, gl.TEXTURE_2D, this.indirect);
+        program.bind('areaLight', 1, gl.TEXTURE_2D, this.area);
+        program.bind('estimates', 2, gl.TEXTURE_2D_ARRAY, this.estimates);
+        program.bind('splitSumTable', 3, gl.TEXTURE_2D, passes.splitSum);
+        program.bind('hits', 4, gl.TEXTURE_2D, this.hits);
+        this.bindTexelPoints(program, 5);
+        this.setBatch(program, () => 0);
+        this.draw(targets.estimates);
+        for (const source of [0, 1]) this.copyBlocks(targets.estimates, source, this.estimates, source);
+    }
+
+    // Filters the irradiance of all texels, from the estimates so far; a step of the filter for each value that is asked
+    // for. It is shown from the last one on.
+    *filter() {
+        const { gl, passes, targets } = this,
+            { width, height } = passes.bake.atlas;
+        for (const source of this.sources.keys())
+            for (let i = 0; i < kFilterPasses; ++i) {
+                const program = i === 0 ? this.programs.filterFirst : this.programs.filter;
+                this.begin();
+                program.use();
+                this.bindTexelPoints(program, 0);
+                if (i === 0) program.bind('estimates', kTexelPointUnits, gl.TEXTURE_2D_ARRAY, this.estimates);
+                else program.bind('before', kTexelPointUnits, gl.TEXTURE_2D, this.filtered[(i + 1) % 2]);
+                program.set('source', source);
+                program.set('step', 1 << i);
+                const isLast = i === kFilterPasses - 1;
+                this.draw(isLast ? targets.irradiance[source] : targets.filtered[i % 2], [width, height]);
+                yield;
+            }
+    }
+
+    dispose() {
+        const { gl } = this,
+            of = ({ filtered, irradiance, ...others }) => [...Object.values(others), ...filtered, ...irradiance];
+        of(this.targets).forEach((framebuffer) => gl.deleteFramebuffer(framebuffer));
+        // `irradiance` is the passes' own.
+        const { points, normals, poses, guideSums, estimates, hits, places, indirectEstimate, areaEstimate } = this;
+        for (const texture of [points, normals, poses, guideSums, estimates, hits, places, indirectEstimate, areaEstimate])
+            gl.deleteTexture(texture);
+        for (const texture of [this.codes, this.packed, this.indirect, this.area, ...this.filtered])
+            gl.deleteTexture(texture);
+        this.set.dispose();
+    }
+}
