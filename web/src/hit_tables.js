@@ -5,8 +5,8 @@ import { kChartsOffset, kVertexWords } from './surfaces.js';
 import { emissionMap, emissionOf, isUnlit } from './material.js';
 import { half, kMaterialWords, kMeansSide, matrixOf, packHitMaterial, placedMap } from './hit_materials.js';
 
-const kTriangleWords = 24,
-    kEmitterWords = 16;
+const kTriangleWords = 24;
+export const kEmitterWords = 16;
 // Points of a triangle at which a picture of what shines is read.
 const kEmissionSamples = 64;
 
@@ -147,14 +147,16 @@ export function aliasTable(probabilities) {
     return { thresholds, aliases };
 }
 
-function writeEmitters(table, first, emitters) {
-    const out = new Float32Array(table.buffer),
+// Sixteen words an emitter.
+function emitterRows(emitters) {
+    const table = new Uint32Array(kEmitterWords * emitters.length),
+        out = new Float32Array(table.buffer),
         powers = emitters.map((e) => e.area * (e.doubleSided ? 2 : 1) * luminance(e.radiance)),
         sum = powers.reduce((a, b) => a + b, 0),
         chances = powers.map((power) => power / sum),
         { thresholds, aliases } = aliasTable(chances);
     emitters.forEach(({ corners, radiance, area, doubleSided }, i) => {
-        const at = first + kEmitterWords * i,
+        const at = kEmitterWords * i,
             density = chances[i] / area;
         out.set([...corners[0], thresholds[i]], at);
         out.set(corners[1], at + 4);
@@ -162,6 +164,12 @@ function writeEmitters(table, first, emitters) {
         out.set([...corners[2], 0], at + 8);
         out.set([...radiance, doubleSided ? -density : density], at + 12);
     });
+    return table;
+}
+
+// The same of all surfaces as they are now.
+export function emittersOf(surfaces, images) {
+    return emitterRows(findEmitters(new Corners(surfaces), surfaces.drawRanges, images));
 }
 
 // Whether anything that emits also reflects. twin: emittersReflect in src/core/scene/light_bound.cpp.
@@ -220,7 +228,7 @@ export function hitTable({ surfaces, trees, materials, images, rows }) {
         const of = { ...surfaceMaterials[surfaceOf[triangle]], emitter: emitterOf.get(triangle) ?? 0 };
         writeTriangle(table, firstTriangle + kTriangleWords * i, corners, triangle, of);
     });
-    writeEmitters(table, firstEmitter, emitters);
+    table.set(emitterRows(emitters), firstEmitter);
     return {
         table,
         firstTriangle: firstTriangle / 4,

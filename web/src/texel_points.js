@@ -41,49 +41,61 @@ class TexelTriangle {
         ];
     }
 
-    at([s, t], from) {
-        return from[0].map((x, i) => x + s * (from[1][i] - x) + t * (from[2][i] - x));
+    positionAt([s, t]) {
+        const [a] = this.position,
+            { e1, e2 } = this;
+        return [a[0] + s * e1[0] + t * e2[0], a[1] + s * e1[1] + t * e2[1], a[2] + s * e1[2] + t * e2[2]];
+    }
+
+    texelAt([s, t]) {
+        const [a, b, c] = this.corner;
+        return [a[0] + s * (b[0] - a[0]) + t * (c[0] - a[0]), a[1] + s * (b[1] - a[1]) + t * (c[1] - a[1])];
     }
 
     // Of the triangle's point nearest to a texel's centre.
     nearestBarycentric(x, y) {
         const b = this.barycentricAt(x, y);
         if (b[0] >= 0 && b[1] >= 0 && b[0] + b[1] <= 1) return b;
-        const corners = [
-            [0, 0],
-            [1, 0],
-            [0, 1],
-        ];
         let best = Infinity,
             nearest = [0, 0];
         for (let i = 0; i < 3; ++i) {
-            const j = (i + 1) % 3,
-                edge = minus(this.corner[j], this.corner[i]),
-                to = minus([x, y], this.corner[i]),
-                along = Math.min(Math.max(dot(to, edge) / Math.max(dot(edge, edge), 1e-300), 0), 1),
-                off = to.map((d, axis) => d - along * edge[axis]);
-            if (!(dot(off, off) < best)) continue;
-            best = dot(off, off);
-            nearest = corners[i].map((c, axis) => c + along * (corners[j][axis] - c));
+            const from = this.corner[i],
+                to = this.corner[(i + 1) % 3],
+                [ex, ey] = [to[0] - from[0], to[1] - from[1]],
+                [dx, dy] = [x - from[0], y - from[1]],
+                along = Math.min(Math.max((dx * ex + dy * ey) / Math.max(ex * ex + ey * ey, 1e-300), 0), 1),
+                off = (dx - along * ex) ** 2 + (dy - along * ey) ** 2;
+            if (!(off < best)) continue;
+            best = off;
+            nearest = [
+                [along, 0],
+                [1 - along, along],
+                [0, 1 - along],
+            ][i];
         }
         return nearest;
     }
 
     normalAt([s, t]) {
-        const n = this.normals[0].map((x, i) => (1 - s - t) * x + s * this.normals[1][i] + t * this.normals[2][i]),
-            length = Math.hypot(...n);
+        const [a, b, c] = this.normals,
+            r = 1 - s - t,
+            n = [0, 1, 2].map((i) => r * a[i] + s * b[i] + t * c[i]),
+            length = Math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
         // Vertex normals that point through the surface would turn the hemisphere of directions inside out.
         if (!(length > 1e-6 && length < Infinity) || !(dot(n, this.faceNormal) > 0)) return this.faceNormal;
         return n.map((x) => x / length);
     }
 
-    // { position, normal } of a texel's centre. Clamp: small triangles carry the rounding of their corners.
-    pointAt(x, y, texelMeters) {
+    // { position, normal } of a texel's centre, which may be outside.
+    pointAt(x, y, texelMeters, isInside) {
+        const b = this.barycentricAt(x, y);
+        let position = this.positionAt(b);
+        if (isInside) return { position, normal: this.normalAt(b) };
         const clamped = this.nearestBarycentric(x, y),
-            distance = (a, b) => Math.hypot(...minus(a, b)),
-            nearest = this.at(clamped, this.position),
-            reach = 2 * texelMeters * distance(this.at(clamped, this.corner), [x, y]);
-        let position = this.at(this.barycentricAt(x, y), this.position);
+            distance = (p, q) => Math.hypot(...minus(p, q)),
+            nearest = this.positionAt(clamped),
+            reach = 2 * texelMeters * distance(this.texelAt(clamped), [x, y]);
+        // Clamp: small triangles carry the rounding of their corners.
         if (!(distance(position, nearest) <= reach + 1e-4 * texelMeters)) position = nearest;
         return { position, normal: this.normalAt(clamped) };
     }
@@ -92,7 +104,8 @@ class TexelTriangle {
 // Twice the signed area of (a, b, p), exactly antisymmetric in a and b.
 function edgeFunction(a, b, x, y) {
     const isOrdered = a[0] < b[0] || (a[0] === b[0] && a[1] < b[1]),
-        [from, to] = isOrdered ? [a, b] : [b, a],
+        from = isOrdered ? a : b,
+        to = isOrdered ? b : a,
         value = (to[0] - from[0]) * (y - from[1]) - (to[1] - from[1]) * (x - from[0]);
     return isOrdered ? value : -value;
 }
@@ -101,17 +114,21 @@ function edgeFunction(a, b, x, y) {
 function forEachTexel(corner, width, height, visit) {
     if (!(edgeFunction(corner[0], corner[1], ...corner[2]) > 0)) return;
     const [low, high] = [Math.min, Math.max].map((of) => [0, 1].map((axis) => of(...corner.map((c) => c[axis]))));
-    const isInside = (i, x, y) => {
-        const a = corner[i],
-            b = corner[(i + 1) % 3],
-            side = edgeFunction(a, b, x, y);
+    const isInside = (a, b, x, y) => {
+        const side = edgeFunction(a, b, x, y);
         if (side !== 0) return side > 0;
         return b[1] < a[1] || (b[1] === a[1] && b[0] > a[0]);
     };
+    const [a, b, c] = corner;
     const last = [width, height].map((size, axis) => Math.min(size - 1, Math.ceil(high[axis])));
     for (let y = Math.max(0, Math.floor(low[1] - 0.5)); y <= last[1]; ++y)
         for (let x = Math.max(0, Math.floor(low[0] - 0.5)); x <= last[0]; ++x)
-            if ([0, 1, 2].every((i) => isInside(i, x + 0.5, y + 0.5))) visit(x, y);
+            if (
+                isInside(a, b, x + 0.5, y + 0.5) &&
+                isInside(b, c, x + 0.5, y + 0.5) &&
+                isInside(c, a, x + 0.5, y + 0.5)
+            )
+                visit(x, y);
 }
 
 // Which of its triangles each texel of a chart belongs to.
@@ -154,7 +171,7 @@ class Claims {
         const i = y * this.width + x;
         if (this.distance[i] === 0 || this.triangle[i] === t) return false;
         const triangle = this.triangles[t],
-            nearest = triangle.at(triangle.nearestBarycentric(x + 0.5, y + 0.5), triangle.corner),
+            nearest = triangle.texelAt(triangle.nearestBarycentric(x + 0.5, y + 0.5)),
             distance = Math.fround(Math.max(Math.hypot(nearest[0] - x - 0.5, nearest[1] - y - 0.5), 1e-6));
         const isNearer = distance < this.distance[i] || (distance === this.distance[i] && t < this.triangle[i]);
         if (!isNearer || distance > kGutterReach) return false;
@@ -253,7 +270,8 @@ export class TexelPoints {
             if (t === kNone) return;
             const [x, y] = [i % claims.width, Math.floor(i / claims.width)],
                 triangle = claims.triangles[t],
-                { position, normal } = triangle.pointAt(x + 0.5, y + 0.5, chart.texelSizeMeters),
+                isInside = claims.distance[i] === 0,
+                { position, normal } = triangle.pointAt(x + 0.5, y + 0.5, chart.texelSizeMeters, isInside),
                 texel = texelOf(i),
                 turned = normal.map((c) => side * c);
             const block = this.blocks[chart.firstBlock + (y >> 5) * chart.blocksWide + (x >> 5)];
@@ -262,7 +280,7 @@ export class TexelPoints {
             block.addPosition(position);
             this.positions.set(position, 4 * texel);
             this.places[4 * texel + 3] = packDirection(triangle.faceNormal.map((c) => side * c));
-            const receives = claims.distance[i] === 0 || !hasSurface;
+            const receives = isInside || !hasSurface;
             this.normals[texel] = receives ? packDirection(turned) : kNoIrradiance;
         });
     }

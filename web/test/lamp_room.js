@@ -1,8 +1,8 @@
 // A room with a lamp under the ceiling, one at a wall and one at a point, and with a metal plate in it, as a .glb.
 import { GlbBuilder } from './built_room.js';
 
-// `lamps`: the names of those that the room has, of 'ceiling', 'wall' and 'point'.
-export function lampRoom(lamps) {
+// `lamps`: how bright each of those is that the room has; those of surfaces may be 0.
+export function lampRoom({ ceiling, wall, point }) {
     const room = new GlbBuilder();
     const material = (name, baseColor, more = {}, factors = {}) =>
         room.push('materials', {
@@ -17,7 +17,7 @@ export function lampRoom(lamps) {
         });
     const shining = (name, rgb, emissiveStrength) =>
         material(name, [0, 0, 0], {
-            emissiveFactor: rgb,
+            emissiveFactor: emissiveStrength > 0 ? rgb : [0, 0, 0],
             extensions: { KHR_materials_emissive_strength: { emissiveStrength } },
         });
     const across = [3, 0, 0],
@@ -36,10 +36,10 @@ export function lampRoom(lamps) {
         [[-0.8, 0.3, -0.9], [0, 0, 1.2], [1.6, 0, 0]],
         [[-0.8, 0.3, -0.9], [1.6, 0, 0], [0, 0, 1.2]],
     ]);
-    if (lamps.includes('ceiling'))
-        room.add(shining('ceiling', [1, 0.95, 0.9], 8), [[[-0.5, 2.49, -0.5], [1, 0, 0], [0, 0, 1]]]);
-    if (lamps.includes('wall'))
-        room.add(shining('wall', [0.3, 0.5, 1], 12), [[[1.49, 1, -0.4], [0, 0, 0.8], [0, 0.8, 0]]]);
+    if (ceiling !== undefined)
+        room.add(shining('ceiling', [1, 0.95, 0.9], ceiling), [[[-0.5, 2.49, -0.5], [1, 0, 0], [0, 0, 1]]]);
+    if (wall !== undefined)
+        room.add(shining('wall', [0.3, 0.5, 1], wall), [[[1.49, 1, -0.4], [0, 0, 0.8], [0, 0.8, 0]]]);
     room.push('cameras', { type: 'perspective', perspective: { yfov: 1, aspectRatio: 16 / 9, znear: 0.01 } });
     const tilt = -0.25;
     room.json.scenes[0].nodes.push(
@@ -49,10 +49,10 @@ export function lampRoom(lamps) {
             rotation: [Math.sin(tilt / 2), 0, 0, Math.cos(tilt / 2)],
         }),
     );
-    if (lamps.includes('point')) {
+    if (point) {
         room.json.extensionsUsed.push('KHR_lights_punctual');
         room.json.extensions = {
-            KHR_lights_punctual: { lights: [{ name: 'point', type: 'point', color: [1, 0.9, 0.6], intensity: 6 }] },
+            KHR_lights_punctual: { lights: [{ name: 'point', type: 'point', color: [1, 0.9, 0.6], intensity: point }] },
         };
         room.json.scenes[0].nodes.push(
             room.push('nodes', {

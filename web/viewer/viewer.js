@@ -27,7 +27,8 @@ const kMovingSeconds = 0.04,
 // Of these times, what rays may take; where the rest is not enough for all pixels, there are none while a view moves.
 const kMovingRaySeconds = 0.01,
     kRestRaySeconds = 0.1;
-// What light that follows the lamps may take of a moving view's picture, and of one at rest.
+// What light that follows the lamps may take of a moving view's picture, and the least of one at rest: there it may take
+// as long as the picture does.
 const kMovingLightSeconds = 0.004,
     kRestLightSeconds = 0.03;
 const kNear = 0.01; // units of length
@@ -216,6 +217,12 @@ class Viewer {
         return this.scale < 1 ? 0 : Math.min(Math.max(left, 0), kMovingRaySeconds);
     }
 
+    lightSeconds(moving, quality) {
+        const { width, height } = this.picture.target,
+            seconds = this.secondsPerPixel * kRelativeCost[quality] * width * height;
+        return moving ? kMovingLightSeconds : Math.max(seconds, kRestLightSeconds);
+    }
+
     viewChanged() {
         this.lastMove = performance.now();
         this.changed();
@@ -239,7 +246,7 @@ class Viewer {
         if (this.picture.samples === 0 || moving)
             this.fitScale(quality, moving ? kMovingSeconds : kRestSeconds);
         this.light.reflectionMilliseconds = 1000 * this.raySeconds(moving);
-        this.light.updateMilliseconds = 1000 * (moving ? kMovingLightSeconds : kRestLightSeconds);
+        this.light.updateMilliseconds = 1000 * this.lightSeconds(moving, quality);
         this.addSample(quality);
         this.present();
         const { width, height } = this.picture.target;
