@@ -33,13 +33,13 @@ void main() {
     BatchTexel t = batchTexelAt(pixel);
     if (!t.valid || !texelPointAt(t.texel).receives) return;
     IrradianceEstimate indirect = unpackEstimate(texelFetch(estimates, ivec3(t.texel, 0), 0));
-    add(indirect, t.maxSamples, kPi * texelFetch(indirectLight, pixel, 0).rgb);
+    add(indirect, t.block.maxSamples, kPi * texelFetch(indirectLight, pixel, 0).rgb);
     indirect.statistic = mix(indirect.statistic, nearness(pixel, t.texel), 1.0 / indirect.count);
     indirectOut = packEstimate(indirect);
 
     IrradianceEstimate area = unpackEstimate(texelFetch(estimates, ivec3(t.texel, 1), 0));
     vec3 light = kPi * texelFetch(areaLight, pixel, 0).rgb;
-    add(area, t.maxSamples, light);
+    add(area, t.block.maxSamples, light);
     float bright = luminance(light), square = area.statistic * area.statistic;
     area.statistic = sqrt(mix(square, bright * bright, 1.0 / area.count));
     areaOut = packEstimate(area);

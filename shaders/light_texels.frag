@@ -20,7 +20,7 @@ void main() {
     vec3 u = randomNumbers(uvec3(t.texel, seed));
     // The layout's numbers choose the point; which emitter is left to chance.
     HitEmitter emitter = hitEmitter(chooseEmitter(u.z));
-    EmitterSample light = sampleEmitter(emitter, stratifiedSquare(t.inBlock, t.scramble, u.xy), point.position);
+    EmitterSample light = sampleEmitter(emitter, stratifiedSquare(t.inBlock, t.block.scramble, u.xy), point.position);
     float cosine = dot(light.direction, point.normal);
     if (light.pdf <= 0.0 || cosine <= 0.0 || dot(light.direction, point.flatNormal) <= 0.0) return;
     float weight = powerWeight(light.pdf, cosine / kPi);

@@ -1,10 +1,14 @@
 // The light that a pixel's reflection ray brings: what its hit emits and reflects.
 // twin: reflectedFromTexels in src/core/bake/irradiance_ray.cpp. Other than there, hits have no normal maps; what they
-// reflect sharply is one PHATexel instead of walks; hits without texels have no indirect light; shadows at hits are hard.
+// reflect sharply are PHATexels instead of walks; hits without texels have no indirect light; shadows at hits are hard.
 #include "lib/hit_light.glsl"
 #include "lib/hit_surface.glsl"
 #include "lib/packed_rays.glsl"
+#ifdef TEXELS
+#include "lib/random.glsl"
+#else
 #include "lib/sample_numbers.glsl"
+#endif
 #include "lib/visible_normal.glsl"
 #include "lib/frame.glsl"
 #ifndef WITHOUT_PUNCTUAL_LIGHTS
@@ -18,7 +22,11 @@ uniform sampler2D environment;      // see background.frag
 uniform float turn;
 uniform vec3 brightest;             // radiance that nothing exceeds
 uniform float raySpread;            // radians that a ray of a mirror stands for
+#ifdef TEXELS
+uniform int seed;
+#else
 uniform int ray;
+#endif
 uniform float regularized;          // of the ray's alpha, see below; 0: nothing is
 
 layout(location = 0) out vec4 indirectOut;  // times the ray's weight; the weight
@@ -33,8 +41,13 @@ const int kSources = 1;
 // first's width, and its light at most so much brighter than the mean: both are biases.
 // source: Kaplanyan and Dachsbacher 2013, "Path Space Regularization".
 const float kMaxOverMean = 4.0;
-// Rougher lobes at hits take area lights' highlights from the irradiance and the direction of an emitter.
+// Rougher lobes at hits take area lights' highlights from the irradiance and the directions of points of the emitters.
 const float kSharpAtHits = 0.15;
+#ifdef TEXELS
+const int kEmitterPoints = 8;
+#else
+const int kEmitterPoints = 4;
+#endif
 
 // The specular lobes' BRDF, 1/sr.
 vec3 evaluateGloss(ViewedBrdf viewed, vec3 towardLight) {
@@ -51,29 +64,58 @@ vec3 arrivingAt(vec2 texel, int source) {
     return READ(textureLod(irradiance, vec3(texel / size, float(source)), 0.0)).rgb;
 }
 
+// What rough lobes reflect of the area lights for each unit of their irradiance, 1/sr, were all of the emitters visible:
+// the mean over the light of some of their points. Negative where none of these shines.
+// source of the correction of the ratio's bias: Quenouille 1956, "Notes on Bias in Estimation".
+vec3 glossOfEmitters(vec3 position, ViewedBrdf viewed, mat3 worldFromLocal, vec3 u) {
+    vec3 sums[2] = vec3[2](vec3(0.0), vec3(0.0));
+    vec2 weights = vec2(0.0);
+    for (int i = 0; i < kEmitterPoints; ++i) {
+        // source: Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences".
+        vec2 square = fract(u.xy + float(i) * vec2(0.754877666, 0.569840291));
+        HitEmitter emitter = hitEmitter(chooseEmitter((float(i) + u.z) / float(kEmitterPoints)));
+        EmitterSample light = sampleEmitter(emitter, square, position);
+        vec3 toward = light.direction * worldFromLocal;
+        if (light.pdf <= 0.0 || toward.z <= 0.0) continue;
+        float weight = luminance(light.radiance) * toward.z / light.pdf;
+        sums[i & 1] += weight * evaluateGloss(viewed, toward);
+        weights[i & 1] += weight;
+    }
+    float all = weights.x + weights.y;
+    if (all <= 0.0) return vec3(-1.0);
+    vec3 mean = (sums[0] + sums[1]) / all;
+    if (min(weights.x, weights.y) <= 0.0) return mean;
+    return max(2.0 * mean - 0.5 * (sums[0] / weights.x + sums[1] / weights.y), vec3(0.0));
+}
+
 vec3 bakedLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFromLocal, vec4 u,
                 float sharpest) {
     if (s.chart == kHitNoChart) return vec3(0.0);
-    vec3 albedo = viewed.transmission * viewed.specularAlbedo, coat = vec3(1.0 - viewed.transmission);
-    vec3 sum = vec3(0.0);
-    bool coated = u.x * maxComponent(albedo + coat) < coat.x;
+    // One of the lobes, by its albedo, and one of its directions.
+    float coat = 1.0 - viewed.transmission;
+    float coatChance = coat / max(coat + viewed.transmission * maxComponent(viewed.specularAlbedo), 1e-6);
+    bool coated = u.w < coatChance;
     float alpha = max(coated ? viewed.brdf.clearcoatAlpha : viewed.brdf.alpha, sharpest);
-    vec3 wi = reflect(-viewed.towardEye, squareToVisibleNormal(u.xy, viewed.towardEye, alpha));
+    vec3 wo = viewed.towardEye, h = squareToVisibleNormal(u.xy, wo, alpha), wi = reflect(-wo, h);
+    vec3 fresnel = coated ? viewed.brdf.clearcoat / coatChance * schlick(vec3(kClearcoatF0), 1.0, dot(wo, h))
+                          : viewed.transmission / (1.0 - coatChance) * schlick(viewed.brdf.f0, viewed.brdf.f90, dot(wo, h));
+    vec3 weight = fresnel * visibleNormalWeight(wi, wo, alpha), sum = vec3(0.0);
     vec3 direction = worldFromLocal * wi;
     HitLookup lookup = hitLookup(position, s.texel, s.chart);
     for (int source = 0; source < kSources; ++source) {
         vec3 arriving = arrivingAt(s.texel, source);
         sum += viewed.diffuse * arriving;
         if (source == 1 && emitterCount > 0 && alpha > kSharpAtHits) {
-            // One direction toward the emitters stands for all of their light.
-            vec3 toward = pointOnEmitter(hitEmitter(chooseEmitter(u.z)), u.xy) - position;
-            sum += evaluateGloss(viewed, normalize(toward) * worldFromLocal) * arriving;
-            continue;
+            vec3 gloss = glossOfEmitters(position, viewed, worldFromLocal, u.xyz);
+            if (gloss.x >= 0.0) {
+                sum += gloss * arriving;
+                continue;
+            }
         }
         if (wi.z <= 0.0) continue;
         vec3 found = phatexelToward(lookup, direction, source == 0 ? 0 : layerCount);
         vec3 mean = arriving / kPi;
-        sum += (albedo + coat) * (found.x < 0.0 ? mean : min(found, kMaxOverMean / max(sharpest, 1e-4) * mean));
+        sum += weight * (found.x < 0.0 ? mean : min(found, kMaxOverMean / max(sharpest, 1e-4) * mean));
     }
     return sum;
 }
@@ -89,6 +131,18 @@ vec3 punctualLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFro
     }
 #endif
     return sum;
+}
+
+// Four numbers in [0,1) that say what happens at the hit.
+vec4 numbersOf(ivec2 pixel, TracedRay found) {
+#ifdef TEXELS
+    // The layout that texels take their directions from must not be that of these numbers, too.
+    return vec4(randomNumbers(uvec3(pixel, seed)), randomNumbers(uvec3(pixel, ~seed)).x);
+#else
+    // Two have chosen the ray's direction: of them there is what is finer.
+    vec4 u = sampleNumbersOf(ray, pixel, found.count).zwxy;
+    return vec4(u.xy, fract(64.0 * u.zw));
+#endif
 }
 
 // The weight of emission against sampling the emitters, by the power heuristic (Veach 1997).
@@ -117,7 +171,7 @@ void main() {
         ViewedBrdf viewed = viewedBrdf(s.brdf, -found.direction * worldFromLocal);
         area = s.emission * emissionWeight(found, s);
         if (reflects(s.brdf)) {
-            vec4 u = sampleNumbersOf(ray, pixel, found.count).zwxy;
+            vec4 u = numbersOf(pixel, found);
             indirect = bakedLight(found.position, s, viewed, worldFromLocal, u, regularized * rayAlpha(found)) +
                        punctualLight(found.position, s, viewed, worldFromLocal);
         }

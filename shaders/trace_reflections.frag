@@ -36,10 +36,8 @@ void main() {
     vec3 wi = reflect(-wo, h);
     vec3 direction = normalize(worldFromLocal * wi);
     if (wi.z <= 0.0 || dot(direction, normalGeometric) <= 0.0) discard;
-    // source: Heitz 2018, section 4: f cos / pdf is F G2 / G1.
-    float masking = smithG1(wo.z, l.alpha);
-    float weight = schlick(vec3(l.f0), l.f90, dot(wo, h)).x * smithV(wi.z, wo.z, l.alpha) * 4.0 * wi.z * wo.z / masking;
-    float pdf = masking * ggxD(h.z, l.alpha) / (4.0 * wo.z);
+    float weight = schlick(vec3(l.f0), l.f90, dot(wo, h)).x * visibleNormalWeight(wi, wo, l.alpha);
+    float pdf = smithG1(wo.z, l.alpha) * ggxD(h.z, l.alpha) / (4.0 * wo.z);
 
     vec3 origin = offsetOrigin(position, normalGeometric, towardEye);
     BvhHit hit = closestHit(origin, direction, kFar);

@@ -36,14 +36,14 @@ uint chosenCode(BatchTexel t) {
     uint bits = texelFetch(phatexels, ivec3(t.texel, layer), 0).y;
     if (choice == kStored && bits >> 24 != 0u) return bits & 0xffffffu;
     vec2 jitter = randomNumbers(uvec3(t.texel, seed)).xy;
-    int guide = firstGuide + (guideCount == 1 ? 0 : t.block);
-    return packOctahedral24(squareToGuide(guide, stratifiedSquare(t.inBlock, t.scramble, jitter)));
+    int guide = firstGuide + (guideCount == 1 ? 0 : t.block.block);
+    return packOctahedral24(squareToGuide(guide, stratifiedSquare(t.inBlock, t.block.scramble, jitter)));
 }
 
 // Density cos / pi.
 vec3 diffuseDirection(BatchTexel t, vec3 normal) {
     vec2 jitter = randomNumbers(uvec3(t.texel, seed)).xy;
-    vec2 disk = squareToDisk(stratifiedSquare(t.inBlock, t.scramble, jitter));
+    vec2 disk = squareToDisk(stratifiedSquare(t.inBlock, t.block.scramble, jitter));
     return frameFromNormal(normal) * vec3(disk, sqrt(max(1.0 - dot(disk, disk), 0.0)));
 }
 

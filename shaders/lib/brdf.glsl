@@ -53,6 +53,12 @@ float smithG1(float nDotV, float alpha) {
     return 2.0 * nDotV / (nDotV + sqrt(nDotV * nDotV * (1.0 - a2) + a2));
 }
 
+// What a direction `wi` that was drawn from a lobe's visible normals stands for: f cos over its density, less Fresnel's term.
+// source: Heitz 2018, section 4: G2 / G1.
+float visibleNormalWeight(vec3 wi, vec3 wo, float alpha) {
+    return wi.z <= 0.0 ? 0.0 : smithV(wi.z, wo.z, alpha) * 4.0 * wi.z * wo.z / smithG1(wo.z, alpha);
+}
+
 vec3 schlick(vec3 f0, float f90, float vDotH) {
     float m = clamp(1.0 - vDotH, 0.0, 1.0);
     return f0 + (vec3(f90) - f0) * (m * m * m * m * m);

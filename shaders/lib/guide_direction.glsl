@@ -1,4 +1,4 @@
-// Directions drawn from a block's guide.
+// A block's guide, and directions drawn from it.
 // twin: squareToGuide in src/core/phatexel/phatexture.cpp; tests/gl compares the two.
 #include "lib/hemisphere_map.glsl"
 #include "lib/phatexel.glsl"
@@ -28,6 +28,12 @@ float rowWeight(ivec2 corner, int row) {
 float cellWeight(ivec2 corner, ivec2 cell) {
     float end = cell.x == kGuideSize - 1 ? rowWeight(corner, cell.y) : cellsBefore(corner, cell + ivec2(1, 0));
     return end - cellsBefore(corner, cell);
+}
+
+// The part of the unit square that a cell has: its corners.
+vec4 partOfSquare(ivec2 corner, ivec2 cell) {
+    float row = rowWeight(corner, cell.y), u = cellsBefore(corner, cell), v = rowsBefore(corner, cell.y);
+    return vec4(u / row, v / kGuideTotal, (u + cellWeight(corner, cell)) / row, (v + row) / kGuideTotal);
 }
 
 // In the block's frame.

@@ -19,22 +19,48 @@ HitLookup hitLookup(vec3 position, vec2 at, uint chartIndex) {
     return HitLookup(position, chart, texel, tile, depthProbeAt(tile, texel, position));
 }
 
-// The radiance of a PHATexel of `layer` toward `direction`; negative where there is none.
-// twin: sampleAtCursor in lib/lookup.glsl, which checks where the PHATexel's light comes from.
-vec3 phatexelToward(inout HitLookup at, vec3 direction, int layer) {
+// PHATexels that are read for a direction, of neighbouring groups.
+#ifdef TEXELS
+const int kGroups = 4;
+#else
+const int kGroups = 1;
+#endif
+
+// A PHATexel of the group at `corner` toward `place`: its radiance, and the inverse of its density; none: zeros.
+vec4 phatexelOfGroup(HitLookup at, vec3 place, ivec2 corner, int bits, int layer) {
     LookupTile tile = at.tile;
-    float distance = distanceAlong(at.probe, direction, vec2(0.0));
-    int bits = groupBits(at.chart.texelMeters, distance);
-    ivec2 corner = groupCorner(tile, at.texel, bits);
     vec3 center = positionOnPatch(tile.tilePatch, vec2(corner) + 0.5 * float(1 << bits) - tile.middle);
-    vec3 directionBlock = normalize(at.position + direction * distance - center) * tile.tilePatch.worldFromBlock;
-    if (directionBlock.z <= 0.0) return vec3(-1.0);
+    vec3 directionBlock = normalize(place - center) * tile.tilePatch.worldFromBlock;
+    if (directionBlock.z <= 0.0) return vec4(0.0);
     vec2 scaled = hemisphereToSquare(directionBlock) * float(kGuideSize);
     ivec2 cellAt = clamp(ivec2(scaled), 0, kGuideSize - 1);
     vec4 cell = inverseCdfCellAt(layer, tile.block, cellAt);
     vec2 square = mix(cell.xz, cell.yw, clamp(scaled - vec2(cellAt), 0.0, 1.0));
     ivec2 found = tile.blockCorner + texelHolding(square, corner - tile.blockCorner, bits, scrambleOf(tile, layer));
-    if (!isInChart(at.chart, found)) return vec3(-1.0);
+    if (!isInChart(at.chart, found)) return vec4(0.0);
     Phatexel phatexel = unpackPhatexel(READ(texelFetch(phatexels, ivec3(found, layer), 0).xy));
-    return phatexel.valid ? phatexel.radiance : vec3(-1.0);
+    if (!phatexel.valid) return vec4(0.0);
+    if (kGroups == 1) return vec4(phatexel.radiance, 1.0);
+    float density = cellDensity(inverseCdfCellAt(layer, tile.block, guideCell(phatexel.directionBlock)));
+    return vec4(phatexel.radiance, 1.0 / max(density, kMinDensity));
+}
+
+// The radiance of PHATexels of `layer` toward `direction`; negative where there are none. A PHATexel may look anywhere in
+// the cell that it is found by, where it is as dense as light is bright: if one alone stood for the cell, a lamp that fills
+// a part of it would shine from all of it. The mean of several over their densities is that over the cell's solid angle.
+// twin: sampleAtCursor in lib/lookup.glsl, which checks where the PHATexel's light comes from.
+vec3 phatexelToward(inout HitLookup at, vec3 direction, int layer) {
+    float distance = distanceAlong(at.probe, direction, vec2(0.0));
+    int bits = groupBits(at.chart.texelMeters, distance), side = 1 << bits;
+    ivec2 corner = groupCorner(at.tile, at.texel, bits);
+    // Toward the middle of the block.
+    ivec2 inward = side * (1 - 2 * ivec2(greaterThanEqual(2 * (corner - at.tile.blockCorner), ivec2(kBlockSize))));
+    int groups = bits == kBlockBits ? 1 : kGroups;
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < groups; ++i) {
+        ivec2 other = corner + inward * ivec2(i & 1, i >> 1);
+        vec4 found = phatexelOfGroup(at, at.position + direction * distance, other, bits, layer);
+        sum += found.a * vec4(found.rgb, 1.0);
+    }
+    return sum.a > 0.0 ? sum.rgb / sum.a : vec3(-1.0);
 }

@@ -91,10 +91,6 @@ float searchRadius(float distance, float texelMeters) {
     return clamp(0.7 * distance / texelMeters, kMinSearchTexels, kMaxSearchTexels);
 }
 
-// 1/sr: guides are mixed with so much of the uniform density, and a cell of 8 bits may have none.
-// twin: kUniformFraction in src/core/phatexel/directions.cpp.
-const float kMinDensity = 0.3 / (2.0 * kPi);
-
 // `cell`: of the inverse CDF, the one that the PHATexel was drawn in.
 LookupSample sampleFrom(LookupTile tile, Phatexel phatexel, vec4 cell, int bits) {
     float angle = cellAngle(bits);

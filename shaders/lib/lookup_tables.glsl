@@ -138,6 +138,10 @@ vec4 inverseCdfCellAt(int layer, int block, ivec2 cell) {
     return READ(texelFetch(inverseCdfs, ivec2(guide % kTablesWide, guide / kTablesWide) * kGuideSize + cell, 0));
 }
 
+// 1/sr: guides are mixed with so much of the uniform density, and a cell of 8 bits may have none.
+// twin: kUniformFraction in src/core/phatexel/directions.cpp.
+const float kMinDensity = 0.3 / (2.0 * kPi);
+
 // 1/sr: the density that the block's directions were sampled with. `cell`: of the inverse CDF.
 float cellDensity(vec4 cell) {
     return (cell.y - cell.x) * (cell.w - cell.z) * float(kGuideSize * kGuideSize) / (2.0 * kPi);

@@ -74,11 +74,15 @@ Phatexel unpackPhatexel(uvec2 bits) {
     return phatexel;
 }
 
+// The cell of a guide; `direction` in the block's frame.
+ivec2 guideCell(vec3 direction) {
+    return clamp(ivec2(hemisphereToSquare(direction) * float(kGuideSize)), 0, kGuideSize - 1);
+}
+
 // `guidePdf` holds a tile of 16x16 cell densities (1/sr) for each block, row by row.
 float squareToGuidePdf(sampler2D guidePdf, int block, vec3 direction) {
     if (direction.z < 0.0) return 0.0;
     int blocksWide = textureSize(guidePdf, 0).x / kGuideSize;
     ivec2 tile = ivec2(block % blocksWide, block / blocksWide) * kGuideSize;
-    ivec2 cell = clamp(ivec2(hemisphereToSquare(direction) * float(kGuideSize)), 0, kGuideSize - 1);
-    return texelFetch(guidePdf, tile + cell, 0).r;
+    return texelFetch(guidePdf, tile + guideCell(direction), 0).r;
 }

@@ -6,19 +6,28 @@ const int kBatchSide = 8;  // blocks
 
 uniform uvec4 batchBlocks[kBatchSide * kBatchSide];  // origin, size (y << 16 | x, texels), block, maxSamples << 16 | scramble
 
+struct BatchBlock {
+    ivec2 origin, size;  // texels of the atlas
+    int block;
+    uint scramble;       // of its layout, see stratifiedSquare
+    float maxSamples;    // that what is known so far counts as
+};
+
+BatchBlock batchBlockAt(ivec2 slot) {
+    uvec4 entry = batchBlocks[slot.y * kBatchSide + slot.x];
+    return BatchBlock(ivec2(entry.x & 0xffffu, entry.x >> 16), ivec2(entry.y & 0xffffu, entry.y >> 16), int(entry.z),
+                      entry.w & 0xffffu, float(entry.w >> 16));
+}
+
 struct BatchTexel {
     bool valid;
-    ivec2 texel;        // of the atlas
+    ivec2 texel;  // of the atlas
     ivec2 inBlock;
-    int block;
-    uint scramble;      // of the block's layout, see stratifiedSquare
-    float maxSamples;  // that the irradiance so far counts as
+    BatchBlock block;
 };
 
 BatchTexel batchTexelAt(ivec2 pixel) {
-    ivec2 slot = pixel >> kBlockBits, inBlock = pixel & (kBlockSize - 1);
-    uvec4 entry = batchBlocks[slot.y * kBatchSide + slot.x];
-    ivec2 size = ivec2(entry.y & 0xffffu, entry.y >> 16);
-    return BatchTexel(all(lessThan(inBlock, size)), ivec2(entry.x & 0xffffu, entry.x >> 16) + inBlock, inBlock,
-                      int(entry.z), entry.w & 0xffffu, float(entry.w >> 16));
+    BatchBlock block = batchBlockAt(pixel >> kBlockBits);
+    ivec2 inBlock = pixel & (kBlockSize - 1);
+    return BatchTexel(all(lessThan(inBlock, block.size)), block.origin + inBlock, inBlock, block);
 }

@@ -14,7 +14,7 @@ namespace phat {
 
 enum class RayChoice : uint8_t {
     stored,  // the directions that PHATexels have; by the guides where they have none
-    guided,  // others by the guides of their blocks
+    guided,  // others, by guides of their blocks that follow the light
 };
 
 /// One sample for every texel of some blocks of the atlas.
@@ -28,6 +28,7 @@ struct LightRound {
 /// All of an atlas [y][x], read back.
 struct StoredLight {
     std::vector<std::vector<PackedPhatexel>> phatexels;  // [layer] of all sources
+    std::array<std::vector<Guide>, 2> guides;            // [block] as Phatexture: indirect, area
     std::array<std::vector<glm::vec3>, 2> irradiance;    // W/m2: indirect, area lights
 };
 

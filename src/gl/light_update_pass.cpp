@@ -3,46 +3,19 @@
 #include <algorithm>
 #include <bit>
 #include <glm/gtc/packing.hpp>
-#include <utility>
 
 #include "core/bake/irradiance.h"
 #include "core/base/random.h"
-#include "gl/guide_tables.h"
-#include "gl/sample_numbers.h"
 #include "gl/textures.h"
 
 namespace phat {
 namespace {
 
-// twin: shaders/lib/texel_batch.glsl.
-constexpr uint32_t kBatchSide = 8, kBatchBlocks = kBatchSide * kBatchSide;
-constexpr uint32_t kBatchTexels = kBatchSide * kBlockSize;
 // Steps of 1, 2, 4, 8 and 16 texels.
 constexpr int kFilterPasses = 5;
 
 // twin: the constants of trace_texels.frag.
 constexpr int kDiffuseChoice = 2;
-
-using GuideSums = std::array<uint32_t, kGuideCells>;
-
-// twin: shaders/lib/guide_direction.glsl.
-GuideSums sumsOf(const Guide& guide) {
-    GuideSums sums;
-    uint32_t rows = 0, row = 0;
-    for (size_t cell = 0; cell < sums.size(); ++cell) {
-        if (cell % kGuideSize == 0) rows += std::exchange(row, 0);
-        sums[cell] = rows << 16 | row;
-        row += guide.weight[cell];
-    }
-    return sums;
-}
-
-GlTexture uploadGuideSums(const Phatexture& phatexture) {
-    std::vector<GuideSums> sums;
-    for (const auto* guides : {&phatexture.indirectGuides, &phatexture.areaGuides})
-        for (const Guide& guide : *guides) sums.push_back(sumsOf(guide));
-    return uploadGuideTables({GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT}, sums);
-}
 
 // The bake's irradiance, as if by so many samples.
 constexpr float kBakedSamples = 64;
@@ -71,43 +44,6 @@ GlTexture uploadEstimates(const Atlas& atlas, const std::vector<uint8_t>& receiv
     return texture;
 }
 
-// What irradiance was before counts as so many samples: few for as long as a change spreads from bounce to
-// bounce, and then ever more.
-uint32_t maxSamples(uint32_t rounds) {
-    constexpr uint32_t kMin = 4, kSpreading = 32;
-    return kMin + (std::max(rounds, kSpreading) - kSpreading) / 4;
-}
-
-// The blocks of a batch, of which the layouts follow from `scrambleOf(turn)`.
-template <typename ScrambleOf>
-void setBatch(const ShaderProgram& program, const GpuLight& light, std::span<const BlockTurn> blocks,
-              const ScrambleOf& scrambleOf) {
-    std::array<glm::uvec4, kBatchBlocks> entries{};
-    for (size_t i = 0; i < blocks.size(); ++i) {
-        const BlockRect& rect = light.blocks[blocks[i].block];
-        entries[i] = {rect.origin.y << 16 | rect.origin.x, rect.size.y << 16 | rect.size.x, blocks[i].block,
-                      maxSamples(blocks[i].rounds) << 16 | scrambleOf(blocks[i])};
-    }
-    program.set("batchBlocks", std::span<const glm::uvec4>(entries));
-}
-
-glm::uvec2 batchSize(size_t blocks) {
-    const uint32_t rows = (uint32_t(blocks) + kBatchSide - 1) / kBatchSide;
-    return {kBatchTexels, rows * kBlockSize};
-}
-
-// Copies what was drawn for each block to its place.
-void copyBlocks(const GpuLight& light, std::span<const BlockTurn> blocks, const GlTexture& from,
-                const GlTexture& to, int layer) {
-    for (size_t i = 0; i < blocks.size(); ++i) {
-        const BlockRect& rect = light.blocks[blocks[i].block];
-        const glm::uvec2 corner = glm::uvec2(i % kBatchSide, i / kBatchSide) * kBlockSize;
-        glCopyImageSubData(from.name(), GL_TEXTURE_2D, 0, GLint(corner.x), GLint(corner.y), 0, to.name(),
-                           GL_TEXTURE_2D_ARRAY, 0, GLint(rect.origin.x), GLint(rect.origin.y), layer,
-                           GLsizei(rect.size.x), GLsizei(rect.size.y), 1);
-    }
-}
-
 enum class LayoutOf : uint64_t { rays, lights };
 
 // Of every sixteen rounds each takes a texel into another one of the 4x4 parts of the square; where in it,
@@ -125,35 +61,35 @@ struct Batch {
     const LightUpdatePass& pass;
     const GpuLight& light;
     const LitWorld& world;
-    std::span<const BlockTurn> blocks;
+    TexelBatch texels;
     uint32_t seed;
 
-    glm::uvec2 size() const { return batchSize(blocks.size()); }
+    int firstGuide(size_t source) const { return source == 0 ? 0 : world.atlas.sources[0].guideCount; }
     template <typename ScrambleOf>
-    void trace(int choice, int layer, int source, const ScrambleOf& scrambleOf) const;
+    void trace(int choice, int layer, size_t source, const ScrambleOf& scrambleOf) const;
     void shade() const;
-    void tracePhatexels(RayChoice directions) const;
+    void tracePhatexels(size_t source, RayChoice directions) const;
     void estimateIrradiance() const;
 };
 
 template <typename ScrambleOf>
-void Batch::trace(int choice, int layer, int source, const ScrambleOf& scrambleOf) const {
+void Batch::trace(int choice, int layer, size_t source, const ScrambleOf& scrambleOf) const {
     const ShaderProgram& program = pass.trace.program;
     bindBvh(world.rays.bvh, program, 0);
     bindTexelPoints(light.points, world.atlas, program, kBvhUnits);
     int unit = kBvhUnits + kTexelPointUnits;
-    program.bind("guideSums", unit++, light.guideSums.name());
+    program.bind("guideSums", unit++, light.guides.sums.name());
     program.bind("phatexels", unit++, world.atlas.phatexels.name());
     program.bind("tilePatches", unit++, world.atlas.tilePatches.name());
     program.set("unitMeters", world.atlas.unitMeters);
     program.set("originUnitMeters", world.atlas.unitMeters);
     program.set("choice", choice);
     program.set("layer", layer);
-    program.set("firstGuide", source == 0 ? 0 : world.atlas.sources[0].guideCount);
-    program.set("guideCount", world.atlas.sources[size_t(source)].guideCount);
+    program.set("firstGuide", firstGuide(source));
+    program.set("guideCount", world.atlas.sources[source].guideCount);
     program.set("seed", int(seed));
-    setBatch(program, light, blocks, scrambleOf);
-    pass.trace.draw(pass.raysTarget, size());
+    texels.set(program, scrambleOf);
+    pass.trace.draw(pass.raysTarget, texels.size());
 }
 
 void Batch::shade() const {
@@ -161,28 +97,33 @@ void Batch::shade() const {
     bindHitShading(program, world, pass.hits, pass.places);
     program.set("raySpread", 0.0f);
     program.set("regularized", 0.0f);
-    program.set("ray", 0);
-    setSampleNumbers(program, 1, seed);
-    pass.shade.draw(pass.lightTarget, size());
+    program.set("seed", int(seed));
+    pass.shade.draw(pass.lightTarget, texels.size());
 }
 
-void Batch::tracePhatexels(RayChoice directions) const {
-    for (size_t source = 0; source < world.atlas.sources.size(); ++source) {
-        const GpuPhatexels& phatexels = world.atlas.sources[source];
-        for (int i = 0; i < phatexels.layerCount; ++i) {
-            const int layer = phatexels.firstLayer + i;
-            const std::vector<uint16_t>& scrambles = light.scrambles[size_t(layer)];
-            trace(int(directions), layer, int(source),
-                  [&](BlockTurn turn) { return scrambles.empty() ? 0u : uint32_t(scrambles[turn.block]); });
-            shade();
-            const ShaderProgram& program = pass.pack.program;
-            program.bind("hits", 0, pass.hits.name());
-            program.bind("codes", 1, pass.codes.name());
-            program.bind("radiance", 2, (source == 0 ? pass.indirect : pass.area).name());
-            program.set("unitMeters", world.atlas.unitMeters);
-            pass.pack.draw(pass.packedTarget, size());
-            copyBlocks(light, blocks, pass.packed, world.atlas.phatexels, layer);
-        }
+// Directions are drawn by guides that follow from the PHATexels before, but what looks up PHATexels sees both
+// change at once.
+void Batch::tracePhatexels(size_t source, RayChoice directions) const {
+    const GpuPhatexels& phatexels = world.atlas.sources[source];
+    const std::vector<uint16_t>* scrambles = &light.scrambles[size_t(phatexels.firstLayer)];
+    const GuideTurn guides{texels, phatexels, *scrambles, firstGuide(source)};
+    const bool follows = directions == RayChoice::guided && guides.follows();
+    if (follows) followGuides(pass.guides, light.guides, guides, world.atlas.phatexels);
+    for (int i = 0; i < phatexels.layerCount; ++i) {
+        const int layer = phatexels.firstLayer + i;
+        scrambles = &light.scrambles[size_t(layer)];
+        trace(int(directions), layer, source,
+              [&](BlockTurn turn) { return uint32_t((*scrambles)[turn.block]); });
+        shade();
+        const ShaderProgram& program = pass.pack.program;
+        program.bind("hits", 0, pass.hits.name());
+        program.bind("codes", 1, pass.codes.name());
+        program.bind("radiance", 2, (source == 0 ? pass.indirect : pass.area).name());
+        program.set("unitMeters", world.atlas.unitMeters);
+        pass.pack.draw(pass.packedTarget, texels.size());
+        texels.copyTexels(pass.packed, world.atlas.phatexels, layer);
+        // At hits, the first layer alone is looked up.
+        if (follows && i == 0) showGuides(pass.guides, guides, world.lookup);
     }
 }
 
@@ -198,10 +139,10 @@ void Batch::estimateIrradiance() const {
                      world.surfaces.splitSum.name());
         program.set("originUnitMeters", world.atlas.unitMeters);
         program.set("seed", int(~seed));
-        setBatch(program, light, blocks, [](BlockTurn turn) { return layoutOf(LayoutOf::lights, turn); });
+        texels.set(program, [](BlockTurn turn) { return layoutOf(LayoutOf::lights, turn); });
         glEnable(GL_BLEND);
         glBlendFunc(GL_ONE, GL_ONE);
-        pass.lights.draw(pass.areaTarget, size());
+        pass.lights.draw(pass.areaTarget, texels.size());
         glDisable(GL_BLEND);
     }
     const ShaderProgram& program = pass.estimate.program;
@@ -211,10 +152,10 @@ void Batch::estimateIrradiance() const {
     program.bind("splitSumTable", 3, world.surfaces.splitSum.name());
     program.bind("hits", 4, pass.hits.name());
     bindTexelPoints(light.points, world.atlas, program, 5);
-    setBatch(program, light, blocks, [](BlockTurn) { return 0u; });
-    pass.estimate.draw(pass.estimateTarget, size());
-    copyBlocks(light, blocks, pass.indirectEstimate, light.estimates, 0);
-    copyBlocks(light, blocks, pass.areaEstimate, light.estimates, 1);
+    texels.set(program, [](BlockTurn) { return 0u; });
+    pass.estimate.draw(pass.estimateTarget, texels.size());
+    texels.copyTexels(pass.indirectEstimate, light.estimates, 0);
+    texels.copyTexels(pass.areaEstimate, light.estimates, 1);
 }
 
 }  // namespace
@@ -223,7 +164,7 @@ GpuLight createGpuLight(const Scene& scene, const Atlas& atlas, const TexelPoint
                         const Phatexture& phatexture) {
     GpuLight light;
     light.points = uploadTexelPoints(scene, atlas, points);
-    light.guideSums = uploadGuideSums(phatexture);
+    light.guides = uploadGuideSums(phatexture);
     light.estimates = uploadEstimates(atlas, irradianceTexels(atlas, points), phatexture);
     light.blocks = blockRects(atlas);
     for (const auto* layers : {&phatexture.indirect, &phatexture.area})
@@ -235,14 +176,17 @@ GpuLight createGpuLight(const Scene& scene, const Atlas& atlas, const TexelPoint
 LightUpdatePass createLightUpdatePass(const std::string& folder, const GpuAtlas& atlas,
                                       const GpuLookup& lookup, const std::vector<std::string>& bvhDefines) {
     LightUpdatePass pass;
+    pass.guides = createGuidePass(folder);
     pass.trace = FullscreenProgram(folder, "trace_texels.frag", bvhDefines);
-    pass.shade = FullscreenProgram(folder, "shade_reflections.frag", phatexelDefines(lookup));
+    std::vector<std::string> shading = phatexelDefines(lookup);
+    shading.push_back("TEXELS");
+    pass.shade = FullscreenProgram(folder, "shade_reflections.frag", shading);
     pass.lights = FullscreenProgram(folder, "light_texels.frag", bvhDefines);
     pass.pack = FullscreenProgram(folder, "pack_phatexels.frag");
     pass.estimate = FullscreenProgram(folder, "estimate_irradiance.frag");
     pass.filterFirst = FullscreenProgram(folder, "filter_irradiance.frag", {"FIRST"});
     pass.filter = FullscreenProgram(folder, "filter_irradiance.frag");
-    const glm::uvec2 size(kBatchTexels);
+    const glm::uvec2 size = batchTarget(kBlockSize);
     for (GlTexture* words : {&pass.hits, &pass.places, &pass.indirectEstimate, &pass.areaEstimate})
         *words = createTexture2D(GL_RGBA32UI, size);
     pass.codes = createTexture2D(GL_R32UI, size);
@@ -268,9 +212,10 @@ void traceLight(const LightUpdatePass& pass, const GpuLight& light, const LitWor
     glDisable(GL_BLEND);
     for (size_t first = 0; first < round.blocks.size(); first += kBatchBlocks) {
         const size_t count = std::min<size_t>(kBatchBlocks, round.blocks.size() - first);
-        const Batch batch{pass, light, world, round.blocks.subspan(first, count),
+        const Batch batch{pass, light, world, TexelBatch{light.blocks, round.blocks.subspan(first, count)},
                           uint32_t(hashOf(round.number, first))};
-        if (round.phatexels) batch.tracePhatexels(round.directions);
+        for (size_t source = 0; round.phatexels && source < world.atlas.sources.size(); ++source)
+            if (world.atlas.sources[source].layerCount > 0) batch.tracePhatexels(source, round.directions);
         if (round.irradiance) batch.estimateIrradiance();
     }
     checkGl("updating light");

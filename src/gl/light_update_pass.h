@@ -8,8 +8,8 @@
 
 #include "core/atlas/atlas.h"
 #include "gl/fullscreen.h"
+#include "gl/guide_pass.h"
 #include "gl/light_round.h"
-#include "gl/lookup_pass.h"
 #include "gl/ray_pass.h"
 #include "gl/texel_points.h"
 
@@ -18,7 +18,7 @@ namespace phat {
 /// What is known of the light beside what frames are drawn from.
 struct GpuLight {
     GpuTexelPoints points;
-    GlTexture guideSums;  // R32UI, see shaders/lib/guide_direction.glsl: as GpuAtlas::sources
+    GpuGuides guides;
     GlTexture estimates;  // RGBA32UI [source][y][x], see shaders/lib/irradiance_estimate.glsl
     std::vector<BlockRect> blocks;
     std::vector<std::vector<uint16_t>> scrambles;  // [layer][block] of all sources
@@ -29,6 +29,7 @@ GpuLight createGpuLight(const Scene& scene, const Atlas& atlas, const TexelPoint
 
 /// Programs, and pictures between them.
 struct LightUpdatePass {
+    GuidePass guides;
     FullscreenProgram trace, shade, lights, pack, estimate, filterFirst, filter;
     GlTexture hits, places, codes;  // of the rays, see trace_texels.frag
     GlTexture indirect, area;       // RGBA16F: what they bring

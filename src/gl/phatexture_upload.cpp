@@ -12,14 +12,14 @@ namespace {
 
 constexpr TableFormat kDensities = {GL_R32F, GL_RED, GL_FLOAT};
 
+// 1/sr, of a cell that weighs 1.
+constexpr float kDensityOfUnit = float(kGuideCells) / (2.0f * kPi * float(kGuideTotal));
+
 using GuidePdf = std::array<float, kGuideCells>;
 
 GuidePdf guidePdf(const Guide& guide) {
-    uint32_t total = 0;
-    for (uint16_t weight : guide.weight) total += weight;
-    const float scale = float(kGuideCells) / (2.0f * kPi * float(std::max(total, 1u)));
     GuidePdf pdf;
-    for (size_t i = 0; i < pdf.size(); ++i) pdf[i] = float(guide.weight[i]) * scale;
+    for (size_t i = 0; i < pdf.size(); ++i) pdf[i] = float(guide.weight[i]) * kDensityOfUnit;
     return pdf;
 }
 
@@ -198,6 +198,28 @@ void updateTileLight(const GpuAtlas& gpu, const std::vector<glm::vec4>& light) {
                         GLsizei(gpu.sizeTexels.y / kTileSize), GL_RGBA, GL_FLOAT, light.data());
 }
 
+namespace {
+
+std::vector<Guide> readGuides(const GpuPhatexels& source) {
+    const GLsizei wide = GLsizei(std::min(uint32_t(source.guideCount), kTablesWide)) * kGuideSize;
+    const GLsizei high = (source.guideCount + GLsizei(kTablesWide) - 1) / GLsizei(kTablesWide) * kGuideSize;
+    std::vector<float> densities(size_t(wide) * size_t(high));
+    glGetTextureImage(source.guidePdf.name(), 0, GL_RED, GL_FLOAT, GLsizei(densities.size() * sizeof(float)),
+                      densities.data());
+    std::vector<Guide> guides(size_t(source.guideCount));
+    for (size_t guide = 0; guide < guides.size(); ++guide) {
+        const glm::uvec2 corner = guideCorner(uint32_t(guide));
+        for (uint32_t i = 0; i < kGuideCells; ++i) {
+            const glm::uvec2 at = corner + glm::uvec2(i % kGuideSize, i / kGuideSize);
+            guides[guide].weight[i] =
+                uint16_t(std::lround(densities[size_t(at.y) * size_t(wide) + at.x] / kDensityOfUnit));
+        }
+    }
+    return guides;
+}
+
+}  // namespace
+
 StoredLight readLight(const GpuAtlas& gpu) {
     StoredLight light;
     const GLsizei width = GLsizei(gpu.sizeTexels.x), height = GLsizei(gpu.sizeTexels.y);
@@ -211,6 +233,8 @@ StoredLight readLight(const GpuAtlas& gpu) {
         for (int layer = 0; layer < source.layerCount; ++layer)
             read(gpu.phatexels, source.firstLayer + layer, GL_RG_INTEGER, GL_UNSIGNED_INT,
                  light.phatexels.emplace_back());
+    for (size_t source = 0; source < gpu.sources.size(); ++source)
+        light.guides[source] = readGuides(gpu.sources[source]);
     for (int source = 0; source < 2; ++source)
         read(gpu.irradiance, source, GL_RGB, GL_FLOAT, light.irradiance[size_t(source)]);
     checkGl("reading light");

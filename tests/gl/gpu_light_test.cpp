@@ -6,61 +6,10 @@
 
 #include "core/bake/bake.h"
 #include "core/dynamic/incremental_baker.h"
-#include "gl/traced_world.h"
+#include "gl/light_world.h"
 
 namespace phat::test {
 namespace {
-
-std::vector<BlockTurn> turnsOf(const Atlas& atlas, uint32_t rounds) {
-    std::vector<BlockTurn> turns;
-    for (uint32_t block = 0; block < atlas.blockCount; ++block) turns.push_back({block, rounds});
-    return turns;
-}
-
-/// Of worlds of quads, with guides that differ from block to block.
-struct LightWorld {
-    explicit LightWorld(Scene scene, uint32_t tiles = 8)
-        : world(worldOfQuads(std::move(scene), tiles)), bvh(buildSceneBvh(world.scene)) {
-        fillWithLookups(world, 2, 0);
-        blocks = turnsOf(world.atlas, 0);
-    }
-    RendererInput input() const { return {world.scene, world.atlas, world.points, world.phatexture, &bvh}; }
-    LightRound round(uint32_t number, RayChoice directions = RayChoice::guided) {
-        blocks = turnsOf(world.atlas, number);
-        return {.blocks = blocks, .number = number, .directions = directions};
-    }
-    size_t texelNear(uint32_t surface, glm::vec3 position) const {
-        size_t best = 0;
-        float nearest = 1e30f;
-        for (size_t texel = 0; texel < world.atlas.texelCount(); ++texel) {
-            const glm::uvec2 xy(texel % world.atlas.sizeTexels.x, texel / world.atlas.sizeTexels.x);
-            const float away = glm::distance(world.points.position[texel], position);
-            if (world.atlas.chartAt(xy) != surface || away >= nearest) continue;
-            nearest = away;
-            best = texel;
-        }
-        return best;
-    }
-
-    HeadlessContext context;
-    RendererWorld world;
-    SceneBvh bvh;
-    std::vector<BlockTurn> blocks;
-};
-
-// Calls body(texel, world direction, PHATexel) for the valid PHATexels of a surface's own texels.
-template <typename Body>
-void forPhatexels(const LightWorld& gpu, const StoredLight& light, uint32_t surface, const Body& body) {
-    const Atlas& atlas = gpu.world.atlas;
-    const std::vector<Frame> frames = blockFrames(atlas, gpu.world.points);
-    for (size_t texel = 0; texel < atlas.texelCount(); ++texel) {
-        const glm::uvec2 xy(texel % atlas.sizeTexels.x, texel / atlas.sizeTexels.x);
-        const Phatexel phatexel = unpackPhatexel(light.phatexels[0][texel], 1);
-        if (atlas.chartAt(xy) == surface && gpu.world.points.state[texel] == TexelState::surface &&
-            phatexel.valid)
-            body(texel, frames[atlas.blockAt(xy)].toWorld(phatexel.directionBlock), phatexel);
-    }
-}
 
 TEST(GpuLight, PhatexelsHoldWhatTheirRaysMeet) {
     for (const RayChoice directions : {RayChoice::stored, RayChoice::guided}) {
@@ -109,9 +58,8 @@ TEST(GpuLight, NewDirectionsFollowTheGuideAndTheLayout) {
         const glm::uvec2 inBlock = (xy - atlas.charts[atlas.chartAt(xy)].originTexel()) % kBlockSize;
         const glm::vec2 cell =
             float(kBlockSize) * stratifiedSquare(inBlock, layer.scrambles[block], glm::vec2(0));
-        const glm::vec2 square = float(kBlockSize) * guideToSquare(gpu.world.phatexture.indirectGuides[block],
-                                                                   phatexel.directionBlock);
-        // Directions are rounded to 24 bits, which is the more the denser the guide.
+        const glm::vec2 square =
+            float(kBlockSize) * guideToSquare(light.guides[0][block], phatexel.directionBlock);
         // Directions are rounded to 24 bits; near the border of a row of the guide, into the next one.
         const bool inside =
             glm::all(glm::greaterThan(square, cell - 0.1f)) && glm::all(glm::lessThan(square, cell + 1.1f));
@@ -252,7 +200,7 @@ TEST(GpuLight, SettlesToABakeOfTheChangedScene) {
     const Camera eye = lookAtCamera({0.5f, 0.6f, 0.9f}, {0.5f, 0.2f, 0.3f}, 60);
     for (uint32_t number = 1; !order.settled(); ++number) {
         const std::vector<BlockTurn> turns = order.next(order.size(), eye);
-        renderer.traceLight({.blocks = turns, .number = number});
+        renderer.traceLight({.blocks = turns, .number = number, .directions = RayChoice::guided});
         renderer.filterLight();
     }
     const StoredLight light = renderer.readLight();
