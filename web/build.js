@@ -34,6 +34,8 @@ const roots = [
 ];
 // Those that only light_updates.js needs, which few rooms load.
 const laterRoots = [
+    'gather_guides.frag',
+    'tabulate_guides.frag',
     'trace_texels.frag',
     'light_texels.frag',
     'pack_phatexels.frag',

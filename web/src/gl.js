@@ -178,6 +178,8 @@ function clientFormat(gl, format) {
         case gl.RGBA16F:
         case gl.RGBA32F:
             return [gl.RGBA, gl.FLOAT];
+        case gl.RG32F:
+            return [gl.RG, gl.FLOAT];
         case gl.RGBA32UI:
             return [gl.RGBA_INTEGER, gl.UNSIGNED_INT];
         case gl.RG32UI:

@@ -55,7 +55,7 @@ export class BakedLight {
     /**
      * The room's lamps. What one is set to is drawn in the next picture; the light that the room's surfaces reflect of it follows
      * over the next pictures, as rays make PHATexels and irradiance anew. The first use loads what does so (12 kB), the first
-     * change allocates about 80 bytes of GPU memory a texel. Rejects, with the reason, where the file lacks what is needed;
+     * change allocates about 90 bytes of GPU memory a texel. Rejects, with the reason, where the file lacks what is needed;
      * where that shows later, a warning is logged, and the light stays as it was.
      */
     readonly lights: Promise<Lamp[]>;

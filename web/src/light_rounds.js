@@ -87,7 +87,13 @@ export class LightRounds {
         if (blocks.length === 0) return;
         if (isBounded && !clock) this.timer.begin({ blocks: blocks.length });
         this.pass.begin();
-        this.pass.trace(scene, blocks, ++this.number);
+        // First the light along the directions that there are; they follow it from then on.
+        for (const isFirst of [true, false])
+            this.pass.trace(scene, {
+                blocks: blocks.filter(({ rounds }) => (rounds === 0) === isFirst),
+                number: ++this.number,
+                isGuided: !isFirst,
+            });
         this.timer.end();
         clock?.ended('light');
         this.unfiltered += blocks.length;

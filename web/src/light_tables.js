@@ -38,14 +38,6 @@ export function bakedEstimates(irradiance, points, isOfArea) {
     return words;
 }
 
-// What irradiance was before counts as so many samples: few for as long as a change spreads from bounce to bounce, and
-// then ever more.
-export function maxSamples(rounds) {
-    const kMin = 4,
-        kSpreading = 32;
-    return kMin + Math.floor((Math.max(rounds, kSpreading) - kSpreading) / 4);
-}
-
 // What a layout is of.
 export const kRays = 0,
     kLights = 1;

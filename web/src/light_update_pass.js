@@ -3,20 +3,19 @@
 import later from 'phat:later-shaders';
 import { ShaderProgram, addShaders, createFramebuffer, createTexture2D, createTextureArray } from './gl.js';
 import { prepareUploads, resetState } from './fixed.js';
-import { bakedEstimates, guideSumsOf, kLights, kRays, layoutOf, maxSamples } from './light_tables.js';
+import { GuidePass } from './guide_pass.js';
+import { bakedEstimates, kLights, kRays, layoutOf } from './light_tables.js';
 import { ProgramSet, bindHitLights, shadeHits } from './ray_pass.js';
-import { hashOf, placeNumbers, sampleNumberTables } from './sample_numbers.js';
-import { createTable, uploadGuideTables } from './tables.js';
+import { hashOf } from './sample_numbers.js';
+import { createTable } from './tables.js';
+import { TexelBatch, batchTarget, kBatchBlocks } from './texel_batch.js';
 import { kBlockSize } from './texel_points.js';
 
-// twin: shaders/lib/texel_batch.glsl.
-const kBatchSide = 8,
-    kBatchBlocks = kBatchSide * kBatchSide,
-    kBatchTexels = kBatchSide * kBlockSize;
 // Steps of 1, 2, 4, 8 and 16 texels.
 const kFilterPasses = 5;
 // twin: the constants of trace_texels.frag.
 const kStoredChoice = 0,
+    kGuidedChoice = 1,
     kDiffuseChoice = 2;
 // Texture units; trees come first.
 const kTreeUnits = 4,
@@ -31,8 +30,10 @@ export class LightPrograms extends ProgramSet {
             ofTrees = hasOpacity ? [...defines, 'BVH_OPACITY'] : defines;
         const fullscreen = (file, more = []) => new ShaderProgram(gl, 'fullscreen.vert', file, more);
         super({
+            gather: fullscreen('gather_guides.frag'),
+            tabulate: fullscreen('tabulate_guides.frag'),
             trace: fullscreen('trace_texels.frag', ofTrees),
-            shade: fullscreen('shade_reflections.frag', [...ofLookup, 'WITHOUT_PUNCTUAL_LIGHTS']),
+            shade: fullscreen('shade_reflections.frag', [...ofLookup, 'WITHOUT_PUNCTUAL_LIGHTS', 'TEXELS']),
             hitLights: fullscreen('trace_hit_lights.frag', ofTrees),
             lights: fullscreen('light_texels.frag', ofTrees),
             pack: fullscreen('pack_phatexels.frag'),
@@ -52,8 +53,9 @@ export class LightUpdatePass {
             { atlas } = passes.bake;
         Object.assign(this, { gl, passes, blocks: points.blocks, set: programs, programs: programs.all });
         this.sources = [
-            { firstLayer: 0, layers: lookup.layerCount, firstGuide: 0, guideCount: lookup.guideCount },
+            { isArea: false, firstLayer: 0, layers: lookup.layerCount, firstGuide: 0, guideCount: lookup.guideCount },
             {
+                isArea: true,
                 firstLayer: lookup.layerCount,
                 layers: lookup.layers.length - lookup.layerCount,
                 firstGuide: lookup.guideCount,
@@ -61,6 +63,7 @@ export class LightUpdatePass {
             },
         ].slice(0, atlas.areaIrradiance ? 2 : 1);
         prepareUploads(gl);
+        this.guides = new GuidePass(passes, this.programs);
         this.createLight(atlas, points);
         this.createTargets(atlas);
     }
@@ -72,7 +75,6 @@ export class LightUpdatePass {
         this.points = createTexture2D(gl, gl.RGBA32UI, width, height, points.places);
         this.normals = createTexture2D(gl, gl.R32UI, width, height, points.normals);
         this.poses = createTable(gl, gl.RGBA32F, Float32Array.from(charts.flatMap(() => identity)));
-        this.guideSums = uploadGuideTables(gl, gl.R32UI, this.passes.lookup.guides, guideSumsOf);
         const none = new Uint32Array(4 * width * height);
         this.estimates = createTextureArray(gl, gl.RGBA32UI, width, height, [
             bakedEstimates(indirectIrradiance, points, false),
@@ -82,7 +84,7 @@ export class LightUpdatePass {
 
     createTargets({ width, height }) {
         const { gl } = this,
-            side = kBatchTexels,
+            side = batchTarget(kBlockSize),
             texture = (format) => createTexture2D(gl, format, side, side);
         [this.hits, this.places, this.indirectEstimate, this.areaEstimate] = Array.from({ length: 4 }, () =>
             texture(gl.RGBA32UI),
@@ -107,21 +109,20 @@ export class LightUpdatePass {
     }
 
     // PHATexels of `blocks` (BlockOrder.next) are replaced; their irradiance is estimated better, and shown once it is
-    // filtered. `scene`: a RayScene; `number`: of the round.
-    trace(scene, blocks, number) {
+    // filtered. `scene`: a RayScene; `number`: of the round; `isGuided`: whether PHATexels have new directions, by guides
+    // that follow the light, or those that they have.
+    trace(scene, { blocks, number, isGuided }) {
         const { gl, passes } = this;
         this.world = { gl, scene, passes };
         for (let first = 0; first < blocks.length; first += kBatchBlocks) {
-            const batch = blocks.slice(first, first + kBatchBlocks);
-            this.batch = batch;
+            this.batch = new TexelBatch(gl, this.blocks, blocks.slice(first, first + kBatchBlocks));
             this.seed = hashOf(number, first);
-            this.size = [kBatchTexels, Math.ceil(batch.length / kBatchSide) * kBlockSize];
-            this.tracePhatexels();
+            this.sources.forEach((source) => this.tracePhatexels(source, isGuided));
             this.estimateIrradiance();
         }
     }
 
-    draw(target, [width, height] = this.size) {
+    draw(target, [width, height] = this.batch.size) {
         const { gl } = this;
         gl.bindFramebuffer(gl.FRAMEBUFFER, target);
         gl.viewport(0, 0, width, height);
@@ -141,37 +142,6 @@ export class LightUpdatePass {
         this.gl.disable(this.gl.BLEND);
     }
 
-    // The blocks of the batch, of which the layouts follow from `scrambleOf(turn)`.
-    setBatch(program, scrambleOf) {
-        const entries = new Uint32Array(4 * kBatchBlocks);
-        this.batch.forEach((turn, i) => {
-            const { origin, size } = this.blocks[turn.block];
-            entries.set(
-                [
-                    (origin[1] << 16) | origin[0],
-                    (size[1] << 16) | size[0],
-                    turn.block,
-                    (maxSamples(turn.rounds) << 16) | scrambleOf(turn),
-                ],
-                4 * i,
-            );
-        });
-        program.set('batchBlocks', entries);
-    }
-
-    // Copies attachment `from` of what was drawn for each block to its place.
-    copyBlocks(target, from, to, layer) {
-        const { gl } = this;
-        gl.bindFramebuffer(gl.READ_FRAMEBUFFER, target);
-        gl.readBuffer(gl.COLOR_ATTACHMENT0 + from);
-        gl.bindTexture(gl.TEXTURE_2D_ARRAY, to);
-        this.batch.forEach(({ block }, i) => {
-            const { origin, size } = this.blocks[block],
-                corner = [i % kBatchSide, Math.floor(i / kBatchSide)].map((at) => at * kBlockSize);
-            gl.copyTexSubImage3D(gl.TEXTURE_2D_ARRAY, 0, ...origin, layer, ...corner, ...size);
-        });
-    }
-
     // What lib/texel_point.glsl reads, from `unit` on.
     bindTexelPoints(program, unit) {
         const { gl } = this;
@@ -189,7 +159,7 @@ export class LightUpdatePass {
         this.world.scene.bindTrees(program, 0);
         this.bindTexelPoints(program, kTreeUnits);
         let unit = kTreeUnits + kTexelPointUnits;
-        program.bind('guideSums', unit++, gl.TEXTURE_2D, this.guideSums);
+        program.bind('guideSums', unit++, gl.TEXTURE_2D, this.guides.sums);
         program.bind('phatexels', unit++, gl.TEXTURE_2D_ARRAY, passes.phatexels);
         program.bind('tilePatches', unit++, gl.TEXTURE_2D, passes.atlas.tilePatches);
         for (const [name, value] of Object.entries({ unitMeters, originUnitMeters: unitMeters, choice, layer }))
@@ -197,39 +167,45 @@ export class LightUpdatePass {
         program.set('firstGuide', firstGuide);
         program.set('guideCount', guideCount);
         program.set('seed', this.seed | 0);
-        this.setBatch(program, scrambleOf);
+        this.batch.set(program, scrambleOf);
         this.draw(this.targets.rays);
     }
 
     shade() {
         const { shade: program, hitLights } = this.programs,
-            numbers = { ...sampleNumberTables(1, this.seed), placeNumbers: placeNumbers(), ray: 0 };
+            { light } = this.targets;
         shadeHits(program, this.world, this, { spread: 0, regularized: 0 }, () => {
-            for (const [name, value] of Object.entries(numbers)) program.set(name, value);
-            this.draw(this.targets.light);
+            program.offer('seed', this.seed | 0);
+            this.draw(light);
         });
         if (this.world.scene.lightCount === 0) return;
         bindHitLights(hitLights, this.world, this, 0);
         this.drawAdded(this.targets.indirect);
     }
 
-    tracePhatexels() {
-        const { gl, passes } = this,
-            { pack: program } = this.programs;
-        this.sources.forEach((source, kind) => {
-            for (let layer = source.firstLayer; layer < source.firstLayer + source.layers; ++layer) {
-                const { scrambles } = passes.lookup.layers[layer];
-                this.traceRays(kStoredChoice, layer, source, ({ block }) => scrambles[block]);
-                this.shade();
-                program.use();
-                program.bind('hits', 0, gl.TEXTURE_2D, this.hits);
-                program.bind('codes', 1, gl.TEXTURE_2D, this.codes);
-                program.bind('radiance', 2, gl.TEXTURE_2D, kind === 0 ? this.indirect : this.area);
-                program.set('unitMeters', passes.bake.atlas.unitMeters);
-                this.draw(this.targets.packed);
-                this.copyBlocks(this.targets.packed, 0, passes.phatexels, layer);
-            }
-        });
+    // Directions are drawn by guides that follow from the PHATexels before, but what looks up PHATexels sees both change at
+    // once.
+    tracePhatexels(source, isGuided) {
+        const { gl, passes, batch } = this,
+            { pack: program } = this.programs,
+            { isArea, firstLayer } = source,
+            follows = isGuided && source.guideCount > 1; // one guide for all blocks stays
+        if (follows) this.guides.follow(batch, source, (target, size) => this.draw(target, size));
+        for (let layer = firstLayer; layer < firstLayer + source.layers; ++layer) {
+            const { scrambles } = passes.lookup.layers[layer];
+            const choice = isGuided ? kGuidedChoice : kStoredChoice;
+            this.traceRays(choice, layer, source, ({ block }) => scrambles[block]);
+            this.shade();
+            program.use();
+            program.bind('hits', 0, gl.TEXTURE_2D, this.hits);
+            program.bind('codes', 1, gl.TEXTURE_2D, this.codes);
+            program.bind('radiance', 2, gl.TEXTURE_2D, isArea ? this.area : this.indirect);
+            program.set('unitMeters', passes.bake.atlas.unitMeters);
+            this.draw(this.targets.packed);
+            batch.copyTexels(this.targets.packed, 0, passes.phatexels, layer);
+            // At hits, the first layer alone is looked up.
+            if (follows && layer === firstLayer) this.guides.show(batch, source);
+        }
     }
 
     // Light of a sampled point of an emitter.
@@ -245,7 +221,7 @@ export class LightUpdatePass {
         program.bind('splitSumTable', unit, gl.TEXTURE_2D, passes.splitSum);
         program.set('originUnitMeters', passes.bake.atlas.unitMeters);
         program.set('seed', ~this.seed);
-        this.setBatch(program, (turn) => layoutOf(kLights, turn));
+        this.batch.set(program, (turn) => layoutOf(kLights, turn));
         this.drawAdded(this.targets.area);
     }
 
@@ -262,9 +238,9 @@ export class LightUpdatePass {
         program.bind('splitSumTable', 3, gl.TEXTURE_2D, passes.splitSum);
         program.bind('hits', 4, gl.TEXTURE_2D, this.hits);
         this.bindTexelPoints(program, 5);
-        this.setBatch(program, () => 0);
+        this.batch.set(program, () => 0);
         this.draw(targets.estimates);
-        for (const source of [0, 1]) this.copyBlocks(targets.estimates, source, this.estimates, source);
+        for (const source of [0, 1]) this.batch.copyTexels(targets.estimates, source, this.estimates, source);
     }
 
     // Filters the irradiance of all texels, from the estimates so far; a step of the filter for each value that is asked
@@ -293,11 +269,12 @@ export class LightUpdatePass {
             of = ({ filtered, irradiance, ...others }) => [...Object.values(others), ...filtered, ...irradiance];
         of(this.targets).forEach((framebuffer) => gl.deleteFramebuffer(framebuffer));
         // `irradiance` is the passes' own.
-        const { points, normals, poses, guideSums, estimates, hits, places, indirectEstimate, areaEstimate } = this;
-        for (const texture of [points, normals, poses, guideSums, estimates, hits, places, indirectEstimate, areaEstimate])
+        const { points, normals, poses, estimates, hits, places, indirectEstimate, areaEstimate } = this;
+        for (const texture of [points, normals, poses, estimates, hits, places, indirectEstimate, areaEstimate])
             gl.deleteTexture(texture);
         for (const texture of [this.codes, this.packed, this.indirect, this.area, ...this.filtered])
             gl.deleteTexture(texture);
+        this.guides.dispose();
         this.set.dispose();
     }
 }

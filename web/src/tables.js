@@ -4,8 +4,8 @@ import { createTexture2D, createTextureArray } from './gl.js';
 import { kNoChart } from './file.js';
 
 export const kTableWidth = 2048; // twin: shaders/lib/table.glsl
-const kTablesWide = 512; // twin: shaders/lib/lookup_tables.glsl
-const kTableSide = 16;
+export const kTablesWide = 512; // twin: shaders/lib/lookup_tables.glsl
+export const kTableSide = 16;
 
 // Words or floats, four a texel.
 export function createTable(gl, format, values) {

@@ -83,6 +83,7 @@ test('a lamp that is dimmed by half leaves half of the light, and the untouched 
     assert.deepEqual(lamps, [{ name: 'ceiling', intensity: 1, visible: true }]);
     assert.deepEqual(names(requests), ['light_updates.js']);
     // To know the lamps changes nothing.
+    assert.equal(await page.evaluate(() => viewer.light.isSettled), true);
     assert.deepEqual(await pixelsOf(page, 4, 'default'), baked);
     const pictures = await settled(page, { ceiling: { intensity: 0.5 } });
     assert.ok(pictures >= 128, `${pictures}`);
