@@ -6,16 +6,17 @@ import { findTexelPoints } from './texel_points.js';
 
 const kSliceMilliseconds = 8;
 
-// Lets the page draw when more than a slice of time has passed.
-function pauses() {
-    let since = performance.now();
-    return async () => {
-        if (performance.now() - since < kSliceMilliseconds) return;
-        await new Promise((done) => {
-            setTimeout(done);
+// What a generator returns; the page may draw between slices of its steps.
+async function inSlices(steps) {
+    for (let since = performance.now(); ; ) {
+        const { done, value } = steps.next();
+        if (done) return value;
+        if (performance.now() - since < kSliceMilliseconds) continue;
+        await new Promise((next) => {
+            setTimeout(next);
         });
         since = performance.now();
-    };
+    }
 }
 
 // One sentence, or nothing.
@@ -40,6 +41,7 @@ export class LightUpdates {
     }
 
     noteChange() {
+        if (this.light.disposed) return;
         ++this.changes;
         this.preparing ??= this.prepare().catch((error) => this.fail(error));
     }
@@ -65,7 +67,9 @@ export class LightUpdates {
         await light.loadTrees();
         if (light.disposed) return;
         if (!light.bake.trees) throw new Error('its trees for rays cannot be read');
-        this.points = await findTexelPoints(surfaces, atlas, covered, pauses());
+        const points = await inSlices(findTexelPoints(surfaces, atlas, covered));
+        if (light.disposed) return;
+        this.points = points;
         light.onProgress?.();
     }
 

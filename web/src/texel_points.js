@@ -139,15 +139,18 @@ class Claims {
         this.triangles = triangles;
         this.triangle = new Int32Array(this.width * this.height).fill(kNone);
         this.distance = new Float32Array(this.triangle.length).fill(Infinity); // texels; 0: the centre is inside
-        this.claimCentres();
+    }
+
+    *settle() {
+        yield* this.claimCentres();
         // A candidate travels one texel a round.
-        for (let round = 0; round < kGutterReach + 2 && this.spread(); ++round);
+        for (let round = 0; round < kGutterReach + 2 && this.spread(); ++round) yield;
     }
 
     // A triangle around no centre claims the texel under its middle.
-    claimCentres() {
+    *claimCentres() {
         const small = [];
-        this.triangles.forEach(({ corner }, t) => {
+        for (const [t, { corner }] of this.triangles.entries()) {
             let any = false;
             forEachTexel(corner, this.width, this.height, (x, y) => {
                 const i = y * this.width + x;
@@ -157,7 +160,8 @@ class Claims {
                 this.distance[i] = 0;
             });
             if (!any) small.push(t);
-        });
+            yield;
+        }
         for (const t of small) {
             const [x, y] = [0, 1].map((axis) =>
                 Math.trunc(this.triangles[t].corner.reduce((sum, c) => sum + c[axis], 0) / 3),
@@ -260,14 +264,15 @@ export class TexelPoints {
     }
 
     // Writes the texels of `chart`, which has those triangles or is the other side of one that has.
-    fill(chart, claims) {
+    *fill(chart, claims) {
         const [left, top] = chart.originTile.map((tile) => 8 * tile),
             texelOf = (i) => (top + Math.floor(i / claims.width)) * this.atlas.width + left + (i % claims.width);
         // Where nothing but gutters is to be seen, these have irradiance of their own.
         const hasSurface = claims.distance.some((d, i) => d === 0 && !this.isCovered(texelOf(i))),
             side = chart.back ? -1 : 1;
-        claims.triangle.forEach((t, i) => {
-            if (t === kNone) return;
+        for (const [i, t] of claims.triangle.entries()) {
+            if (i % claims.width === 0) yield;
+            if (t === kNone) continue;
             const [x, y] = [i % claims.width, Math.floor(i / claims.width)],
                 triangle = claims.triangles[t],
                 isInside = claims.distance[i] === 0,
@@ -276,13 +281,13 @@ export class TexelPoints {
                 turned = normal.map((c) => side * c);
             const block = this.blocks[chart.firstBlock + (y >> 5) * chart.blocksWide + (x >> 5)];
             block.addNormal(turned);
-            if (this.isCovered(texel)) return;
+            if (this.isCovered(texel)) continue;
             block.addPosition(position);
             this.positions.set(position, 4 * texel);
             this.places[4 * texel + 3] = packDirection(triangle.faceNormal.map((c) => side * c));
             const receives = isInside || !hasSurface;
             this.normals[texel] = receives ? packDirection(turned) : kNoIrradiance;
-        });
+        }
     }
 
     receives(texel) {
@@ -298,8 +303,8 @@ function trianglesByChart({ charts, triangleChart }) {
     return lists;
 }
 
-// The points of all texels. `pause`: is awaited between charts, so that pages stay responsive.
-export async function findTexelPoints(surfaces, atlas, covered, pause) {
+// The points of all texels, in small steps, between which pages may draw. Returns TexelPoints.
+export function* findTexelPoints(surfaces, atlas, covered) {
     const points = new TexelPoints(atlas, covered),
         floats = new Float32Array(surfaces.vertices.buffer);
     for (const [c, triangles] of trianglesByChart(atlas).entries()) {
@@ -310,9 +315,9 @@ export async function findTexelPoints(surfaces, atlas, covered, pause) {
                 chart,
                 triangles.map((t) => new TexelTriangle(surfaces, floats, t, chart)),
             );
-        points.fill(chart, claims);
-        if (other) points.fill(other, claims);
-        await pause();
+        yield* claims.settle();
+        yield* points.fill(chart, claims);
+        if (other) yield* points.fill(other, claims);
     }
     points.blocks = points.blocks.map((block) => block.place());
     return points;

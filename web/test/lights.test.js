@@ -9,6 +9,7 @@ import { lampRoom } from './lamp_room.js';
 import { maeOverMean, meanOf, phat, readExr } from './room.js';
 import { loaded, loseContext, open, pixelsOf, rest } from './site.js';
 
+const repository = new URL('../../', import.meta.url).pathname;
 // Few texels: a software driver traces the rays.
 const bakeOptions = ['--resolution', '8k', '--photons', '100k', '--quiet'];
 let folder, browser;
@@ -138,6 +139,50 @@ test('light that follows is made again when the context was lost', async (t) => 
     t.diagnostic(`MAE/mean ${error.toFixed(4)}`);
     assert.ok(error < 0.02 && maeOverMean(before, baked) > 0.3, `${error}, ${maeOverMean(before, baked)}`);
     assert.deepEqual(page.problems, []);
+});
+
+test('the package loads what is needed, and leaves nothing behind', async (t) => {
+    const file = await bakedRoom('left', { ceiling: 8, point: 6 }, '--samples', '2');
+    const server = await serve(join(repository, 'web'), '/', { 'test/room.phat.glb': file }),
+        page = await browser.value.newPage();
+    t.after(async () => {
+        await page.close();
+        server.close();
+    });
+    await page.goto(`${server.url}test/plugin.html`);
+    await page.waitForFunction(() => globalThis.ready);
+    const result = await page.evaluate(async () => {
+        const world = await load(true),
+            { light } = world,
+            baked = draw(world),
+            [point, ceiling] = await light.lights,
+            strengths = () => [point.source.intensity, ceiling.source.emissiveIntensity],
+            found = { names: [point.name, ceiling.name], before: strengths() };
+        point.intensity = 3;
+        ceiling.visible = false;
+        found.set = strengths();
+        const next = () =>
+            new Promise((done) => {
+                setTimeout(done, 10);
+            });
+        // By the time that each picture may take.
+        for (let i = 0; i < 5000 && !(light.updatedMilliseconds > 0 && light.updates.last.number > 20); ++i) {
+            draw(world);
+            await next();
+        }
+        const { order, perPicture } = light.updates.last;
+        Object.assign(found, { blocks: order.places.length, perPicture, textures: countAlive().Texture });
+        found.changed = draw(world).some((x, i) => Math.abs(x - baked[i]) > 30);
+        light.dispose();
+        return { ...found, after: strengths(), left: countAlive(), isSettled: light.isSettled };
+    });
+    assert.deepEqual(result.names, ['point', 'ceiling']);
+    assert.deepEqual(result.set, [3 * result.before[0], 0]);
+    assert.deepEqual(result.after, result.before);
+    assert.ok(result.perPicture >= 1 && result.perPicture <= result.blocks, `${result.perPicture} of ${result.blocks}`);
+    assert.ok(result.changed && result.textures > 20);
+    t.diagnostic(JSON.stringify(result.left));
+    assert.deepEqual(new Set(Object.values(result.left)), new Set([0]));
 });
 
 test('says why light does not follow, and leaves the room as it was', async (t) => {
