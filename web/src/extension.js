@@ -111,6 +111,11 @@ export class BakedLight {
         return this.loadingLights;
     }
 
+    async followChanges() {
+        await this.lights;
+        this.updates.noteChange();
+    }
+
     get isSettled() {
         return this.updates?.isSettled ?? true;
     }

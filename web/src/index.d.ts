@@ -59,6 +59,11 @@ export class BakedLight {
      * where that shows later, a warning is logged, and the light stays as it was.
      */
     readonly lights: Promise<Lamp[]>;
+    /**
+     * From now on, as from the first lamp that is set, the light follows the room's materials and all punctual lights of the
+     * scene, too: a floor that is painted red reddens the wall. What changed before is followed as well. Rejects as `lights` does.
+     */
+    followChanges(): Promise<void>;
     /** GPU time that this may take of a picture. Default: 4; Infinity: as much as all texels take once. */
     updateMilliseconds: number;
     /** About how long that took in the last picture; 0 where there was nothing to do. */

@@ -19,7 +19,8 @@ export class LightRounds {
         Object.assign(this, { passes, points });
         this.order = new BlockOrder(points.blocks);
         this.timer = new PassTimer(passes.gl);
-        this.changes = 0; // of the lamps, that are known here
+        this.changes = 0; // that are known here: of the lamps, see LightUpdates
+        this.revision = 0; // of the RayScene
         this.number = 0; // of the round
         this.perPicture = kFirstBlocks;
         this.unfiltered = 0; // blocks that were made since irradiance was last filtered
@@ -30,11 +31,11 @@ export class LightRounds {
 
     // Does a picture's part of the work. `light`: a BakedLight; `changes`: how often its lamps have been set.
     follow(light, view, changes) {
-        if (this.changes !== changes) this.order.noteChange();
-        this.changes = changes;
-        this.milliseconds = 0;
+        const scene = this.passes.rays.sceneOf(light),
+            { revision } = scene;
+        if (this.changes !== changes || this.revision !== revision) this.order.noteChange();
+        Object.assign(this, { changes, revision, milliseconds: 0 });
         if (this.isSettled) return;
-        const scene = this.passes.rays.sceneOf(light);
         if (!this.isReady(scene, light)) return;
         this.learn(light.updateMilliseconds);
         this.trace(scene, view, light);

@@ -24,6 +24,7 @@ export class RayScene {
         this.materials = [...new Set(surfaces.drawRanges.map(({ mesh }) => mesh.material))];
         this.colored = hasColors(surfaces.vertices);
         this.structure = '';
+        this.revision = 0; // counts changes of what shines and reflects
         this.lightRows = null;
         this.linear = gl.createSampler();
         for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
@@ -48,6 +49,7 @@ export class RayScene {
             gl.deleteTexture(this.lights ?? null);
             this.lights = createTable(gl, gl.RGBA32F, rows);
             Object.assign(this, { lightRows: rows, lightCount: count });
+            ++this.revision;
         }
         this.hasGlass = this.materials.some(isGlass);
         this.brightest = brightestRadiance(this.materials, environment?.image.data, count);
@@ -57,6 +59,7 @@ export class RayScene {
         const { gl, renderer, bake, materials, noVertices } = this,
             { surfaces, trees } = bake;
         this.freeTables();
+        ++this.revision;
         this.images = new HitImages(gl, renderer, materials, noVertices);
         this.rows = materialRows(materials, this.images, this.colored);
         const { table, ...hits } = hitTable({
@@ -79,6 +82,7 @@ export class RayScene {
         // A colour may be one that a picture does not have.
         if (emitters.length !== kEmitterWords * this.hits.emitterCount) return this.rebuild();
         this.rows = rows;
+        ++this.revision;
         this.write(0, rows);
         this.write(this.hits.firstEmitter, emitters);
     }

@@ -20,12 +20,12 @@ export function batchCorner(i, texels) {
     return [(i % kBatchSide) * texels, Math.floor(i / kBatchSide) * texels];
 }
 
-// What was known before counts as so many samples: few for as long as a change spreads from bounce to bounce, and then
-// ever more.
+// What was known before counts as so many samples: as one at first, because a lamp changes all light; few for as long as
+// the change spreads from bounce to bounce, and then ever more.
 function maxSamples(rounds) {
     const kMin = 4,
         kSpreading = 32;
-    return kMin + Math.floor((Math.max(rounds, kSpreading) - kSpreading) / 4);
+    return Math.max(Math.min(rounds, kMin), 1) + Math.floor((Math.max(rounds, kSpreading) - kSpreading) / 4);
 }
 
 export class TexelBatch {

@@ -1,8 +1,9 @@
 // A room with a lamp under the ceiling, one at a wall and one at a point, and with a metal plate in it, as a .glb.
 import { GlbBuilder } from './built_room.js';
 
-// `lamps`: how bright each of those is that the room has; those of surfaces may be 0.
-export function lampRoom({ ceiling, wall, point }) {
+// `ceiling`, `wall`, `point`: how bright each of those is that the room has; those of surfaces may be 0. `paint`: the colour
+// of the left wall.
+export function lampRoom({ ceiling, wall, point, paint = [0.8, 0.15, 0.1] }) {
     const room = new GlbBuilder();
     const material = (name, baseColor, more = {}, factors = {}) =>
         room.push('materials', {
@@ -31,7 +32,7 @@ export function lampRoom({ ceiling, wall, point }) {
         [[1.5, 0, 1.5], [-3, 0, 0], up],
         [[1.5, 0, 1.5], up, back],
     ]);
-    room.add(material('red', [0.8, 0.15, 0.1]), [[[-1.5, 0, 1.5], back, up]]);
+    room.add(material('red', paint), [[[-1.5, 0, 1.5], back, up]]);
     room.add(material('plate', [0.9, 0.9, 0.9], {}, { metallicFactor: 1, roughnessFactor: 0.3 }), [
         [[-0.8, 0.3, -0.9], [0, 0, 1.2], [1.6, 0, 0]],
         [[-0.8, 0.3, -0.9], [1.6, 0, 0], [0, 0, 1.2]],

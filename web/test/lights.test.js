@@ -208,6 +208,27 @@ test('says why light does not follow, and leaves the room as it was', async (t) 
     assert.deepEqual(page.problems, []);
 });
 
+test('a wall that is painted colours the others, when changes are followed', async (t) => {
+    const page = await openBaked(t, await bakedRoom('painted', { ceiling: 8 })),
+        blue = [0.1, 0.2, 0.9],
+        expected = await rendered(await bakedRoom('blue', { ceiling: 8, paint: blue })),
+        again = await rendered(await bakedRoom('blue-again', { ceiling: 8, paint: blue }, '--seed', '2'));
+    await rest(page);
+    await page.evaluate(async (color) => {
+        await viewer.light.followChanges();
+        viewer.scene.traverse(({ material }) => {
+            if (material?.name === 'red') material.color.setRGB(...color);
+        });
+    }, blue);
+    const unfollowed = await pixelsOf(page, 4, 'default');
+    await settled(page, {});
+    const pixels = await pixelsOf(page, 4, 'default'),
+        [error, noise, before] = [pixels, again, unfollowed].map((picture) => maeOverMean(picture, expected));
+    t.diagnostic(`MAE/mean ${error.toFixed(4)}; of another bake ${noise.toFixed(4)}, not followed ${before.toFixed(4)}`);
+    assert.ok(error < noise + 0.02 && before > 2 * error, `${error}, another bake ${noise}, before ${before}`);
+    assert.deepEqual(page.problems, []);
+});
+
 // Both lamps that are switched: one has an area, the other none.
 for (const switched of ['wall', 'point'])
     test(`a room in which "${switched}" is switched off is one that was baked without it`, async (t) => {
