@@ -226,6 +226,13 @@ test('a wall that is painted colours the others, when changes are followed', asy
         [error, noise, before] = [pixels, again, unfollowed].map((picture) => maeOverMean(picture, expected));
     t.diagnostic(`MAE/mean ${error.toFixed(4)}; of another bake ${noise.toFixed(4)}, not followed ${before.toFixed(4)}`);
     assert.ok(error < noise + 0.02 && before > 2 * error, `${error}, another bake ${noise}, before ${before}`);
+    // Once more, at rest.
+    const isSettled = await page.evaluate(() => {
+        viewer.scene.traverse(({ material }) => material?.name === 'red' && material.color.set('green'));
+        viewer.addSample('fast', 1);
+        return viewer.light.isSettled;
+    });
+    assert.equal(isSettled, false);
     assert.deepEqual(page.problems, []);
 });
 
