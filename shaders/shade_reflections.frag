@@ -22,11 +22,7 @@ uniform sampler2D environment;      // see background.frag
 uniform float turn;
 uniform vec3 brightest;             // radiance that nothing exceeds
 uniform float raySpread;            // radians that a ray of a mirror stands for
-#ifdef TEXELS
-uniform int seed;
-#else
 uniform int ray;
-#endif
 uniform float regularized;          // of the ray's alpha, see below; 0: nothing is
 
 layout(location = 0) out vec4 indirectOut;  // times the ray's weight; the weight
@@ -136,8 +132,10 @@ vec3 punctualLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFro
 // Four numbers in [0,1) that say what happens at the hit.
 vec4 numbersOf(ivec2 pixel, TracedRay found) {
 #ifdef TEXELS
-    // The layout that texels take their directions from must not be that of these numbers, too.
-    return vec4(randomNumbers(uvec3(pixel, seed)), randomNumbers(uvec3(pixel, ~seed)).x);
+    // The layout that texels take their directions from must not be that of these numbers, too; and a ray that meets what it
+    // has met before shall see the same, so that changes of light can be told from noise.
+    uvec3 place = floatBitsToUint(found.position);
+    return vec4(randomNumbers(place), randomNumbers(~place).x);
 #else
     // Two have chosen the ray's direction: of them there is what is finer.
     vec4 u = sampleNumbersOf(ray, pixel, found.count).zwxy;

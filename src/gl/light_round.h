@@ -23,6 +23,7 @@ struct LightRound {
     uint32_t number = 0;  // of the round, for its random numbers
     RayChoice directions = RayChoice::stored;
     bool phatexels = true, irradiance = true;  // what is made
+    bool compares = false;                     // new PHATexels with those before; waits for the GPU
 };
 
 /// All of an atlas [y][x], read back.

@@ -11,6 +11,7 @@
 namespace phat {
 namespace {
 
+constexpr uint32_t kBlockTiles = kBlockSize / kTileSize;
 // Steps of 1, 2, 4, 8 and 16 texels.
 constexpr int kFilterPasses = 5;
 
@@ -68,7 +69,9 @@ struct Batch {
     template <typename ScrambleOf>
     void trace(int choice, int layer, size_t source, const ScrambleOf& scrambleOf) const;
     void shade() const;
-    void tracePhatexels(size_t source, RayChoice directions) const;
+    void tracePhatexels(size_t source, const LightRound& round) const;
+    void compare(size_t source) const;
+    void addChanges(std::vector<float>& changes) const;
     void estimateIrradiance() const;
 };
 
@@ -97,22 +100,22 @@ void Batch::shade() const {
     bindHitShading(program, world, pass.hits, pass.places);
     program.set("raySpread", 0.0f);
     program.set("regularized", 0.0f);
-    program.set("seed", int(seed));
+    program.set("ray", 0);
     pass.shade.draw(pass.lightTarget, texels.size());
 }
 
 // Directions are drawn by guides that follow from the PHATexels before, but what looks up PHATexels sees both
 // change at once.
-void Batch::tracePhatexels(size_t source, RayChoice directions) const {
+void Batch::tracePhatexels(size_t source, const LightRound& round) const {
     const GpuPhatexels& phatexels = world.atlas.sources[source];
     const std::vector<uint16_t>* scrambles = &light.scrambles[size_t(phatexels.firstLayer)];
     const GuideTurn guides{texels, phatexels, *scrambles, firstGuide(source)};
-    const bool follows = directions == RayChoice::guided && guides.follows();
+    const bool follows = round.directions == RayChoice::guided && guides.follows();
     if (follows) followGuides(pass.guides, light.guides, guides, world.atlas.phatexels);
     for (int i = 0; i < phatexels.layerCount; ++i) {
         const int layer = phatexels.firstLayer + i;
         scrambles = &light.scrambles[size_t(layer)];
-        trace(int(directions), layer, source,
+        trace(int(round.directions), layer, source,
               [&](BlockTurn turn) { return uint32_t((*scrambles)[turn.block]); });
         shade();
         const ShaderProgram& program = pass.pack.program;
@@ -121,9 +124,43 @@ void Batch::tracePhatexels(size_t source, RayChoice directions) const {
         program.bind("radiance", 2, (source == 0 ? pass.indirect : pass.area).name());
         program.set("unitMeters", world.atlas.unitMeters);
         pass.pack.draw(pass.packedTarget, texels.size());
+        if (round.compares && i == 0) compare(source);
         texels.copyTexels(pass.packed, world.atlas.phatexels, layer);
         // At hits, the first layer alone is looked up.
         if (follows && i == 0) showGuides(pass.guides, guides, world.lookup);
+    }
+}
+
+// Of the first layer.
+void Batch::compare(size_t source) const {
+    const GpuPhatexels& phatexels = world.atlas.sources[source];
+    const ShaderProgram& program = pass.compare.program;
+    program.bind("phatexels", 0, world.atlas.phatexels.name());
+    program.bind("newPhatexels", 1, pass.packed.name());
+    program.bind("guidePdf", 2, phatexels.guidePdf.name());
+    program.bind("splitSumTable", 3, world.surfaces.splitSum.name());
+    program.set("unitMeters", world.atlas.unitMeters);
+    program.set("guideCount", phatexels.guideCount);
+    program.set("layer", phatexels.firstLayer);
+    texels.set(program, [](BlockTurn) { return 0u; });
+    pass.compare.draw(pass.changesTargets[source], batchSize(texels.blocks.size(), kBlockTiles));
+}
+
+// Waits for the GPU.
+void Batch::addChanges(std::vector<float>& changes) const {
+    constexpr uint32_t kWide = kBatchSide * kBlockTiles;
+    std::vector<glm::vec2> sums(2 * size_t(kWide) * kWide);
+    glGetTextureImage(pass.changes.name(), 0, GL_RG, GL_FLOAT, GLsizei(sums.size() * sizeof(glm::vec2)),
+                      sums.data());
+    for (size_t i = 0; i < texels.blocks.size(); ++i) {
+        glm::vec2 sum(0);
+        for (uint32_t tile = 0; tile < kBlockTiles * kBlockTiles; ++tile) {
+            const glm::uvec2 at =
+                batchCorner(i, kBlockTiles) + glm::uvec2(tile % kBlockTiles, tile / kBlockTiles);
+            for (size_t source = 0; source < world.atlas.sources.size(); ++source)
+                sum += sums[source * kWide * kWide + at.y * kWide + at.x];
+        }
+        changes.push_back(sum.x > 0 ? sum.x / sum.y : 0.0f);
     }
 }
 
@@ -183,6 +220,7 @@ LightUpdatePass createLightUpdatePass(const std::string& folder, const GpuAtlas&
     pass.shade = FullscreenProgram(folder, "shade_reflections.frag", shading);
     pass.lights = FullscreenProgram(folder, "light_texels.frag", bvhDefines);
     pass.pack = FullscreenProgram(folder, "pack_phatexels.frag");
+    pass.compare = FullscreenProgram(folder, "compare_phatexels.frag");
     pass.estimate = FullscreenProgram(folder, "estimate_irradiance.frag");
     pass.filterFirst = FullscreenProgram(folder, "filter_irradiance.frag", {"FIRST"});
     pass.filter = FullscreenProgram(folder, "filter_irradiance.frag");
@@ -198,6 +236,9 @@ LightUpdatePass createLightUpdatePass(const std::string& folder, const GpuAtlas&
     pass.areaTarget = createFramebuffer({{pass.area.name()}});
     pass.packedTarget = createFramebuffer({{pass.packed.name()}});
     pass.estimateTarget = createFramebuffer({{pass.indirectEstimate.name()}, {pass.areaEstimate.name()}});
+    pass.changes = createTextureArray(GL_RG32F, batchTarget(kBlockTiles), 2);
+    for (int i = 0; i < 2; ++i)
+        pass.changesTargets[size_t(i)] = createFramebuffer({{pass.changes.name(), 0, i}});
     for (size_t i = 0; i < 2; ++i) {
         pass.filtered[i] = createTexture2D(GL_RGBA16F, atlas.sizeTexels);
         pass.filteredTargets[i] = createFramebuffer({{pass.filtered[i].name()}});
@@ -207,18 +248,21 @@ LightUpdatePass createLightUpdatePass(const std::string& folder, const GpuAtlas&
     return pass;
 }
 
-void traceLight(const LightUpdatePass& pass, const GpuLight& light, const LitWorld& world,
-                const LightRound& round) {
+std::vector<float> traceLight(const LightUpdatePass& pass, const GpuLight& light, const LitWorld& world,
+                              const LightRound& round) {
     glDisable(GL_BLEND);
+    std::vector<float> changes;
     for (size_t first = 0; first < round.blocks.size(); first += kBatchBlocks) {
         const size_t count = std::min<size_t>(kBatchBlocks, round.blocks.size() - first);
         const Batch batch{pass, light, world, TexelBatch{light.blocks, round.blocks.subspan(first, count)},
                           uint32_t(hashOf(round.number, first))};
         for (size_t source = 0; round.phatexels && source < world.atlas.sources.size(); ++source)
-            if (world.atlas.sources[source].layerCount > 0) batch.tracePhatexels(source, round.directions);
+            if (world.atlas.sources[source].layerCount > 0) batch.tracePhatexels(source, round);
+        if (round.compares) batch.addChanges(changes);
         if (round.irradiance) batch.estimateIrradiance();
     }
     checkGl("updating light");
+    return changes;
 }
 
 void filterIrradiance(const LightUpdatePass& pass, const GpuLight& light, const GpuAtlas& atlas) {

@@ -30,22 +30,24 @@ GpuLight createGpuLight(const Scene& scene, const Atlas& atlas, const TexelPoint
 /// Programs, and pictures between them.
 struct LightUpdatePass {
     GuidePass guides;
-    FullscreenProgram trace, shade, lights, pack, estimate, filterFirst, filter;
+    FullscreenProgram trace, shade, lights, pack, compare, estimate, filterFirst, filter;
     GlTexture hits, places, codes;  // of the rays, see trace_texels.frag
     GlTexture indirect, area;       // RGBA16F: what they bring
     GlTexture packed;               // RG32UI PHATexels
+    GlTexture changes;              // RG32F [source][y][x], see compare_phatexels.frag
     GlTexture indirectEstimate, areaEstimate;
     std::array<GlTexture, 2> filtered;  // RGBA16F [y][x] of the atlas
     GlFramebuffer raysTarget, lightTarget, areaTarget, packedTarget, estimateTarget;
-    std::array<GlFramebuffer, 2> filteredTargets;
+    std::array<GlFramebuffer, 2> filteredTargets, changesTargets;
     std::vector<GlFramebuffer> irradianceTargets;  // [source]
 };
 LightUpdatePass createLightUpdatePass(const std::string& shaderFolder, const GpuAtlas& atlas,
                                       const GpuLookup& lookup, const std::vector<std::string>& bvhDefines);
 
-/// PHATexels are replaced; irradiance is estimated better, and shown once it is filtered.
-void traceLight(const LightUpdatePass& pass, const GpuLight& light, const LitWorld& world,
-                const LightRound& round);
+/// PHATexels are replaced; irradiance is estimated better, and shown once it is filtered. Returns, where the
+/// round compares, for each of its blocks what BlockOrder::noteCheck asks for.
+std::vector<float> traceLight(const LightUpdatePass& pass, const GpuLight& light, const LitWorld& world,
+                              const LightRound& round);
 /// The irradiance of all texels, from the estimates so far.
 void filterIrradiance(const LightUpdatePass& pass, const GpuLight& light, const GpuAtlas& atlas);
 

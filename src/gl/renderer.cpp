@@ -246,13 +246,13 @@ void Renderer::beginLight(const RendererInput& rest) {
     s.lightPass = createLightUpdatePass(s.shaderFolder, s.atlas, s.lookup, bvhDefines(*s.restBvh));
 }
 
-void Renderer::traceLight(const LightRound& round) {
+std::vector<float> Renderer::traceLight(const LightRound& round) {
     State& s = *state_;
     assert(s.light);
-    phat::traceLight(*s.lightPass, *s.light,
-                     {s.currentRayScene(), s.atlas, s.lookup, s.scene, s.currentShadows(), s.environmentTurn},
-                     round);
     s.texelsChanged();
+    return phat::traceLight(
+        *s.lightPass, *s.light,
+        {s.currentRayScene(), s.atlas, s.lookup, s.scene, s.currentShadows(), s.environmentTurn}, round);
 }
 
 void Renderer::filterLight() {

@@ -266,8 +266,9 @@ class Renderer {
     /// it, also where things have been moved since. pre: with trees for rays. Throws GlError for PHATexels
     /// that cannot be looked up.
     void beginLight(const RendererInput& rest);
-    /// Traces the rays of a round. Irradiance is shown by the next filterLight().
-    void traceLight(const LightRound& round);
+    /// Traces the rays of a round. Irradiance is shown by the next filterLight(). Returns, where the round
+    /// compares, for each of its blocks what BlockOrder::noteCheck asks for.
+    std::vector<float> traceLight(const LightRound& round);
     void filterLight();
     void waitForLight();
     /// Waits for the GPU.

@@ -7,9 +7,10 @@ namespace {
 
 // What was known before counts as so many samples: few for as long as a change spreads from bounce to
 // bounce, and then ever more.
-uint32_t maxSamples(uint32_t rounds) {
+uint32_t maxSamples(BlockTurn turn) {
     constexpr uint32_t kMin = 4, kSpreading = 32;
-    return kMin + (std::max(rounds, kSpreading) - kSpreading) / 4;
+    const uint32_t since = std::min(turn.rounds, kMin) + (std::max(turn.rounds, kSpreading) - kSpreading) / 4;
+    return std::max({since, turn.kept, 1u});
 }
 
 }  // namespace
@@ -20,7 +21,7 @@ void TexelBatch::setEntries(const ShaderProgram& program,
     for (size_t i = 0; i < blocks.size(); ++i) {
         const BlockRect& rect = rects[blocks[i].block];
         entries[i] = {rect.origin.y << 16 | rect.origin.x, rect.size.y << 16 | rect.size.x, blocks[i].block,
-                      maxSamples(blocks[i].rounds) << 16 | scrambles[i]};
+                      maxSamples(blocks[i]) << 16 | scrambles[i]};
     }
     program.set("batchBlocks", std::span<const glm::uvec4>(entries));
 }

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "core/base/stopwatch.h"
+#include "gl/light_turns.h"
 
 namespace phat {
 namespace {
@@ -25,13 +26,9 @@ bool LightRounds::follow(ViewerState& state, bool changed) {
     }
     if (changed) order_->noteChange();
     if (order_->settled()) return false;
-    std::vector<BlockTurn> turns = order_->next(size_t(blocksPerFrame_), state.navigation.camera);
+    const std::vector<BlockTurn> turns = order_->next(size_t(blocksPerFrame_), state.navigation.camera);
     const Stopwatch watch;
-    // First the light along the directions that there are; they follow it from then on.
-    const auto later = std::partition(turns.begin(), turns.end(), [](BlockTurn t) { return t.rounds == 0; });
-    const std::span<const BlockTurn> first(turns.begin(), later), others(later, turns.end());
-    state.renderer->traceLight({.blocks = first, .number = ++number_});
-    state.renderer->traceLight({.blocks = others, .number = ++number_, .directions = RayChoice::guided});
+    takeTurns(*state.renderer, *order_, turns, number_);
     state.renderer->waitForLight();
     const double seconds = std::max(watch.seconds(), 1e-5);
     const bool rests = std::chrono::steady_clock::now() - state.lastInput > kRest;

@@ -6,6 +6,7 @@
 
 #include "core/bake/bake.h"
 #include "core/dynamic/incremental_baker.h"
+#include "gl/light_turns.h"
 #include "gl/light_world.h"
 
 namespace phat::test {
@@ -68,6 +69,38 @@ TEST(GpuLight, NewDirectionsFollowTheGuideAndTheLayout) {
     }
     EXPECT_GT(checked, 4000u);
     EXPECT_LT(astray, checked / 100);
+}
+
+// Rays that meet the same see the same, also where what they meet is glossy; half of the light is a change by
+// a half.
+TEST(GpuLight, ChecksTellWhatHasChanged) {
+    Scene scene = floorAndCeiling(metal(0.5f), lambert(0.5f));
+    scene.lights = {pointLight(glm::vec3(4), {0.3f, 1, 0.2f})};
+    LightWorld gpu(std::move(scene));
+    Renderer renderer(gpu.input(), kShaderFolder);
+    renderer.beginLight(gpu.input());
+    const auto changes = [&](uint32_t number) {
+        LightRound round = gpu.round(number, RayChoice::stored);
+        round.irradiance = false;
+        round.compares = true;
+        return renderer.traceLight(round);
+    };
+    // PHATexels that were made up; and those that show these in gloss.
+    for (const float change : changes(1)) EXPECT_GT(change, 0.1f);
+    changes(2);
+    for (uint32_t number = 3; number < 30; ++number) changes(number);
+    for (const float change : changes(30)) EXPECT_LT(change, 1e-3f);
+    std::vector<PunctualLight> dimmed = gpu.world.scene.lights;
+    dimmed[0].intensity *= 0.5f;
+    renderer.setLights(dimmed);
+    // The ceiling's blocks see the floor, which shows the ceiling as it was.
+    const std::vector<float> found = changes(31);
+    size_t halves = 0;
+    for (const float change : found) {
+        EXPECT_GT(change, 0.02f);
+        halves += std::abs(change - 0.5f) < 0.01f;
+    }
+    EXPECT_GE(halves, found.size() / 2);
 }
 
 // The irradiance of a horizontal panel of radiance 1 over the origin, by integration.
@@ -198,9 +231,8 @@ TEST(GpuLight, SettlesToABakeOfTheChangedScene) {
     renderer.beginLight({scene, baked.atlas, baked.points, baked.phatexture});
     BlockOrder order(baked.atlas, baked.points);
     const Camera eye = lookAtCamera({0.5f, 0.6f, 0.9f}, {0.5f, 0.2f, 0.3f}, 60);
-    for (uint32_t number = 1; !order.settled(); ++number) {
-        const std::vector<BlockTurn> turns = order.next(order.size(), eye);
-        renderer.traceLight({.blocks = turns, .number = number, .directions = RayChoice::guided});
+    for (uint32_t number = 0; !order.settled();) {
+        takeTurns(renderer, order, order.next(order.size(), eye), number);
         renderer.filterLight();
     }
     const StoredLight light = renderer.readLight();

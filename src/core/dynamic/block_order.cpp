@@ -1,6 +1,8 @@
 #include "core/dynamic/block_order.h"
 
 #include <algorithm>
+#include <bit>
+#include <utility>
 
 #include "core/dynamic/view_test.h"
 #include "core/phatexel/directions.h"
@@ -10,6 +12,24 @@ namespace {
 
 // Rounds of blocks outside the view count as so many: they still light what is visible.
 constexpr float kUnseenCount = 4;
+// A check is due when others have had so many rounds: light that others make anew arrives by and by.
+constexpr std::array<uint32_t, BlockOrder::kChecks> kCheckRounds = {0, 8, 32, 96};
+// After so many rounds of an earlier change, a block is checked again before it is made again.
+constexpr uint32_t kCalmRounds = 16;
+// What a sample of irradiance is off after the filter, over the irradiance: as far as it may be off by what
+// it was before the change, that counts.
+constexpr float kFilteredNoise = 0.3f;
+constexpr uint32_t kMaxKept = 64;
+
+// PHATexels keep their last round alone, irradiance is the mean of all.
+BlockWork workOf(uint32_t rounds) {
+    const bool due = std::has_single_bit(rounds) && std::countr_zero(rounds) % 2 == 1;
+    return due || rounds + 1 == BlockOrder::kSettledRounds ? BlockWork::all : BlockWork::irradiance;
+}
+
+uint32_t keptSamples(float change) {
+    return uint32_t(std::clamp(square(kFilteredNoise / change), 1.0f, float(kMaxKept)));
+}
 
 }  // namespace
 
@@ -22,35 +42,66 @@ BlockOrder::BlockOrder(const Atlas& atlas, const TexelPoints& points) {
         if (!bounds.empty()) place = {bounds.center(), frames[block].normal, 0.5f * bounds.diagonal()};
         places_.push_back(place);
     }
-    rounds_.assign(places_.size(), 0);
+    states_.resize(places_.size());
     unsettled_ = places_.size();
 }
 
+bool BlockOrder::isSettled(const State& state) const {
+    return state.changed ? state.rounds >= kSettledRounds : state.checks >= kChecks;
+}
+
+uint32_t BlockOrder::roundsOf(const State& state) const {
+    return state.changed ? state.rounds : kCheckRounds[state.checks];
+}
+
 void BlockOrder::noteChange() {
-    std::fill(rounds_.begin(), rounds_.end(), 0u);
+    for (State& state : states_) {
+        state.changed = state.changed && state.rounds < kCalmRounds;
+        state.rounds = state.changed ? 1 : 0;
+        state.checks = 0;
+        if (!state.changed) state.change = 0;
+    }
     unsettled_ = places_.size();
 }
 
 std::vector<BlockTurn> BlockOrder::next(size_t count, const Camera& eye) {
     const ViewTest view(eye);
-    std::vector<uint32_t> order;
-    std::vector<float> due(places_.size());
+    std::vector<std::pair<float, uint32_t>> order;
     for (uint32_t block = 0; block < places_.size(); ++block) {
-        if (rounds_[block] >= kSettledRounds) continue;
+        const State& state = states_[block];
+        if (isSettled(state)) continue;
         const Place& place = places_[block];
         const bool seen = view.maySee(place.center, place.normal, place.radius);
-        due[block] = float(rounds_[block]) * (seen ? 1.0f : kUnseenCount);
-        order.push_back(block);
+        // Passes since its last turn, so that what begins anew again and again has turns, too.
+        const float age = float(turns_ - state.turn) / float(places_.size());
+        order.emplace_back(float(roundsOf(state)) * (seen ? 1.0f : kUnseenCount) - age, block);
     }
     count = std::min(count, order.size());
-    std::partial_sort(order.begin(), order.begin() + ptrdiff_t(count), order.end(),
-                      [&](uint32_t a, uint32_t b) { return due[a] != due[b] ? due[a] < due[b] : a < b; });
+    std::partial_sort(order.begin(), order.begin() + ptrdiff_t(count), order.end());
     std::vector<BlockTurn> turns;
     for (size_t i = 0; i < count; ++i) {
-        turns.push_back({order[i], rounds_[order[i]]++});
-        unsettled_ -= rounds_[order[i]] == kSettledRounds;
+        const uint32_t block = order[i].second;
+        State& state = states_[block];
+        const uint32_t rounds = roundsOf(state);
+        if (state.changed)
+            turns.push_back({block, rounds, workOf(rounds), keptSamples(state.change)});
+        else
+            turns.push_back({block, rounds, BlockWork::check});
+        ++(state.changed ? state.rounds : state.checks);
+        state.turn = ++turns_;
+        unsettled_ -= isSettled(state);
     }
     return turns;
+}
+
+void BlockOrder::noteCheck(uint32_t block, float change) {
+    State& state = states_[block];
+    if (state.changed) return;
+    state.change += change;
+    if (state.change <= kAgrees) return;
+    unsettled_ += isSettled(state);
+    state.changed = true;
+    state.rounds = 1;
 }
 
 }  // namespace phat

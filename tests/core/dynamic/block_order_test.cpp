@@ -34,24 +34,91 @@ Camera middle() {
     return camera;
 }
 
-TEST(BlockOrder, MakesAllBlocksUntilTheyAreSettled) {
+/// All checks among `turns` find so much.
+void note(BlockOrder& order, const std::vector<BlockTurn>& turns, float change) {
+    for (const BlockTurn& turn : turns)
+        if (turn.work == BlockWork::check) order.noteCheck(turn.block, change);
+}
+
+TEST(BlockOrder, MakesChangedBlocksUntilTheyAreSettled) {
     const Room room;
     BlockOrder order(room.atlas, room.points);
     ASSERT_GT(order.size(), 20u);
-    std::map<uint32_t, uint32_t> rounds;
+    std::map<uint32_t, uint32_t> rounds, phatexels;
     size_t calls = 0;
     while (!order.settled()) {
         const std::vector<BlockTurn> turns = order.next(7, middle());
         ASSERT_FALSE(turns.empty());
-        for (const BlockTurn turn : turns) EXPECT_EQ(turn.rounds, rounds[turn.block]++);
+        for (const BlockTurn& turn : turns) {
+            EXPECT_EQ(turn.rounds, rounds[turn.block]++);
+            EXPECT_EQ(turn.work == BlockWork::check, turn.rounds == 0);
+            phatexels[turn.block] += turn.work == BlockWork::all;
+        }
+        note(order, turns, 0.5f);
         ASSERT_LT(++calls, 100'000u);
     }
     EXPECT_EQ(rounds.size(), order.size());
     for (const auto& [block, count] : rounds) EXPECT_EQ(count, BlockOrder::kSettledRounds);
+    // After 2, 8 and 32 rounds, and in the last.
+    for (const auto& [block, count] : phatexels) EXPECT_EQ(count, 4u);
     EXPECT_TRUE(order.next(7, middle()).empty());
     order.noteChange();
     EXPECT_FALSE(order.settled());
     EXPECT_EQ(order.next(1, middle()).front().rounds, 0u);
+}
+
+TEST(BlockOrder, BlocksThatAgreeRestButForChecks) {
+    const Room room;
+    BlockOrder order(room.atlas, room.points);
+    std::map<uint32_t, uint32_t> turnsOf;
+    while (!order.settled()) {
+        const std::vector<BlockTurn> turns = order.next(7, middle());
+        for (const BlockTurn& turn : turns) {
+            ++turnsOf[turn.block];
+            EXPECT_TRUE(turn.work == BlockWork::check || turn.block == 3);
+            if (turn.work == BlockWork::check) order.noteCheck(turn.block, turn.block == 3 ? 0.1f : 0.002f);
+        }
+    }
+    for (const auto& [block, count] : turnsOf)
+        EXPECT_EQ(count, block == 3 ? BlockOrder::kSettledRounds : BlockOrder::kChecks);
+}
+
+// Small changes add up; and the more has changed, the less of what was there counts.
+TEST(BlockOrder, ChangesAddUp) {
+    const Room room;
+    BlockOrder order(room.atlas, room.points);
+    uint32_t made = 0, kept = 0;
+    while (!order.settled()) {
+        const std::vector<BlockTurn> turns = order.next(order.size(), middle());
+        for (const BlockTurn& turn : turns) {
+            made += turn.work != BlockWork::check;
+            if (turn.work == BlockWork::check) order.noteCheck(turn.block, turn.block == 0 ? 0.2f : 0.004f);
+            if (turn.block == 0 && turn.work != BlockWork::check) {
+                EXPECT_LT(turn.kept, 4u);
+            }
+            if (turn.block == 1 && turn.work != BlockWork::check) kept = turn.kept;
+        }
+    }
+    EXPECT_EQ(made, order.size() * (BlockOrder::kSettledRounds - 1));
+    EXPECT_GT(kept, 50u);
+}
+
+// Something that moves in every frame leaves no block without its turn.
+TEST(BlockOrder, NoBlockWaitsForTheEndOfAMotion) {
+    const Room room;
+    BlockOrder order(room.atlas, room.points);
+    std::map<uint32_t, uint32_t> turnsOf, lit;
+    for (size_t frame = 0; frame < 8 * order.size(); ++frame) {
+        order.noteChange();
+        const std::vector<BlockTurn> turns = order.next(5, middle());
+        for (const BlockTurn& turn : turns) {
+            ++turnsOf[turn.block];
+            lit[turn.block] += turn.work != BlockWork::check;
+        }
+        note(order, turns, 0.3f);
+    }
+    EXPECT_EQ(turnsOf.size(), order.size());
+    for (const auto& [block, count] : lit) EXPECT_GT(count, 4u) << block;
 }
 
 TEST(BlockOrder, WhatIsSeenHasFourTimesAsManyRounds) {
@@ -61,6 +128,7 @@ TEST(BlockOrder, WhatIsSeenHasFourTimesAsManyRounds) {
     for (size_t made = 0; made < 40 * order.size();) {
         const std::vector<BlockTurn> turns = order.next(5, middle());
         made += turns.size();
+        note(order, turns, 0.5f);
         for (const BlockTurn turn : turns) ++rounds[turn.block];
     }
     uint32_t most = 0, least = ~0u;
