@@ -1,5 +1,6 @@
 // The order in which the light of an atlas's blocks is made anew, one sample a texel at a time.
-// twin: src/core/dynamic/block_order.cpp, src/core/dynamic/view_test.cpp.
+// twin: src/core/dynamic/block_order.cpp, but that no block is checked first, since a lamp changes all light; and
+// src/core/dynamic/view_test.cpp.
 
 // Rounds of blocks outside the view count as so many: they still light what is visible.
 const kUnseenCount = 4;

@@ -2,7 +2,7 @@
 // twin: src/viewer/light_rounds.cpp.
 import { BlockOrder } from './block_order.js';
 import { prepareUploads } from './fixed.js';
-import { LightPrograms, LightUpdatePass } from './light_update_pass.js';
+import { LightPrograms, LightUpdatePass, kGuided, kStored } from './light_update_pass.js';
 import { PassTimer } from './pass_timer.js';
 import { uploadTileLight } from './tables.js';
 
@@ -89,11 +89,11 @@ export class LightRounds {
         if (isBounded && !clock) this.timer.begin({ blocks: blocks.length });
         this.pass.begin();
         // First the light along the directions that there are; they follow it from then on.
-        for (const isFirst of [true, false])
+        for (const directions of [kStored, kGuided])
             this.pass.trace(scene, {
-                blocks: blocks.filter(({ rounds }) => (rounds === 0) === isFirst),
+                blocks: blocks.filter(({ rounds }) => (rounds === 0 ? kStored : kGuided) === directions),
                 number: ++this.number,
-                isGuided: !isFirst,
+                directions,
             });
         this.timer.end();
         clock?.ended('light');

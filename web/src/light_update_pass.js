@@ -14,9 +14,9 @@ import { kBlockSize } from './texel_points.js';
 // Steps of 1, 2, 4, 8 and 16 texels.
 const kFilterPasses = 5;
 // twin: the constants of trace_texels.frag.
-const kStoredChoice = 0,
-    kGuidedChoice = 1,
-    kDiffuseChoice = 2;
+export const kStored = 0, // the directions that PHATexels have
+    kGuided = 1; // others, by guides that follow the light
+const kDiffuse = 2;
 // Texture units; trees come first.
 const kTreeUnits = 4,
     kTexelPointUnits = 4,
@@ -108,16 +108,15 @@ export class LightUpdatePass {
         };
     }
 
-    // PHATexels of `blocks` (BlockOrder.next) are replaced; their irradiance is estimated better, and shown once it is
-    // filtered. `scene`: a RayScene; `number`: of the round; `isGuided`: whether PHATexels have new directions, by guides
-    // that follow the light, or those that they have.
-    trace(scene, { blocks, number, isGuided }) {
+    // The irradiance of `blocks` (BlockOrder.next) is estimated better, and shown once it is filtered. `scene`: a RayScene;
+    // `number`: of the round; `directions`: of the PHATexels, which are replaced, kStored or kGuided.
+    trace(scene, { blocks, number, directions }) {
         const { gl, passes } = this;
         this.world = { gl, scene, passes };
         for (let first = 0; first < blocks.length; first += kBatchBlocks) {
             this.batch = new TexelBatch(gl, this.blocks, blocks.slice(first, first + kBatchBlocks));
             this.seed = hashOf(number, first);
-            this.sources.forEach((source) => this.tracePhatexels(source, isGuided));
+            this.sources.forEach((source) => this.tracePhatexels(source, directions));
             this.estimateIrradiance();
         }
     }
@@ -174,10 +173,7 @@ export class LightUpdatePass {
     shade() {
         const { shade: program, hitLights } = this.programs,
             { light } = this.targets;
-        shadeHits(program, this.world, this, { spread: 0, regularized: 0 }, () => {
-            program.offer('seed', this.seed | 0);
-            this.draw(light);
-        });
+        shadeHits(program, this.world, this, { spread: 0, regularized: 0 }, () => this.draw(light));
         if (this.world.scene.lightCount === 0) return;
         bindHitLights(hitLights, this.world, this, 0);
         this.drawAdded(this.targets.indirect);
@@ -185,16 +181,15 @@ export class LightUpdatePass {
 
     // Directions are drawn by guides that follow from the PHATexels before, but what looks up PHATexels sees both change at
     // once.
-    tracePhatexels(source, isGuided) {
+    tracePhatexels(source, directions) {
         const { gl, passes, batch } = this,
             { pack: program } = this.programs,
             { isArea, firstLayer } = source,
-            follows = isGuided && source.guideCount > 1; // one guide for all blocks stays
+            follows = directions === kGuided && source.guideCount > 1; // one guide for all blocks stays
         if (follows) this.guides.follow(batch, source, (target, size) => this.draw(target, size));
         for (let layer = firstLayer; layer < firstLayer + source.layers; ++layer) {
             const { scrambles } = passes.lookup.layers[layer];
-            const choice = isGuided ? kGuidedChoice : kStoredChoice;
-            this.traceRays(choice, layer, source, ({ block }) => scrambles[block]);
+            this.traceRays(directions, layer, source, ({ block }) => scrambles[block]);
             this.shade();
             program.use();
             program.bind('hits', 0, gl.TEXTURE_2D, this.hits);
@@ -228,7 +223,7 @@ export class LightUpdatePass {
     estimateIrradiance() {
         const { gl, passes, targets } = this,
             { estimate: program } = this.programs;
-        this.traceRays(kDiffuseChoice, 0, this.sources[0], (turn) => layoutOf(kRays, turn));
+        this.traceRays(kDiffuse, 0, this.sources[0], (turn) => layoutOf(kRays, turn));
         this.shade();
         if (this.world.scene.hits.emitterCount > 0) this.traceLights();
         program.use();

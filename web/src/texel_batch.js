@@ -1,5 +1,5 @@
 // Blocks of the atlas whose light is made anew, side by side in the targets of passes.
-// twin: src/gl/texel_batch.h, shaders/lib/texel_batch.glsl.
+// twin: src/gl/texel_batch.h, where less may be kept; shaders/lib/texel_batch.glsl.
 import { kBlockSize } from './texel_points.js';
 
 const kBatchSide = 8;
