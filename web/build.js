@@ -1,6 +1,7 @@
 // Builds dist/phatextures.js, the package, and dist/site/, the viewer that `phat web` puts beside a room.
 import { build } from 'esbuild';
 import { cp, readFile, rm, mkdir, writeFile } from 'node:fs/promises';
+import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
 
 const here = new URL('.', import.meta.url).pathname;
@@ -31,10 +32,26 @@ const roots = [
     'present.frag',
     'accumulate.frag',
 ];
+// Those that only light_updates.js needs, which few rooms load.
+const laterRoots = [
+    'gather_guides.frag',
+    'tabulate_guides.frag',
+    'trace_texels.frag',
+    'light_texels.frag',
+    'pack_phatexels.frag',
+    'estimate_irradiance.frag',
+    'filter_irradiance.frag',
+];
 
-// Neither comments nor spaces are worth sending, but in directives, whose spaces count.
+// Neither comments nor spaces are worth sending, but in directives, whose spaces count; nor zeros that say nothing.
 function strip(text) {
-    const compact = (line) => (line.startsWith('#') ? line : line.replace(/ *([-+*\/<>=!&|?:;,(){}[\]]) */g, '$1'));
+    const shortest = (_, whole, part) => `${whole === '0' && /[1-9]/.test(part) ? '' : whole}.${part.replace(/0+$/, '')}`;
+    const compact = (line) =>
+        line.startsWith('#')
+            ? line
+            : line
+                  .replace(/ *([-+*\/<>=!&|?:;,(){}[\]]) */g, '$1')
+                  .replace(/(?<![\w.])(\d+)\.(\d+)(?![\w.])/g, shortest);
     return text
         .replace(/\/\/.*$/gm, '')
         .replace(/^\s+/gm, '')
@@ -44,59 +61,86 @@ function strip(text) {
         .join('\n');
 }
 
-async function shaderFiles() {
+// The files of `of` with what they include, by their names, but those of `others`.
+async function shaderFiles(of, others = {}) {
     const files = {};
     const add = async (name) => {
-        if (name in files) return;
+        if (name in files || name in others) return;
         files[name] = strip(await readFile(shaders + name, 'utf8'));
         for (const [, included] of files[name].matchAll(/^#include "(.*)"$/gm)) await add(included);
     };
-    for (const root of roots) await add(root);
+    for (const root of of) await add(root);
     return files;
 }
 
 const shaderPlugin = {
     name: 'shaders',
     setup(build) {
-        build.onResolve({ filter: /^phat:shaders$/ }, () => ({ path: 'shaders', namespace: 'phat' }));
-        build.onLoad({ filter: /.*/, namespace: 'phat' }, async () => ({
-            contents: `export default ${JSON.stringify(await shaderFiles())}`,
-        }));
+        build.onResolve({ filter: /^phat:/ }, ({ path }) => ({ path, namespace: 'phat' }));
+        build.onLoad({ filter: /.*/, namespace: 'phat' }, async ({ path }) => {
+            const first = await shaderFiles(roots),
+                files = path === 'phat:shaders' ? first : await shaderFiles(laterRoots, first);
+            return { contents: `export default ${JSON.stringify(files)}` };
+        });
     },
 };
+
+// What is loaded on demand are files of their own. They import the entry point, so that all of the rest is in one file,
+// chunk.js: else the names of what only some of it shares would be sent, too.
+const splitPlugin = {
+    name: 'split',
+    setup(build) {
+        const [entry] = Object.values(build.initialOptions.entryPoints),
+            later = new Set();
+        build.onResolve({ filter: /^phat:entry$/ }, () => ({ path: here + entry }));
+        build.onResolve({ filter: /^\./ }, ({ path, kind, resolveDir }) => {
+            if (kind === 'dynamic-import') later.add(join(resolveDir, path));
+        });
+        build.onLoad({ filter: /\.js$/ }, async ({ path }) =>
+            later.has(path) ? { contents: `${await readFile(path, 'utf8')}import 'phat:entry';\n` } : null,
+        );
+    },
+};
+
 
 const common = {
     bundle: true,
     format: 'esm',
     target: 'es2022',
-    plugins: [shaderPlugin],
+    plugins: [splitPlugin, shaderPlugin],
     legalComments: 'none',
     absWorkingDir: here,
+    splitting: true,
+    chunkNames: '[name]',
+    metafile: true,
+    logOverride: { 'ignored-bare-import': 'silent' }, // of splitPlugin: nothing is taken from the entry point
 };
+
+// Gzipped, as web servers send it, without what is loaded on demand.
+function sizeOf({ outputFiles, metafile: { outputs } }) {
+    const names = Object.keys(outputs),
+        first = new Set();
+    const add = (name) => {
+        if (first.has(name) || !outputs[name]) return;
+        first.add(name);
+        for (const { path, kind } of outputs[name].imports) if (kind === 'import-statement') add(path);
+    };
+    add(names.find((name) => name.endsWith('viewer.js')));
+    const contents = outputFiles.filter((_, i) => first.has(names[i])).map((file) => file.contents);
+    const sum = (of) => contents.reduce((total, content) => total + of(content).length, 0);
+    return { bytes: sum((content) => content), gzip: sum((content) => gzipSync(content)) };
+}
+
+const viewer = { ...common, entryPoints: ['viewer/viewer.js'], outdir: 'dist/site', minify: true, write: false };
 
 await rm(here + 'dist', { recursive: true, force: true });
 await mkdir(here + 'dist/site', { recursive: true });
-const {
-    outputFiles: [own],
-} = await build({
-    ...common,
-    entryPoints: ['viewer/viewer.js'],
-    external: ['three'],
-    minify: true,
-    write: false,
-});
-await build({
-    ...common,
-    entryPoints: ['src/index.js'],
-    outfile: 'dist/phatextures.js',
-    external: ['three'],
-});
-await build({ ...common, entryPoints: ['viewer/viewer.js'], outfile: 'dist/site/viewer.js', minify: true });
+await build({ ...common, entryPoints: { phatextures: 'src/index.js' }, outdir: 'dist', external: ['three'] });
+const [own, site] = [await build({ ...viewer, external: ['three'] }), await build(viewer)];
+for (const { path, contents } of site.outputFiles) await writeFile(path, contents);
 for (const name of ['index.html', 'viewer.css'])
     await cp(`${here}viewer/${name}`, `${here}dist/site/${name}`);
 
-// Gzipped, as web servers send it: all, and all but three.js.
-const bundle = await readFile(here + 'dist/site/viewer.js');
-const sizes = { bytes: bundle.length, gzip: gzipSync(bundle).length, ownGzip: gzipSync(own.contents).length };
+const sizes = { ...sizeOf(site), ownGzip: sizeOf(own).gzip };
 await writeFile(here + 'dist/sizes.json', JSON.stringify(sizes) + '\n');
-console.log(`viewer.js: ${sizes.bytes} bytes, ${sizes.gzip} gzipped, of which ours ${sizes.ownGzip}`);
+console.log(`the page's scripts: ${sizes.bytes} bytes, ${sizes.gzip} gzipped, of which ours ${sizes.ownGzip}`);

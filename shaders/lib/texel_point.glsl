@@ -22,7 +22,7 @@ struct TexelPoint {
 TexelPoint texelPointAt(ivec2 texel) {
     uvec4 bits = texelFetch(texelPoints, texel, 0);
     vec3 rest = uintBitsToFloat(bits.xyz);
-    bool valid = !isnan(rest.x);
+    bool valid = (bits.x & 0x7fffffffu) <= 0x7f800000u;  // not every device's isnan() knows a NaN
     if (!valid) return TexelPoint(false, false, vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, 1.0));
     int row = 3 * int(chartAt(texel));
     vec4 x = texelFetch(chartPoses, tableTexel(row), 0), y = texelFetch(chartPoses, tableTexel(row + 1), 0),

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "cli/commands.h"
@@ -78,6 +79,15 @@ void fill(std::string& page, const std::string& placeholder, const std::string& 
     page.replace(at, placeholder.size(), value);
 }
 
+// The viewer's JavaScript by the files' names: what a page begins with, and what it loads when needed.
+std::map<std::string, std::string> readScripts(const fs::path& built) {
+    std::map<std::string, std::string> scripts;
+    for (const auto& entry : fs::directory_iterator(built))
+        if (entry.path().extension() == ".js")
+            scripts[entry.path().filename().string()] = readText(entry.path());
+    return scripts;
+}
+
 // Returns its exposure.
 double writePoster(const WebOptions& options, const fs::path& site, Progress& progress) {
     RenderOptions poster;
@@ -119,7 +129,8 @@ void writeSite(const WebOptions& options) {
             "has PHATexels in the paper's storage, which pages do not read: bake without --storage paper");
     const fs::path site = options.site, built = siteFolder();
     std::string page = readText(built / "index.html");
-    const std::string script = readText(built / "viewer.js"), style = readText(built / "viewer.css");
+    const std::map<std::string, std::string> scripts = readScripts(built);
+    const std::string style = readText(built / "viewer.css");
     const std::string name = fs::path(options.input).filename().string();
     fill(page, "@TITLE@", escaped(options.title.empty() ? name.substr(0, name.find('.')) : options.title));
     {
@@ -139,14 +150,16 @@ void writeSite(const WebOptions& options) {
     fill(page, "@EXPOSURE@", fmt::format("{}", exposure));
     for (const WebPart& part : parts.later) replaceFile((site / part.uri).string(), part.bytes);
     replaceFile((site / kRoom).string(), parts.room);
-    writeText(site / "viewer.js", script);
+    for (const auto& [script, text] : scripts) writeText(site / script, text);
     writeText(site / "viewer.css", style);
     writeText(site / "index.html", page);
     if (options.quiet) return;
-    uint64_t bytes = 0;
+    uint64_t bytes = 0, first = parts.room.size();
     for (const auto& entry : fs::directory_iterator(site)) bytes += entry.file_size();
+    for (const auto& [script, text] : scripts)
+        if (page.find('"' + script + '"') != std::string::npos) first += text.size();
     fmt::print("{}: {:.1f} MB; a first picture after {:.1f} MB\n", options.site, double(bytes) * 1e-6,
-               double(parts.room.size() + script.size()) * 1e-6);
+               double(first) * 1e-6);
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ const rows = [
         'MB of the page; before the first picture',
         ({ phat: { bytes } }) => {
             const all = Object.values(bytes).reduce((sum, n) => sum + n);
-            return [all, bytes['room.glb'] + bytes['viewer.js']].map((n) => fixed(n / 1e6, 1)).join('; ');
+            return [all, bytes['room.glb'] + bytes['viewer.js'] + bytes['chunk.js']].map((n) => fixed(n / 1e6, 1)).join('; ');
         },
     ],
     ...['loopback', 'throttled'].map((network) => [

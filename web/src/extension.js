@@ -56,6 +56,8 @@ export class BakedLight {
         this.reflections = 'auto';
         this.reflectionMilliseconds = 10;
         this.tracedMilliseconds = 0;
+        this.updateMilliseconds = 4;
+        this.updatedMilliseconds = 0;
         this.wipe = 1;
         this.waitsForPrograms = true;
         this.clock = null; // for measurements: its ended(pass) is called where a pass ends
@@ -85,7 +87,8 @@ export class BakedLight {
         this.ready = this.load(parser, description);
         this.ready.catch(() => {}); // whoever awaits it is told
         this.canTrace = Boolean(description.bvh);
-        this.readTrees = () => readTrees(parser, description, bake.surfaces);
+        this.file = [parser, description];
+        this.readTrees = () => readTrees(...this.file, bake.surfaces);
         this.added = new AddedMeshes(root, parser, description);
         this.environment = null;
     }
@@ -97,6 +100,24 @@ export class BakedLight {
 
     remove(object) {
         this.added.remove(object);
+    }
+
+    // Loads what makes light follow the lamps when it is first read.
+    get lights() {
+        this.loadingLights ??= import('./light_updates.js').then(({ LightUpdates }) => {
+            this.updates = new LightUpdates(this, ...this.file);
+            return this.updates.lamps;
+        });
+        return this.loadingLights;
+    }
+
+    async followChanges() {
+        await this.lights;
+        this.updates.noteChange();
+    }
+
+    get isSettled() {
+        return this.updates?.isSettled ?? true;
     }
 
     // The PHATexels, in the order of their effect per byte: area lights' highlights, a first layer of indirect
@@ -184,6 +205,7 @@ export class BakedLight {
         this.undo.forEach((undo) => undo());
         this.undo = [];
         this.added.dispose();
+        this.updates?.dispose();
         this.renderings.forEach((rendering) => rendering.dispose());
         this.renderings.clear();
         this.environment?.dispose();

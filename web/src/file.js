@@ -134,6 +134,12 @@ export async function readLayer(parser, layer, atlas) {
     return { texels: words, scrambles };
 }
 
+// Three numbers, times `factor`, to `out` from `at` on. twin: src/core/phatexel/phatexture.h.
+export function unpackRgb9e5(bits, out, at, factor = 1) {
+    const scale = factor * 2 ** ((bits >>> 27) - 24);
+    for (let c = 0; c < 3; ++c) out[at + c] = ((bits >>> (9 * c)) & 511) * scale;
+}
+
 // The environment as linear RGBA floats, row 0 at -Y as three.js wants it.
 export async function readEnvironment(parser, description) {
     const [width, height] = description.size;
@@ -146,14 +152,11 @@ export async function readEnvironment(parser, description) {
     );
     const pixels = new Float32Array(4 * packed.length);
     for (let i = 0; i < packed.length; ++i) {
-        const bits = packed[i],
-            scale = description.scale * 2 ** ((bits >>> 27) - 24);
         const x = i % width,
-            y = height - 1 - Math.floor(i / width);
-        pixels.set(
-            [(bits & 511) * scale, ((bits >>> 9) & 511) * scale, ((bits >>> 18) & 511) * scale, 1],
-            4 * (y * width + x),
-        );
+            y = height - 1 - Math.floor(i / width),
+            at = 4 * (y * width + x);
+        unpackRgb9e5(packed[i], pixels, at, description.scale);
+        pixels[at + 3] = 1;
     }
     return { width, height, pixels };
 }

@@ -12,6 +12,11 @@ precision highp usampler2D;
 precision highp usampler2DArray;
 `;
 
+// Others than those that every room needs.
+export function addShaders(more) {
+    Object.assign(files, more);
+}
+
 // A file of shaders/ with everything that it includes, each once and in order, without a preamble.
 export function shaderLibrary(name) {
     const included = new Set();
@@ -173,10 +178,14 @@ function clientFormat(gl, format) {
         case gl.RGBA16F:
         case gl.RGBA32F:
             return [gl.RGBA, gl.FLOAT];
+        case gl.RG32F:
+            return [gl.RG, gl.FLOAT];
         case gl.RGBA32UI:
             return [gl.RGBA_INTEGER, gl.UNSIGNED_INT];
         case gl.RG32UI:
             return [gl.RG_INTEGER, gl.UNSIGNED_INT];
+        case gl.R32UI:
+            return [gl.RED_INTEGER, gl.UNSIGNED_INT];
         case gl.R16UI:
             return [gl.RED_INTEGER, gl.UNSIGNED_SHORT];
         case gl.RGB9_E5:

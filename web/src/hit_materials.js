@@ -103,5 +103,6 @@ export function structureOf(m) {
         m.transmissionMap,
     ];
     const place = (t) => (t ? [t.uuid, t.version, t.channel, t.wrapS, t.wrapT, ...matrixOf(t)] : 0);
-    return `${emissionOf(m)} ${m.side} ${m.transparent} ${m.opacity} ${m.alphaTest} ${maps.map(place)}`;
+    const shines = emissionOf(m).some((x) => x > 0);
+    return `${shines} ${m.side} ${m.transparent} ${m.opacity} ${m.alphaTest} ${maps.map(place)}`;
 }

@@ -5,12 +5,12 @@ import { kChartsOffset, kVertexWords } from './surfaces.js';
 import { emissionMap, emissionOf, isUnlit } from './material.js';
 import { half, kMaterialWords, kMeansSide, matrixOf, packHitMaterial, placedMap } from './hit_materials.js';
 
-const kTriangleWords = 24,
-    kEmitterWords = 16;
+const kTriangleWords = 24;
+export const kEmitterWords = 16;
 // Points of a triangle at which a picture of what shines is read.
 const kEmissionSamples = 64;
 
-const luminance = ([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
+export const luminance = ([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 const minus = (a, b) => a.map((x, i) => x - b[i]);
 const length = (v) => Math.hypot(...v);
 const cross = ([a, b, c], [d, e, f]) => [b * f - c * e, c * d - a * f, a * e - b * d];
@@ -47,8 +47,10 @@ function octahedral([x, y, z]) {
     return z < 0 ? [fold(u, v), fold(v, u)] : [u, v];
 }
 
-function packSnorm2x16([x, y]) {
-    const code = (t) => Math.round(Math.min(Math.max(t, -1), 1) * 32767) & 0xffff;
+// As octahedral code, twice 16 bits.
+export function packDirection(direction) {
+    const [x, y] = octahedral(direction),
+        code = (t) => Math.round(Math.min(Math.max(t, -1), 1) * 32767) & 0xffff;
     return (code(x) | (code(y) << 16)) >>> 0;
 }
 
@@ -74,7 +76,7 @@ function writeTriangle(table, at, corners, triangle, { material, map, emitter })
     places.forEach((place, i) => {
         // Texels of the front: words 0 to 5; normals: 8 to 10; texture coordinates: 12 to 17; colours: 20 to 22.
         out.set(floats.subarray(place + 18, place + 20), at + 2 * i);
-        table[at + 8 + i] = packSnorm2x16(octahedral(floats.subarray(place + 3, place + 6)));
+        table[at + 8 + i] = packDirection(floats.subarray(place + 3, place + 6));
         out.set(uvs[i], at + 12 + 2 * i);
         table[at + 20 + i] = packColor(floats.subarray(place + 14, place + 17));
     });
@@ -145,14 +147,16 @@ export function aliasTable(probabilities) {
     return { thresholds, aliases };
 }
 
-function writeEmitters(table, first, emitters) {
-    const out = new Float32Array(table.buffer),
+// Sixteen words an emitter.
+function emitterRows(emitters) {
+    const table = new Uint32Array(kEmitterWords * emitters.length),
+        out = new Float32Array(table.buffer),
         powers = emitters.map((e) => e.area * (e.doubleSided ? 2 : 1) * luminance(e.radiance)),
         sum = powers.reduce((a, b) => a + b, 0),
         chances = powers.map((power) => power / sum),
         { thresholds, aliases } = aliasTable(chances);
     emitters.forEach(({ corners, radiance, area, doubleSided }, i) => {
-        const at = first + kEmitterWords * i,
+        const at = kEmitterWords * i,
             density = chances[i] / area;
         out.set([...corners[0], thresholds[i]], at);
         out.set(corners[1], at + 4);
@@ -160,6 +164,12 @@ function writeEmitters(table, first, emitters) {
         out.set([...corners[2], 0], at + 8);
         out.set([...radiance, doubleSided ? -density : density], at + 12);
     });
+    return table;
+}
+
+// The same of all surfaces as they are now.
+export function emittersOf(surfaces, images) {
+    return emitterRows(findEmitters(new Corners(surfaces), surfaces.drawRanges, images));
 }
 
 // Whether anything that emits also reflects. twin: emittersReflect in src/core/scene/light_bound.cpp.
@@ -218,7 +228,7 @@ export function hitTable({ surfaces, trees, materials, images, rows }) {
         const of = { ...surfaceMaterials[surfaceOf[triangle]], emitter: emitterOf.get(triangle) ?? 0 };
         writeTriangle(table, firstTriangle + kTriangleWords * i, corners, triangle, of);
     });
-    writeEmitters(table, firstEmitter, emitters);
+    table.set(emitterRows(emitters), firstEmitter);
     return {
         table,
         firstTriangle: firstTriangle / 4,

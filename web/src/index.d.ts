@@ -1,4 +1,4 @@
-import type { DataTexture, Object3D } from 'three';
+import type { Color, ColorRepresentation, DataTexture, Object3D } from 'three';
 
 /** Reads `PHAT_photon_accumulation_texture`: `loader.register((parser) => new PhatexturesExtension(parser))`. */
 export class PhatexturesExtension {
@@ -6,6 +6,21 @@ export class PhatexturesExtension {
     readonly name: string;
     /** Called by GLTFLoader. Sets `gltf.userData.bakedLight` where the file is baked. */
     afterRoot(gltf: object): Promise<void>;
+}
+
+/** What shines in a room: a punctual light of the file, or all surfaces of a material that emits. */
+export interface Lamp {
+    /** Of the light's node or of the material. */
+    readonly name: string;
+    /** Times what it was in the bake; 1 until it is set. */
+    intensity: number;
+    /** Whether it is switched on. */
+    visible: boolean;
+    /** Set it to change it: what is done to the colour that it returns changes nothing. */
+    get color(): Color;
+    set color(color: ColorRepresentation);
+    /** As it was in the bake. */
+    reset(): void;
 }
 
 /**
@@ -37,6 +52,24 @@ export class BakedLight {
     reflectionMilliseconds: number;
     /** About how long the rays of the last picture took; 0 where its reflections were looked up. */
     readonly tracedMilliseconds: number;
+    /**
+     * The room's lamps. What one is set to is drawn in the next picture; the light that the room's surfaces reflect of it follows
+     * over the next pictures, as rays make PHATexels and irradiance anew. The first use loads what does so (12 kB), the first
+     * change allocates about 90 bytes of GPU memory a texel. Rejects, with the reason, where the file lacks what is needed;
+     * where that shows later, a warning is logged, and the light stays as it was.
+     */
+    readonly lights: Promise<Lamp[]>;
+    /**
+     * From now on, as from the first lamp that is set, the light follows the room's materials and all punctual lights of the
+     * scene, too: a floor that is painted red reddens the wall. What changed before is followed as well. Rejects as `lights` does.
+     */
+    followChanges(): Promise<void>;
+    /** GPU time that this may take of a picture. Default: 4; Infinity: as much as all texels take once. */
+    updateMilliseconds: number;
+    /** About how long that took in the last picture; 0 where there was nothing to do. */
+    readonly updatedMilliseconds: number;
+    /** Whether the light is that of the lamps as they are; draw until it is. */
+    readonly isSettled: boolean;
     /** Chooses among the noise patterns; give each picture another one where pictures are averaged. */
     seed: number;
     /** Left of this fraction of the picture all light is drawn, to the right only direct light. 1: all. */

@@ -13,7 +13,7 @@ import { SurfaceDrawing } from './surface_drawing.js';
 import { createVertices } from './vertices.js';
 import { createTargets, disposeTargets } from './targets.js';
 import { requireRevision } from './three_internals.js';
-import { uploadAtlas, uploadProbes, uploadScrambles, uploadInverseCdfs } from './tables.js';
+import { inverseCdfOf, uploadAtlas, uploadGuideTables, uploadProbes, uploadScrambles } from './tables.js';
 
 const kFloatOne = 0x3f800000; // bits
 // Views whose pictures are kept: a page's own and a second one, as long as both are drawn.
@@ -58,7 +58,7 @@ export class Passes {
         this.lookup = lookup;
         this.freeLookup();
         prepareUploads(gl);
-        this.inverseCdfs = uploadInverseCdfs(gl, lookup.guides);
+        this.inverseCdfs = uploadGuideTables(gl, gl.RGBA8, lookup.guides, inverseCdfOf);
         this.probes = uploadProbes(gl, lookup.distances, atlas.width / 8, atlas.height / 8);
         this.phatexels = createTextureArray(
             gl,
@@ -284,13 +284,12 @@ export class Passes {
         this.clock = light.clock;
         this.clock?.ended('three.js'); // what it did before the first surface
         this.drawing.uploadMaps();
-        const coatAppears =
-            !this.clearcoat && this.bake.surfaces.drawRanges.some(({ mesh }) => hasClearcoat(mesh.material));
-        if (coatAppears) {
+        if (!this.clearcoat && this.bake.surfaces.drawRanges.some(({ mesh }) => hasClearcoat(mesh.material))) {
             this.programs.dispose();
             this.createPrograms(true);
             this.freeTargets();
         }
+        light.updates?.follow(this, view);
         this.programs.choose(Boolean(this.lookup), light.waitsForPrograms);
         this.chooseRays(view, light);
         const targets = this.targetsFor(view);
@@ -339,6 +338,7 @@ export class Passes {
         this.freeTargets();
         this.programs.dispose();
         this.rays.dispose();
+        this.lightRounds?.dispose();
         this.freeLookup();
         for (const texture of [...Object.values(this.atlas), this.white, this.splitSum])
             gl.deleteTexture(texture);

@@ -16,23 +16,11 @@ const kRegularized = 0.5;
 // twin: kCountedRays in shaders/reflection_guides.frag.
 const kCountedRays = 64;
 
-export class RayPrograms {
-    // `defines`: of all passes; `hasOpacity`: whether rays pass some surfaces.
-    constructor(gl, { defines, scrambles, hasOpacity }) {
-        const ofLookup = scrambles ? [...defines, 'SCRAMBLES'] : defines,
-            ofTrees = hasOpacity ? [...defines, 'BVH_OPACITY'] : defines;
-        const fullscreen = (file, more) => new ShaderProgram(gl, 'fullscreen.vert', file, more);
-        this.all = {
-            lobes: new ShaderProgram(gl, 'surface.vert', 'lobes.frag', [...defines, 'TRACED']),
-            guides: fullscreen('reflection_guides.frag', defines),
-            trace: fullscreen('trace_reflections.frag', ofTrees),
-            shade: fullscreen('shade_reflections.frag', [...ofLookup, 'WITHOUT_PUNCTUAL_LIGHTS']),
-            hitLights: fullscreen('trace_hit_lights.frag', ofTrees),
-            lights: fullscreen('trace_lights.frag', ofTrees),
-            mean: fullscreen('mean_reflections.frag', []),
-            pool: fullscreen('pool_reflections.frag', []),
-            reproject: fullscreen('reproject_reflections.frag', []),
-        };
+// Programs that are compiled together.
+export class ProgramSet {
+    // `all`: the programs by their names.
+    constructor(all) {
+        this.all = all;
     }
 
     isReady() {
@@ -42,6 +30,67 @@ export class RayPrograms {
     dispose() {
         Object.values(this.all).forEach((program) => program.dispose());
     }
+}
+
+export class RayPrograms extends ProgramSet {
+    // `defines`: of all passes; `hasOpacity`: whether rays pass some surfaces.
+    constructor(gl, { defines, scrambles, hasOpacity }) {
+        const ofLookup = scrambles ? [...defines, 'SCRAMBLES'] : defines,
+            ofTrees = hasOpacity ? [...defines, 'BVH_OPACITY'] : defines;
+        const fullscreen = (file, more) => new ShaderProgram(gl, 'fullscreen.vert', file, more);
+        super({
+            lobes: new ShaderProgram(gl, 'surface.vert', 'lobes.frag', [...defines, 'TRACED']),
+            guides: fullscreen('reflection_guides.frag', defines),
+            trace: fullscreen('trace_reflections.frag', ofTrees),
+            shade: fullscreen('shade_reflections.frag', [...ofLookup, 'WITHOUT_PUNCTUAL_LIGHTS']),
+            hitLights: fullscreen('trace_hit_lights.frag', ofTrees),
+            lights: fullscreen('trace_lights.frag', ofTrees),
+            mean: fullscreen('mean_reflections.frag', []),
+            pool: fullscreen('pool_reflections.frag', []),
+            reproject: fullscreen('reproject_reflections.frag', []),
+        });
+    }
+}
+
+// What shaders read of rays' hits, `targets.hits` and `targets.places`, in the first two units, and of the surfaces there,
+// in the next ones. Returns the unit after the last.
+function bindHits(program, { gl, scene }, targets, spread) {
+    program.bind('hits', 0, gl.TEXTURE_2D, targets.hits);
+    program.bind('places', 1, gl.TEXTURE_2D, targets.places);
+    scene.bindHits(program, 2);
+    program.set('brightest', scene.brightest);
+    program.set('raySpread', spread);
+    return 2 + kHitUnits;
+}
+
+// All that shade_reflections.frag reads but the numbers of its samples; `draw` draws with it. twin: bindHitShading in
+// src/gl/ray_pass.cpp.
+export function shadeHits(program, world, targets, { spread, regularized }, draw) {
+    const { gl, scene, passes } = world;
+    program.use();
+    let unit = passes.bindPhatexels(program, bindHits(program, world, targets, spread));
+    program.bind('splitSumTable', unit++, gl.TEXTURE_2D, passes.splitSum);
+    program.bind('environment', unit++, gl.TEXTURE_2D, scene.environment);
+    gl.bindSampler(unit, scene.linear);
+    program.bind('irradiance', unit, gl.TEXTURE_2D_ARRAY, passes.atlas.irradiance);
+    program.set('turn', 0);
+    program.set('regularized', regularized);
+    draw();
+    gl.bindSampler(unit, null);
+}
+
+// All that trace_hit_lights.frag reads.
+export function bindHitLights(program, world, targets, spread) {
+    const { gl, scene, passes } = world;
+    program.use();
+    bindHits(program, world, targets, spread);
+    scene.bindTrees(program, kTreesUnit);
+    program.bind('splitSumTable', kAfterTrees, gl.TEXTURE_2D, passes.splitSum);
+    program.bind('lightTable', kAfterTrees + 1, gl.TEXTURE_2D, scene.lights);
+    program.set('shadowMaps', kUnused);
+    program.set('lightCount', scene.lightCount);
+    program.set('hasGlass', scene.hasGlass);
+    program.set('originUnitMeters', passes.bake.atlas.unitMeters);
 }
 
 // A frame for which rays are traced: { gl, noVertices, programs, view, shared, targets, scene, passes, rays, seed }.
@@ -200,47 +249,21 @@ export class RayPass {
         this.drawTraced(targets.raysTarget, ray);
     }
 
-    // The ray's hits in the first two units, the surfaces there in the next ones.
-    bindHits(program) {
-        const { gl, targets, scene } = this;
-        program.bind('hits', 0, gl.TEXTURE_2D, targets.hits);
-        program.bind('places', 1, gl.TEXTURE_2D, targets.places);
-        scene.bindHits(program, 2);
-        program.set('brightest', scene.brightest);
-        program.set('raySpread', this.view.pixelRadians);
-        return 2 + kHitUnits;
-    }
-
     shade(ray) {
-        const { gl, scene, passes } = this,
-            { shade: program } = this.programs;
-        program.use();
-        let unit = passes.bindPhatexels(program, this.bindHits(program));
-        program.bind('splitSumTable', unit++, gl.TEXTURE_2D, passes.splitSum);
-        program.bind('environment', unit++, gl.TEXTURE_2D, scene.environment);
-        gl.bindSampler(unit, scene.linear);
-        program.bind('irradiance', unit++, gl.TEXTURE_2D_ARRAY, passes.atlas.irradiance);
-        program.set('turn', 0);
-        program.set('regularized', kRegularized);
-        this.setNumbers(program);
-        program.set('ray', ray);
-        this.drawTraced(this.targets.sumsTarget, ray);
-        gl.bindSampler(unit - 1, null);
+        const { shade: program } = this.programs,
+            { targets } = this,
+            kind = { spread: this.view.pixelRadians, regularized: kRegularized };
+        shadeHits(program, this, targets, kind, () => {
+            this.setNumbers(program);
+            program.set('ray', ray);
+            this.drawTraced(targets.sumsTarget, ray);
+        });
     }
 
     lightHits(ray) {
-        const { gl, scene, passes } = this,
-            { hitLights: program } = this.programs;
-        program.use();
-        this.bindHits(program);
-        scene.bindTrees(program, kTreesUnit);
-        program.bind('splitSumTable', kAfterTrees, gl.TEXTURE_2D, passes.splitSum);
-        program.bind('lightTable', kAfterTrees + 1, gl.TEXTURE_2D, scene.lights);
-        program.set('shadowMaps', kUnused);
-        program.set('lightCount', scene.lightCount);
-        program.set('hasGlass', scene.hasGlass);
-        program.set('originUnitMeters', this.unitMeters);
-        this.drawTraced(this.targets.indirectTarget, ray);
+        const { targets } = this;
+        bindHitLights(this.programs.hitLights, this, targets, this.view.pixelRadians);
+        this.drawTraced(targets.indirectTarget, ray);
     }
 
     traceLights(lobe) {

@@ -5,7 +5,7 @@ import { prepareUploads } from './fixed.js';
 import { HitImages } from './hit_images.js';
 import { structureOf } from './hit_materials.js';
 import { createOpacity } from './hit_opacity.js';
-import { brightestRadiance, hasColors, hitTable, materialRows } from './hit_tables.js';
+import { brightestRadiance, emittersOf, hasColors, hitTable, kEmitterWords, materialRows } from './hit_tables.js';
 import { lightTable } from './light_table.js';
 import { isGlass } from './material.js';
 import { createTable, kTableWidth } from './tables.js';
@@ -24,6 +24,7 @@ export class RayScene {
         this.materials = [...new Set(surfaces.drawRanges.map(({ mesh }) => mesh.material))];
         this.colored = hasColors(surfaces.vertices);
         this.structure = '';
+        this.revision = 0; // counts changes of what shines and reflects
         this.lightRows = null;
         this.linear = gl.createSampler();
         for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
@@ -48,6 +49,7 @@ export class RayScene {
             gl.deleteTexture(this.lights ?? null);
             this.lights = createTable(gl, gl.RGBA32F, rows);
             Object.assign(this, { lightRows: rows, lightCount: count });
+            ++this.revision;
         }
         this.hasGlass = this.materials.some(isGlass);
         this.brightest = brightestRadiance(this.materials, environment?.image.data, count);
@@ -57,6 +59,7 @@ export class RayScene {
         const { gl, renderer, bake, materials, noVertices } = this,
             { surfaces, trees } = bake;
         this.freeTables();
+        ++this.revision;
         this.images = new HitImages(gl, renderer, materials, noVertices);
         this.rows = materialRows(materials, this.images, this.colored);
         const { table, ...hits } = hitTable({
@@ -75,24 +78,25 @@ export class RayScene {
     updateRows() {
         const rows = materialRows(this.materials, this.images, this.colored);
         if (isSame(rows, this.rows)) return;
+        const emitters = emittersOf(this.bake.surfaces, this.images);
+        // A colour may be one that a picture does not have.
+        if (emitters.length !== kEmitterWords * this.hits.emitterCount) return this.rebuild();
         this.rows = rows;
+        ++this.revision;
+        this.write(0, rows);
+        this.write(this.hits.firstEmitter, emitters);
+    }
+
+    // Words of the hits' table, from a texel on.
+    write(first, words) {
         const { gl } = this,
-            texels = rows.length / 4;
+            kind = [1, gl.RGBA_INTEGER, gl.UNSIGNED_INT];
         gl.bindTexture(gl.TEXTURE_2D, this.hits.table);
-        for (let first = 0; first < texels; first += kTableWidth) {
-            const width = Math.min(texels - first, kTableWidth),
-                words = rows.subarray(4 * first, 4 * (first + width));
-            gl.texSubImage2D(
-                gl.TEXTURE_2D,
-                0,
-                0,
-                first / kTableWidth,
-                width,
-                1,
-                gl.RGBA_INTEGER,
-                gl.UNSIGNED_INT,
-                words,
-            );
+        for (let at = 0, width; at < words.length; at += 4 * width) {
+            const texel = first + at / 4,
+                [x, y] = [texel % kTableWidth, Math.floor(texel / kTableWidth)];
+            width = Math.min(words.length / 4 - at / 4, kTableWidth - x);
+            gl.texSubImage2D(gl.TEXTURE_2D, 0, x, y, width, ...kind, words.subarray(at, at + 4 * width));
         }
     }
 

@@ -68,11 +68,22 @@ export class Rays {
 
     // pre: the level is above 0. `frame`: see RayPass.
     passOf(light, frame) {
-        const { gl, renderer, noVertices, programs } = this;
-        this.scene ??= new RayScene(gl, renderer, light.bake, noVertices);
+        return new RayPass({
+            gl: this.gl,
+            noVertices: this.noVertices,
+            programs: this.programs,
+            scene: this.sceneOf(light),
+            rays: raysOf(this.level),
+            seed: light.seed,
+            ...frame,
+        });
+    }
+
+    // What rays meet, as it is now. pre: the trees are there.
+    sceneOf(light) {
+        this.scene ??= new RayScene(this.gl, this.renderer, light.bake, this.noVertices);
         this.scene.update(light);
-        const rays = raysOf(this.level);
-        return new RayPass({ gl, noVertices, programs, scene: this.scene, rays, seed: light.seed, ...frame });
+        return this.scene;
     }
 
     trace(pass) {

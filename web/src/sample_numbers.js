@@ -34,8 +34,8 @@ export function sobolBits(index) {
     });
 }
 
-// twin: hashOf in src/core/base/random.h, of two numbers below 2^32; the lower half.
-function hashOf(a, b) {
+// twin: hashOf in src/core/base/random.h, of numbers below 2^32; the lower half.
+export function hashOf(a, b, c = 0) {
     const mask = (1n << 64n) - 1n;
     const mixBits = (x) => {
         x = ((x ^ (x >> 30n)) * 0xbf58476d1ce4e5b9n) & mask;
@@ -43,7 +43,8 @@ function hashOf(a, b) {
         return x ^ (x >> 31n);
     };
     const first = mixBits((BigInt(a) + 0x9e3779b97f4a7c15n) & mask);
-    return Number(mixBits(mixBits((first + BigInt(b)) & mask)) & 0xffffffffn);
+    const second = mixBits((first + BigInt(b)) & mask);
+    return Number(mixBits((second + BigInt(c)) & mask) & 0xffffffffn);
 }
 
 // Sobol's points, of which every rank has an aligned run; each seed shifts them all.

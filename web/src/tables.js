@@ -4,8 +4,8 @@ import { createTexture2D, createTextureArray } from './gl.js';
 import { kNoChart } from './file.js';
 
 export const kTableWidth = 2048; // twin: shaders/lib/table.glsl
-const kTablesWide = 512; // twin: shaders/lib/lookup_tables.glsl
-const kTableSide = 16;
+export const kTablesWide = 512; // twin: shaders/lib/lookup_tables.glsl
+export const kTableSide = 16;
 
 // Words or floats, four a texel.
 export function createTable(gl, format, values) {
@@ -45,23 +45,25 @@ export function inverseCdfOf(weights) {
     return cells;
 }
 
-// Tables of 16x16 entries, many side by side.
-export function uploadInverseCdfs(gl, guides) {
+// A table of 16x16 entries for each guide, many side by side. twin: src/gl/guide_tables.h.
+export function uploadGuideTables(gl, format, guides, tableOf) {
     const count = guides.length / 256;
     const width = Math.min(count, kTablesWide) * kTableSide,
         height = Math.ceil(count / kTablesWide) * kTableSide;
-    const pixels = new Uint8Array(4 * width * height);
+    let pixels = null;
     for (let i = 0; i < count; ++i) {
-        const cells = inverseCdfOf(guides.subarray(256 * i, 256 * i + 256));
+        const cells = tableOf(guides.subarray(256 * i, 256 * i + 256)),
+            channels = cells.length / kTableSide ** 2;
+        pixels ??= new cells.constructor(channels * width * height);
         const x = (i % kTablesWide) * kTableSide,
             y = Math.floor(i / kTablesWide) * kTableSide;
         for (let row = 0; row < kTableSide; ++row)
             pixels.set(
-                cells.subarray(4 * kTableSide * row, 4 * kTableSide * (row + 1)),
-                4 * ((y + row) * width + x),
+                cells.subarray(channels * kTableSide * row, channels * kTableSide * (row + 1)),
+                channels * ((y + row) * width + x),
             );
     }
-    return createTexture2D(gl, gl.RGBA8, width, height, pixels);
+    return createTexture2D(gl, format, width, height, pixels);
 }
 
 // 16x16 levels a tile, two words a row, as 2x4 texels of 8x4 levels.
@@ -144,7 +146,7 @@ function uploadCharts(gl, charts) {
     return createTexture2D(gl, gl.RGBA32UI, kTableWidth, rows, table);
 }
 
-function uploadTileLight(gl, radianceBound, tilesWide, tilesHigh) {
+export function uploadTileLight(gl, radianceBound, tilesWide, tilesHigh) {
     const texels = new Float32Array((radianceBound.length / 3) * 4);
     for (let i = 0; i < radianceBound.length / 3; ++i)
         texels.set(radianceBound.subarray(3 * i, 3 * i + 3), 4 * i);

@@ -1,6 +1,7 @@
 // All tests in one process, so that they share the browsers and the baked rooms. Each file runs alone, too.
 import './bvh.test.js';
 import './compositions.test.js';
+import './lights.test.js';
 import './package.test.js';
 import './pictures.test.js';
 import './plugin.test.js';

@@ -10,11 +10,9 @@ const kWarmUpFrames = 4,
 const kFrames = 32,
     kMaxFrames = 10_000;
 
-// How many frames `?bench` or `?bench=N` asks for; 0: it is not asked for.
+// How many frames `?bench` or `?bench=N` asks for.
 export function framesAsked(search) {
-    const text = new URLSearchParams(search).get('bench');
-    if (text === null) return 0;
-    const count = Math.round(Number(text));
+    const count = Math.round(Number(new URLSearchParams(search).get('bench')));
     return count >= 1 && count <= kMaxFrames ? count : kFrames;
 }
 

@@ -68,4 +68,6 @@ export function createPanel(viewer, materials, cameras, goTo, changed) {
     );
     if (materials.length > 0) show();
     element('controls').disabled = materials.length === 0;
+    const loadLamps = async () => (await import('./lamp_panel.js')).createLampPanel(viewer, changed);
+    element('panel').addEventListener('toggle', loadLamps, { once: true });
 }

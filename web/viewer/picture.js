@@ -46,8 +46,8 @@ export class Picture {
         };
     }
 
-    // Draws the scene and adds it.
-    add(scene, camera) {
+    // Draws the scene and adds it; what was there before counts as fewer than `most` samples.
+    add(scene, camera, most) {
         const { renderer, target } = this,
             gl = renderer.getContext();
         renderer.setRenderTarget(target);
@@ -57,12 +57,14 @@ export class Picture {
         if (this.samples === 0) gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
         gl.enable(gl.BLEND);
         gl.blendEquation(gl.FUNC_ADD);
-        gl.blendFunc(gl.ONE, gl.ONE);
+        const kept = Math.min((most - 1) / this.samples, 1);
+        gl.blendColor(0, 0, 0, kept);
+        gl.blendFunc(gl.ONE, gl.CONSTANT_ALPHA);
         const { accumulate } = this.gpu;
         accumulate.use();
         accumulate.bind('picture', 0, gl.TEXTURE_2D, renderer.properties.get(target.texture).__webglTexture);
         this.end(gl);
-        ++this.samples;
+        this.samples = kept * this.samples + 1;
     }
 
     present(exposureStops, toneMapping = kAgx) {

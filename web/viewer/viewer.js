@@ -12,14 +12,14 @@ import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { PhatexturesExtension, isSupported, jitterOf } from '../src/index.js';
 import { isGlass } from '../src/material.js';
 import { kRelativeCost } from '../src/passes.js';
-import { bench, framesAsked } from './bench.js';
 import { Navigation, defaultCamera, sphereOf } from './navigation.js';
 import { createPanel } from './panel.js';
 import { Picture } from './picture.js';
 import { prepareShadow } from './shadows.js';
 
-// Pictures that a view at rest is averaged from.
-const kSamples = 32;
+// Pictures that a view at rest is averaged from, and while its light changes.
+const kSamples = 32,
+    kChangingSamples = 8;
 // A moving view is drawn as 'fast', and in as many pixels as the device draws in this time; at rest a picture
 // may take longer.
 const kMovingSeconds = 0.04,
@@ -27,6 +27,10 @@ const kMovingSeconds = 0.04,
 // Of these times, what rays may take; where the rest is not enough for all pixels, there are none while a view moves.
 const kMovingRaySeconds = 0.01,
     kRestRaySeconds = 0.1;
+// What light that follows the lamps may take of a moving view's picture, and the least of one at rest: there it may take
+// as long as the picture does.
+const kMovingLightSeconds = 0.004,
+    kRestLightSeconds = 0.03;
 const kNear = 0.01; // units of length
 const kMinScale = 0.25,
     kScaleSteps = 8;
@@ -105,7 +109,7 @@ class Viewer {
         this.secondsPerPixel = 0; // 'fast'; 0: not known yet
         this.pending = null;
         this.isWhole = false; // whether the last picture showed all that is loaded
-        if (this.light) this.light.waitsForPrograms = false;
+        this.light.waitsForPrograms = false;
         this.navigation = new Navigation(this.camera, canvas, gltf.scene, () => this.viewChanged());
         const materials = new Set(),
             cameras = [];
@@ -200,7 +204,7 @@ class Viewer {
         if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
         gl.deleteSync(fence);
         this.pending = null;
-        const seconds = (now - since - (this.light?.tracedMilliseconds ?? 0)) / 1000;
+        const seconds = (now - since - this.light.tracedMilliseconds) / 1000;
         if (pixels && seconds > 0) this.secondsPerPixel = seconds / pixels;
         return true;
     }
@@ -211,6 +215,12 @@ class Viewer {
         const { width, height } = this.picture.target,
             left = kMovingSeconds - this.secondsPerPixel * width * height;
         return this.scale < 1 ? 0 : Math.min(Math.max(left, 0), kMovingRaySeconds);
+    }
+
+    lightSeconds(moving, quality) {
+        const { width, height } = this.picture.target,
+            seconds = this.secondsPerPixel * kRelativeCost[quality] * width * height;
+        return moving ? kMovingLightSeconds : Math.max(seconds, kRestLightSeconds);
     }
 
     viewChanged() {
@@ -230,20 +240,21 @@ class Viewer {
         const moving = now - this.lastMove < 150 || !this.secondsPerPixel;
         const wasWhole = this.isWhole;
         if (!wasWhole) this.changed();
-        if (!moving && this.picture.samples >= kSamples) return;
+        if (!moving && this.light.isSettled && this.picture.samples >= kSamples) return;
         const quality = moving ? 'fast' : this.quality;
         if (moving) this.settle();
         if (this.picture.samples === 0 || moving)
             this.fitScale(quality, moving ? kMovingSeconds : kRestSeconds);
-        if (this.light) this.light.reflectionMilliseconds = 1000 * this.raySeconds(moving);
+        this.light.reflectionMilliseconds = 1000 * this.raySeconds(moving);
+        this.light.updateMilliseconds = 1000 * this.lightSeconds(moving, quality);
         this.addSample(quality);
         this.present();
         const { width, height } = this.picture.target;
         this.pending = {
             fence: gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0),
             since: now,
-            // Of 'fast'. Time in which programs are compiled says nothing.
-            pixels: wasWhole && this.isWhole ? width * height * kRelativeCost[quality] : 0,
+            // Of 'fast'. Time in which programs are compiled, or light is made, says nothing.
+            pixels: wasWhole && this.isWhole && this.light.isSettled ? width * height * kRelativeCost[quality] : 0,
         };
         gl.flush();
         element('poster').hidden = true;
@@ -258,14 +269,15 @@ class Viewer {
     addSample(quality, count = kSamples) {
         const { camera, light, picture } = this,
             { width, height } = picture.target;
-        if (light) Object.assign(light, { quality, seed: picture.samples });
-        const [x, y] = jitterOf(picture.samples, count);
+        this.drawn = picture.samples === 0 ? 0 : this.drawn + 1;
+        Object.assign(light, { quality, seed: this.drawn });
+        const [x, y] = jitterOf(this.drawn % count, count);
         camera.setViewOffset(width, height, -x, y, width, height);
-        if (light) this.scene.background = light.environment;
-        const traced = light?.tracedMilliseconds > 0;
-        picture.add(this.scene, camera);
+        this.scene.background = light.environment;
+        const traced = light.tracedMilliseconds > 0;
+        picture.add(this.scene, camera, light.isSettled ? Infinity : kChangingSamples);
         // A mean is of pictures whose reflections were found in one way.
-        this.isWhole = !light || (light.isWhole && light.tracedMilliseconds > 0 === traced);
+        this.isWhole = light.isWhole && light.tracedMilliseconds > 0 === traced;
     }
 
     present() {
@@ -276,20 +288,20 @@ class Viewer {
     render(count, quality = this.quality) {
         this.setScale(1);
         this.changed();
-        if (this.light) this.light.waitsForPrograms = true;
+        this.light.waitsForPrograms = true;
         for (let i = 0; i < count; ++i) this.addSample(quality, count);
-        if (this.light) this.light.waitsForPrograms = false;
+        this.light.waitsForPrograms = false;
         return this.picture.read();
     }
 }
 
 // With ?bench, once all is loaded.
 async function showBench(viewer) {
-    const frames = framesAsked(location.search);
-    if (frames === 0) return;
+    if (!new URLSearchParams(location.search).has('bench')) return;
     element('status').textContent = 'Measuring.';
     try {
-        const text = JSON.stringify(await bench(viewer, frames), null, 2);
+        const { bench, framesAsked } = await import('./bench.js'),
+            text = JSON.stringify(await bench(viewer, framesAsked(location.search)), null, 2);
         console.log(text);
         element('bench').textContent = text;
         element('bench').hidden = false;
@@ -308,14 +320,12 @@ async function start() {
         });
         const viewer = (globalThis.viewer = new Viewer(renderer, gltf));
         element('status').textContent = 'Reflections are still to come.';
-        if (viewer.light) {
-            viewer.light.onProgress = () => {
-                progress.value = 0.5 + viewer.light.progress / 2;
-                viewer.changed();
-            };
-            await viewer.light.ready;
-            await showBench(viewer);
-        }
+        viewer.light.onProgress = () => {
+            progress.value = 0.5 + viewer.light.progress / 2;
+            viewer.changed();
+        };
+        await viewer.light.ready;
+        await showBench(viewer);
         element('loading').hidden = true;
     } catch (error) {
         element('loading').hidden = true;

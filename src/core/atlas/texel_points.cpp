@@ -1,4 +1,5 @@
 // Where each texel is in the world. source: Hensley et al. 2003, section 4.2 (extension past the edge).
+// twin: web/src/texel_points.js.
 
 #include <tbb/parallel_for.h>
 

@@ -1,0 +1,74 @@
+// What shines in a room, by name.
+import { Color } from 'three';
+import { emissionOf, isUnlit } from './material.js';
+
+// A punctual light, or all surfaces of a material that emits. What it is set to is drawn at once.
+export class Lamp {
+    #intensity = 1;
+    #visible = true;
+
+    // `source`: a light or a material of three.js; `changed` is called when the lamp is set.
+    constructor(source, changed) {
+        const isLight = source.isLight === true;
+        this.name = source.name;
+        this.source = source;
+        this.changed = changed;
+        this.colorKey = isLight || isUnlit(source) ? 'color' : 'emissive';
+        this.strengthKey = isLight ? 'intensity' : isUnlit(source) ? null : 'emissiveIntensity';
+        this.strength = this.strengthKey ? source[this.strengthKey] : 1;
+        this.own = source[this.colorKey].clone();
+        this.baked = this.own.clone();
+    }
+
+    // Times what it was in the bake.
+    get intensity() {
+        return this.#intensity;
+    }
+    set intensity(factor) {
+        this.#intensity = Math.max(factor, 0);
+        this.write();
+    }
+
+    get visible() {
+        return this.#visible;
+    }
+    set visible(visible) {
+        this.#visible = Boolean(visible);
+        this.write();
+    }
+
+    // Set it to change it: what is done to the colour that it returns changes nothing.
+    get color() {
+        return this.own.clone();
+    }
+    set color(color) {
+        this.own = new Color(color);
+        this.write();
+    }
+
+    reset() {
+        this.own = this.baked.clone();
+        this.#intensity = 1;
+        this.#visible = true;
+        this.write();
+    }
+
+    write() {
+        const { source, own, colorKey, strengthKey } = this,
+            factor = this.#visible ? this.#intensity : 0;
+        source[colorKey].copy(own);
+        if (strengthKey) source[strengthKey] = factor * this.strength;
+        else source[colorKey].multiplyScalar(factor);
+        this.changed();
+    }
+}
+
+// The lamps of what `root` holds: its punctual lights, then the materials of `drawRanges` that emit.
+export function lampsOf(root, drawRanges, changed) {
+    const sources = new Set();
+    root.traverse((object) => {
+        if (object.isPointLight || object.isSpotLight || object.isDirectionalLight) sources.add(object);
+    });
+    for (const { mesh } of drawRanges) if (emissionOf(mesh.material).some((x) => x > 0)) sources.add(mesh.material);
+    return [...sources].map((source) => new Lamp(source, changed));
+}
