@@ -90,6 +90,7 @@ StepNumbers stepNumbers(Rng& rng) {
 
 // The same of walk `i` of those from one point, which are stratified together.
 StepNumbers firstStepNumbers(uint32_t i, uint64_t seed) {
+    i %= kMaxShuffled;
     return {shuffledSobol4(i, seed), glm::vec3(shuffledSobol4(i, seed + 3 * kSeedStep))};
 }
 
