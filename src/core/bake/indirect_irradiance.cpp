@@ -67,12 +67,17 @@ struct Gatherer {
         NodeRays kept;
         kept.texel.fill(kNoTexel);
         kept.weight.fill(0);
+        glm::vec3 weights(0), rounded(0);
         kept.count = trace(level, node, kNodeRays, rays, [&](uint32_t i, const IrradianceRay& ray) {
             kept.light += ray.light;
             kept.nearness += 1.0f / ray.distance;
             kept.texel[i] = ray.texel;
             kept.weight[i] = packRgb9e5(ray.weight);
+            weights += ray.weight;
+            rounded += unpackRgb9e5(kept.weight[i]);
         });
+        for (int c = 0; c < 3; ++c)
+            if (rounded[c] > 0.0f) kept.unrounded[c] = weights[c] / rounded[c];
         kept.nearness /= float(std::max(kept.count, 1u));
         return kept;
     }
@@ -93,10 +98,10 @@ struct Gatherer {
 
 template <typename IrradianceOf>
 glm::vec3 bounced(const NodeRays& node, const IrradianceOf& irradianceOf) {
-    glm::vec3 sum = node.light;
+    glm::vec3 linked(0);
     for (uint32_t i = 0; i < node.count; ++i)
-        if (node.texel[i] != kNoTexel) sum += unpackRgb9e5(node.weight[i]) * irradianceOf(node.texel[i]);
-    return sum * (kPi / float(std::max(node.count, 1u)));
+        if (node.texel[i] != kNoTexel) linked += unpackRgb9e5(node.weight[i]) * irradianceOf(node.texel[i]);
+    return (node.light + node.unrounded * linked) * (kPi / float(std::max(node.count, 1u)));
 }
 
 /// Irradiance at the nodes when the texels have that which `irradianceOf` says.

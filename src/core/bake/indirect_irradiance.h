@@ -21,6 +21,9 @@ struct NodeRays {
     uint32_t count = 0;  // rays above the surface
     std::array<uint32_t, kNodeRays> texel;
     std::array<uint32_t, kNodeRays> weight;  // RGB9E5
+    /// Sum of the weights over that of the rounded ones: where all walls are white, weights are alike and are
+    /// rounded alike, and a thousandth more of each reflection is a fiftieth more of all.
+    glm::vec3 unrounded{1};
 };
 
 /// The nodes of the coarsest level.

@@ -107,6 +107,18 @@ TEST(Bake, FurnaceIsWhite) {
 }
 
 // Every ray brings the same light: edges and corners are no exception, and a few texels a wall are enough.
+// Of light that is reflected by .95 each time, a dozen reflections are not half.
+TEST(Bake, WhiteRoomsGetTheLightOfAllReflections) {
+    Scene scene;
+    addRoom(scene, emitter(glm::vec3(1), 0.95f), {1, 1.5f, 2});
+    const Bake result = bakeQuietly(scene, smallBake(2000, 10'000));
+    const auto reflected = overTexels(result.points, [&](size_t i) {
+        return unpackRgb9e5(result.phatexture.indirectIrradiance[i]).y / kPi;
+    });
+    constexpr double kAll = 0.95 / (1 - 0.95);
+    EXPECT_NEAR(reflected.mean, kAll, 0.005 * kAll);
+}
+
 TEST(Bake, FurnaceIsEvenlyLitInItsCorners) {
     for (const uint64_t texels : {1500, 30'000}) {
         BakeSettings settings = smallBake(texels, 10'000);
