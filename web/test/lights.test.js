@@ -7,9 +7,8 @@ import { after, before, test } from 'node:test';
 import { borrowBrowser, serve } from './browser.js';
 import { lampRoom } from './lamp_room.js';
 import { maeOverMean, meanOf, phat, readExr } from './room.js';
-import { loaded, loseContext, open, pixelsOf, rest } from './site.js';
+import { loaded, loseContext, open, openPlugin, pixelsOf, rest } from './site.js';
 
-const repository = new URL('../../', import.meta.url).pathname;
 // Few texels: a software driver traces the rays.
 const bakeOptions = ['--resolution', '8k', '--photons', '100k', '--quiet'];
 let folder, browser;
@@ -143,14 +142,7 @@ test('light that follows is made again when the context was lost', async (t) => 
 
 test('the package loads what is needed, and leaves nothing behind', async (t) => {
     const file = await bakedRoom('left', { ceiling: 8, point: 6 }, '--samples', '2');
-    const server = await serve(join(repository, 'web'), '/', { 'test/room.phat.glb': file }),
-        page = await browser.value.newPage();
-    t.after(async () => {
-        await page.close();
-        server.close();
-    });
-    await page.goto(`${server.url}test/plugin.html`);
-    await page.waitForFunction(() => globalThis.ready);
+    const page = await openPlugin(t, browser.value, file);
     const result = await page.evaluate(async () => {
         const world = await load(true),
             { light } = world,

@@ -7,9 +7,8 @@ import { after, before, test } from 'node:test';
 import { borrowBrowser, serve } from './browser.js';
 import { mirrorRoom } from './mirror_room.js';
 import { borrowRoom, maeOverMean, meanOf, phat, readExr } from './room.js';
-import { loaded, loseContext, open, pixelsOf, rest } from './site.js';
+import { loaded, loseContext, open, openPlugin, pixelsOf, rest } from './site.js';
 
-const repository = new URL('../../', import.meta.url).pathname;
 const size = { width: 160, height: 90 };
 let folder, mirror, mesa;
 
@@ -176,14 +175,7 @@ test('rays survive the loss of the context', async (t) => {
 });
 
 test("'auto' begins with the lookup, traces as time allows, and leaves nothing behind", async (t) => {
-    const server = await serve(join(repository, 'web'), '/', { 'test/room.phat.glb': mirror.file });
-    const page = await mesa.value.newPage();
-    t.after(async () => {
-        await page.close();
-        server.close();
-    });
-    await page.goto(`${server.url}test/plugin.html`);
-    await page.waitForFunction(() => globalThis.ready);
+    const page = await openPlugin(t, mesa.value, mirror.file);
     const result = await page.evaluate(async () => {
         const world = await load(true),
             { light } = world,

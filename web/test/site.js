@@ -17,6 +17,19 @@ export async function openRoom() {
     return { browser, room, server, close };
 }
 
+// plugin.html with the baked `file` as its room, until the test `t` ends.
+export async function openPlugin(t, browser, file) {
+    const server = await serve(new URL('..', import.meta.url).pathname, '/', { 'test/room.phat.glb': file }),
+        page = await browser.newPage();
+    t.after(async () => {
+        await page.close();
+        server.close();
+    });
+    await page.goto(`${server.url}test/plugin.html`);
+    await page.waitForFunction(() => globalThis.ready);
+    return page;
+}
+
 // A page of `url` that notes what must not be. `prepare` runs in it first.
 export async function open(browser, url, { prepare, size = viewport, query = '' } = {}) {
     const page = await browser.newPage({ viewport: size });
