@@ -82,7 +82,8 @@ uint32_t packRgb9e5(glm::vec3 rgb) {
 }
 
 glm::vec3 unpackRgb9e5(uint32_t packed) {
-    // 2^(exponent - 15 - 9) by the bits of a float, whose bias is 127: this is the innermost step of many loops.
+    // 2^(exponent - 15 - 9) by the bits of a float, whose bias is 127: this is the innermost step of many
+    // loops.
     const float scale = std::bit_cast<float>(((packed >> 27) + 127u - 15u - 9u) << 23);
     return glm::vec3(packed & 511u, (packed >> 9) & 511u, (packed >> 18) & 511u) * scale;
 }
