@@ -39,7 +39,7 @@ void drawSelectionPanel(ViewerState& state, Edit& edit);
 void drawLightsPanel(ViewerState& state, Edit& edit);
 void drawMotionPanel(ViewerState& state, Edit& edit);
 
-// Of the light that follows: motion_panels.cpp.
+// Of updates of the light: motion_panels.cpp.
 void drawLivePanel(ViewerState& state, const PanelInput& input);
 
 }  // namespace phat

@@ -109,7 +109,7 @@ test('rays see lamps as they are set, whether tables are made before or after', 
         const before = isLate ? await pixelsOf(page, 1, 'fast', 'rays') : null;
         await page.evaluate(async () => {
             const [ceiling, wall] = await viewer.light.lights;
-            // Without the light that follows, which is noise.
+            // Without the updated light, which is noise.
             viewer.light.updates.preparing = Promise.resolve();
             Object.assign(ceiling, { intensity: 0.25, color: '#4080ff' });
             wall.intensity = 3;
@@ -122,7 +122,7 @@ test('rays see lamps as they are set, whether tables are made before or after', 
     assert.ok(maeOverMean(late.after, early.after) < 1e-6, `${maeOverMean(late.after, early.after)}`);
 });
 
-test('light that follows is made again when the context was lost', async (t) => {
+test('updated light is made again when the context was lost', async (t) => {
     const page = await openBaked(t, await bakedRoom('lost', { ceiling: 8, point: 6 }));
     await rest(page);
     const baked = await pixelsOf(page, 4, 'default');

@@ -27,7 +27,7 @@ const kMovingSeconds = 0.04,
 // Of these times, what rays may take; where the rest is not enough for all pixels, there are none while a view moves.
 const kMovingRaySeconds = 0.01,
     kRestRaySeconds = 0.1;
-// What light that follows the lamps may take of a moving view's picture, and the least of one at rest: there it may take
+// What updates of the light may take of a moving view's picture, and the least of one at rest: there it may take
 // as long as the picture does.
 const kMovingLightSeconds = 0.004,
     kRestLightSeconds = 0.03;

@@ -23,9 +23,7 @@ struct BakeSettings {
     RadianceSource radiance = RadianceSource::texels;
     int layers = 1;            // PHATexels per texel
     int pathsPerPhatexel = 8;  // RadianceSource::path, and texels on glossy surfaces
-    // Reflections between the light and the eye's. White rooms need many, and between texels they cost no
-    // rays.
-    int maxBounces = 256;
+    int maxBounces = 256;  // of the longest path: white rooms need many, and between texels they cost no rays
     int irradianceSamples = 16;  // shadow rays a texel for area lights' diffuse part; four times in penumbrae
     uint64_t seed = 1;
 };

@@ -106,7 +106,6 @@ TEST(Bake, FurnaceIsWhite) {
     EXPECT_LT(std::sqrt(deviation.mean), 0.02);
 }
 
-// Every ray brings the same light: edges and corners are no exception, and a few texels a wall are enough.
 // Of light that is reflected by .95 each time, a dozen reflections are not half.
 TEST(Bake, WhiteRoomsGetTheLightOfAllReflections) {
     Scene scene;
@@ -119,6 +118,7 @@ TEST(Bake, WhiteRoomsGetTheLightOfAllReflections) {
     EXPECT_NEAR(reflected.mean, kAll, 0.005 * kAll);
 }
 
+// Every ray brings the same light: edges and corners are no exception, and a few texels a wall are enough.
 TEST(Bake, FurnaceIsEvenlyLitInItsCorners) {
     for (const uint64_t texels : {1500, 30'000}) {
         BakeSettings settings = smallBake(texels, 10'000);
