@@ -15,6 +15,7 @@
 #include "core/scene/default_camera.h"
 #include "core/scene/scene.h"
 #include "core/scene/transparency.h"
+#include "io/base/printable.h"
 #include "io/gltf/blender_units.h"
 #include "io/gltf/gltf_source.h"
 #include "io/gltf/gltf_variants.h"
@@ -104,13 +105,11 @@ Json describeBake(const BakedScene& baked) {
         std::count(baked.points.state.begin(), baked.points.state.end(), TexelState::surface);
     const size_t guides = phatexture.indirectGuides.size() + phatexture.areaGuides.size();
 
-    Json settings = Json::parse(baked.record.settings, nullptr, false);
-    if (settings.is_discarded()) settings = baked.record.settings;
     return {{"record",
              {{"generator", baked.record.generator},
               {"source", baked.record.source},
               {"seed", baked.record.seed},
-              {"settings", settings}}},
+              {"settings", settingsJson(baked.record.settings)}}},
             {"atlas",
              {{"size", {atlas.sizeTexels.x, atlas.sizeTexels.y}},
               {"texelSizeMeters", atlas.texelSizeMeters},
@@ -159,7 +158,7 @@ std::string megabytes(const Json& bytes) {
 }
 
 void printLine(const char* label, const std::string& text) {
-    fmt::print("  {:<12} {}\n", label, text);
+    fmt::print("  {:<12} {}\n", label, printable(text));
 }
 
 std::string joined(const Json& names) {
@@ -233,8 +232,7 @@ void printBake(const Json& bake) {
     const Json& record = bake["record"];
     printLine("baked by", fmt::format("{} from {}, seed {}", record["generator"].get<std::string>(),
                                       record["source"].get<std::string>(), record["seed"].get<uint64_t>()));
-    const Json& settings = record["settings"];
-    printLine("settings", settings.is_string() ? settings.get<std::string>() : settings.dump());
+    printLine("settings", record["settings"].dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace

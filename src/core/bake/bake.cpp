@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "core/atlas/glossy_density.h"
+#include "core/atlas/texel_point_bytes.h"
 #include "core/bake/gather.h"
 #include "core/bake/indirect_irradiance.h"
 #include "core/bake/irradiance_finish.h"
@@ -142,9 +143,6 @@ uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings) {
     }
     constexpr double kTileTexels = kTileSize * kTileSize, kBlockTexels = kBlockSize * kBlockSize;
     constexpr double kNodeTexels = kLevelSteps[0] * kLevelSteps[0];
-    // Of TexelPoints, and the distance to the surface while they are made.
-    constexpr double kPoints =
-        sizeof(TexelState) + 3 * sizeof(glm::vec3) + sizeof(glm::vec2) + sizeof(uint32_t) + sizeof(float);
     constexpr double kDirections = 2 * sizeof(glm::vec3) + sizeof(float);  // of ChosenDirections
     constexpr double kIndirectIrradiance = sizeof(NodeRays) / kNodeTexels + 2 * sizeof(glm::vec3);
     constexpr double kAreaLight = sizeof(PackedPhatexel) + sizeof(uint32_t);  // a layer, a map
@@ -152,8 +150,8 @@ uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings) {
         2 * sizeof(Guide) / kBlockTexels + (sizeof(DepthProbe) + sizeof(PackedTile)) / kTileTexels;
     constexpr double kLayer = 3 * sizeof(PackedPhatexel);  // itself, sorted for compression, compressed
     // Irradiance is gathered before directions are chosen: the larger of the two counts.
-    const double bytesPerTexel = kPoints + std::max(kDirections, kIndirectIrradiance) + kAreaLight + kTables +
-                                 kLayer * settings.layers;
+    const double bytesPerTexel = double(kTexelPointBytes) + std::max(kDirections, kIndirectIrradiance) +
+                                 kAreaLight + kTables + kLayer * settings.layers;
     // A photon meets about five surfaces before it is absorbed at albedo .8; the kd-tree adds an index.
     const double photonBytes = 5.0 * double(settings.photons.count) * (sizeof(Photon) + 16);
     // Embree's tree and copies of the geometry, the unwrapper's topology.

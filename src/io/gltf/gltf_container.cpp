@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "io/base/plain_file.h"
 #include "io/gltf/gltf_problem.h"
 
 namespace phat::gltf {
@@ -33,10 +34,8 @@ void readExactly(std::ifstream& file, Bytes& bytes, uint64_t size) {
 }
 
 uint64_t plainFileSize(const std::filesystem::path& path) {
+    if (const std::string reason = whyNoPlainFile(path); !reason.empty()) throw Problem(reason);
     std::error_code error;
-    // Devices and pipes have no size and may never end.
-    if (!std::filesystem::exists(path, error)) throw Problem("no such file");
-    if (!std::filesystem::is_regular_file(path, error)) throw Problem("not a plain file");
     const uint64_t size = std::filesystem::file_size(path, error);
     if (error) throw Problem("cannot be read");
     return size;

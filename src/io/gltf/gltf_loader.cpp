@@ -7,6 +7,7 @@
 #include "core/atlas/divided_surfaces.h"
 #include "core/atlas/expected_texel_size.h"
 #include "io/base/file_error.h"
+#include "io/base/printable.h"
 #include "io/gltf/gltf_animations.h"
 #include "io/gltf/gltf_divide.h"
 #include "io/gltf/gltf_flatten.h"
@@ -95,10 +96,9 @@ LoadedScene loadTolerantly(GltfSource& source, const GltfLoadOptions& options) {
         throw gltf::Problem(refusal);  // the first reason is the plainer one
     }
     LoadedScene loaded = loadPlain(source, options, budget);
-    loaded.notes.insert(loaded.notes.begin(), gltf::printable(fmt::format(
-                                                  "what the scene does not use is left out, because some of "
-                                                  "it is broken: {}",
-                                                  refusal)));
+    const std::string note =
+        fmt::format("what the scene does not use is left out, because some of it is broken: {}", refusal);
+    loaded.notes.insert(loaded.notes.begin(), printable(note, gltf::kShownBytes));
     return loaded;
 }
 
@@ -110,7 +110,7 @@ LoadedScene loadGltf(GltfSource& source, const GltfLoadOptions& options) {
     } catch (const std::bad_alloc&) {
         throw FileError(source.path, "not enough memory");
     } catch (const std::exception& error) {
-        throw FileError(source.path, gltf::printable(reasonOf(error)));
+        throw FileError(source.path, printable(reasonOf(error), gltf::kShownBytes));
     }
 }
 

@@ -4,62 +4,11 @@
 #include <fmt/core.h>
 #include <webp/decode.h>
 
-#include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <string_view>
 
-namespace {
-
-// stb inflates whatever a PNG holds, however small the picture that it announces, so its allocations are
-// metered. Blocks remember their size in front.
-struct AllocationMeter {
-    size_t left = 0;
-};
-thread_local AllocationMeter decodeMeter;
-constexpr size_t kSizeSlot = 16;  // keeps malloc's alignment
-
-void* meteredMalloc(size_t size) {
-    if (size > decodeMeter.left) return nullptr;
-    auto* block = static_cast<char*>(std::malloc(size + kSizeSlot));
-    if (!block) return nullptr;
-    decodeMeter.left -= size;
-    std::memcpy(block, &size, sizeof size);
-    return block + kSizeSlot;
-}
-
-size_t meteredSize(const void* pointer) {
-    size_t size;
-    std::memcpy(&size, static_cast<const char*>(pointer) - kSizeSlot, sizeof size);
-    return size;
-}
-
-void meteredFree(void* pointer) {
-    if (!pointer) return;
-    decodeMeter.left += meteredSize(pointer);
-    std::free(static_cast<char*>(pointer) - kSizeSlot);
-}
-
-void* meteredRealloc(void* pointer, size_t size) {
-    void* grown = meteredMalloc(size);
-    if (grown && pointer) std::memcpy(grown, pointer, std::min(size, meteredSize(pointer)));
-    if (grown) meteredFree(pointer);
-    return grown;
-}
-
-}  // namespace
-
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STBI_ONLY_PNG
-#define STBI_ONLY_JPEG
-#define STBI_NO_STDIO
-#define STBI_MAX_DIMENSIONS 16384
-#define STBI_MALLOC(size) meteredMalloc(size)
-#define STBI_REALLOC(pointer, size) meteredRealloc(pointer, size)
-#define STBI_FREE(pointer) meteredFree(pointer)
-#include <stb_image.h>
+#include "io/image/metered_stb.h"
 
 namespace phat::gltf {
 namespace {
@@ -98,23 +47,13 @@ int countJpegScans(std::span<const uint8_t> bytes) {
     return scans;
 }
 
-// What stb holds at its worst moment, per texel. PNG: inflated rows, an interlace pass and the picture, or
-// one of them beside the four channels made of it. JPEG: 16-bit coefficients (progressive) and samples of
-// padded blocks, and the picture. Encoded PNG data are gathered in a buffer that grows by doubling.
-uint64_t decodeBytes(std::span<const uint8_t> bytes, uint64_t texels, uint64_t channels) {
-    constexpr uint64_t kSlack = 1 << 20;
-    const uint64_t depth = stbi_is_16_bit_from_memory(bytes.data(), int(bytes.size())) ? 2 : 1;
-    const uint64_t png = std::max({3 * channels * depth, (channels + 4) * depth, uint64_t(8)});
-    return texels * (isJpeg(bytes) ? 4 * channels + 4 : png) + 4 * bytes.size() + kSlack;
-}
-
 TextureImage decodeByStb(std::span<const uint8_t> bytes, MemoryBudget& budget) {
     const auto* data = bytes.data();
     if (bytes.size() > size_t(INT32_MAX)) throw Problem("too large");
     const int size = int(bytes.size());
     TextureImage image;
     int channels = 0;
-    decodeMeter.left = 1 << 20;  // for headers
+    allowDecoding(kHeaderAllowance);
     if (!stbi_info_from_memory(data, size, &image.width, &image.height, &channels)) {
         throw Problem("not a PNG, JPEG, WebP or AVIF");
     }
@@ -122,9 +61,10 @@ TextureImage decodeByStb(std::span<const uint8_t> bytes, MemoryBudget& budget) {
     if (isJpeg(bytes) && countJpegScans(bytes) > kMaxJpegScans) throw Problem("too many JPEG scans");
 
     const uint64_t texels = uint64_t(image.width) * uint64_t(image.height);
-    const uint64_t workBytes = decodeBytes(bytes, texels, uint64_t(channels));
+    const bool wide = stbi_is_16_bit_from_memory(data, size);
+    const uint64_t workBytes = decodingBytes({texels, uint64_t(channels), wide, isJpeg(bytes), bytes.size()});
     chargePicture(workBytes, budget);
-    decodeMeter.left = workBytes;
+    allowDecoding(workBytes);
     const std::unique_ptr<stbi_uc, StbFree> pixels(
         stbi_load_from_memory(data, size, &image.width, &image.height, &channels, 4));
     if (pixels) {
@@ -236,6 +176,7 @@ TextureImage decodePicture(std::span<const uint8_t> bytes, MemoryBudget& budget)
     if (type == "image/webp") return decodeWebp(bytes, budget);
     if (type == "image/avif") return decodeAvif(bytes, budget);
     if (type == "image/ktx2") throw Problem("is a KTX2 picture, which is not supported");
+    if (type != "image/png" && type != "image/jpeg") throw Problem("not a PNG, JPEG, WebP or AVIF");
     return decodeByStb(bytes, budget);
 }
 

@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
+#include "io/base/printable.h"
 
 namespace phat::gltf {
 
@@ -43,16 +43,8 @@ std::vector<std::string> linesOf(const Notes& notes) {
         "vertex colours were not numbers and are set to white");
     add(notes.clampedFactors, "material factor was outside its legal range and is clamped",
         "material factors were outside their legal range and are clamped");
-    for (std::string& line : lines) line = printable(std::move(line));
+    for (std::string& line : lines) line = printable(std::move(line), kShownBytes);
     return lines;
-}
-
-std::string printable(std::string text) {
-    constexpr size_t kShown = 300;
-    if (text.size() > kShown) text = text.substr(0, kShown) + "...";
-    std::replace_if(
-        text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, '?');
-    return text;
 }
 
 }  // namespace phat::gltf

@@ -58,8 +58,7 @@ struct Notes {
 /// The counters as lines, after the lines that are already there.
 std::vector<std::string> linesOf(const Notes& notes);
 
-/// A message on one line: names come from the file and go to a terminal, and a parser quotes what it chokes
-/// on.
-std::string printable(std::string text);
+/// Bytes of a message that are shown: a parser quotes what it chokes on.
+inline constexpr size_t kShownBytes = 300;
 
 }  // namespace phat::gltf

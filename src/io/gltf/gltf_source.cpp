@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "io/base/file_error.h"
+#include "io/base/json_depth.h"
 #include "io/gltf/gltf_container.h"
 
 namespace phat {
@@ -23,33 +24,11 @@ using nlohmann::json;
 // The loader has read the same files before, within its own limits.
 constexpr uint64_t kNoLimit = ~0ull;
 
-// Valid files stay near 12; deeper ones only aim at the stack of recursive functions.
-constexpr int kMaxDepth = 64;
-
-void checkDepth(std::string_view text) {
-    int depth = 0;
-    bool inString = false;
-    for (size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        if (inString) {
-            if (c == '\\') ++i;
-            inString = c != '"';
-        } else if (c == '"') {
-            inString = true;
-        } else if (c == '{' || c == '[') {
-            if (++depth > kMaxDepth) fail("its JSON is nested too deeply");
-        } else if (c == '}' || c == ']') {
-            --depth;
-        }
-    }
-}
-
-// The parser itself is not recursive. Chunks that are padded with zeros instead of spaces are common enough;
-// it takes a zero for the end.
+// Chunks that are padded with zeros instead of spaces are common enough; the parser takes a zero for the end.
 json parseJson(const std::string& text) {
     json parsed = json::parse(text, nullptr, /*allow_exceptions=*/false);
     if (!parsed.is_object()) fail("not a glTF file: its JSON cannot be parsed");
-    checkDepth(text);
+    if (isNestedTooDeeply(text)) fail("its JSON is nested too deeply");
     return parsed;
 }
 

@@ -17,14 +17,15 @@
 
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
+#include "io/base/plain_file.h"
 #include "io/image/image_file.h"
 
 namespace phat {
 namespace {
 
-// Deflate expands at most 1032 times (zlib's technical notes), and the other lossless codecs less; only the
-// DWA codecs may say more with less.
-constexpr uint64_t kMaxExpansion = 1032;
+// Deflate expands at most 1032 times (zlib's technical notes), and the other lossless codecs less. The DWA
+// codecs deflate one coefficient for 64 pixels at least.
+constexpr uint64_t kMaxExpansion = 1032, kMaxDwaExpansion = 64 * kMaxExpansion;
 
 std::string firstLine(const std::string& text) {
     return text.substr(0, text.find('\n'));
@@ -50,7 +51,7 @@ void checkSize(const std::string& path, const Imf::Header& header, uint64_t file
         throw FileError(path, fmt::format("the picture is too large ({} x {} pixels)", width, height));
     const bool dwa =
         header.compression() == Imf::DWAA_COMPRESSION || header.compression() == Imf::DWAB_COMPRESSION;
-    if (!dwa && pixels * bytesPerPixel(header.channels()) > fileBytes * kMaxExpansion)
+    if (pixels * bytesPerPixel(header.channels()) > fileBytes * (dwa ? kMaxDwaExpansion : kMaxExpansion))
         throw FileError(path, fmt::format("the file is too short for {} x {} pixels", width, height));
 }
 
@@ -82,6 +83,7 @@ Image readFirstPart(const std::string& path, uint64_t fileBytes) {
     const Imf::Header& header = file.header(0);
     checkSize(path, header, fileBytes);
     const auto names = chooseChannels(path, header.channels());
+    Imf::InputPart part(file, 0);  // refuses what is broken before there is a picture
 
     const Imath::Box2i window = header.dataWindow();
     Image image(window.max.x - window.min.x + 1, window.max.y - window.min.y + 1);
@@ -91,7 +93,6 @@ Image readFirstPart(const std::string& path, uint64_t fileBytes) {
     for (int i = 0; i < count; ++i)
         frameBuffer.insert(names[i],
                            Imf::Slice::Make(Imf::FLOAT, &image.pixels[0][i], window, xStride, yStride));
-    Imf::InputPart part(file, 0);
     part.setFrameBuffer(frameBuffer);
     part.readPixels(window.min.y, window.max.y);
     if (count == 1)
@@ -137,6 +138,7 @@ void writePlanes(const std::string& path, int width, int height, const std::vect
 }  // namespace
 
 Image readExr(const std::string& path) {
+    if (const std::string reason = whyNoPlainFile(path); !reason.empty()) throw FileError(path, reason);
     std::error_code error;
     const uint64_t fileBytes = std::filesystem::file_size(path, error);
     if (error) throw FileError(path, "cannot be read: " + error.message());

@@ -1,7 +1,6 @@
 // PNG, JPEG and Radiance pictures through stb.
 
 #include <fmt/format.h>
-#include <stb_image.h>
 #include <stb_image_write.h>
 
 #include <algorithm>
@@ -15,7 +14,9 @@
 #include "core/base/srgb.h"
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
+#include "io/base/plain_file.h"
 #include "io/image/image_file.h"
+#include "io/image/metered_stb.h"
 
 namespace phat {
 namespace {
@@ -58,6 +59,7 @@ constexpr stbi_io_callbacks kCallbacks{readStream, skipStream, streamEnded};
 
 struct PictureFile {
     explicit PictureFile(const std::string& filePath) : path(filePath), file(nullptr, std::fclose) {
+        if (const std::string reason = whyNoPlainFile(path); !reason.empty()) throw FileError(path, reason);
         file.reset(std::fopen(path.c_str(), "rb"));
         std::error_code error;
         bytes = std::filesystem::file_size(path, error);
@@ -69,7 +71,8 @@ struct PictureFile {
 
     // Sets the size, checked, and goes back to the start.
     void readSize() {
-        if (!stbi_info_from_callbacks(&kCallbacks, &stream, &width, &height, nullptr))
+        allowDecoding(kHeaderAllowance);
+        if (!stbi_info_from_callbacks(&kCallbacks, &stream, &width, &height, &channels))
             throw FileError(path, fmt::format("is not a picture: {}", stbi_failure_reason()));
         const uint64_t pixels = uint64_t(width) * uint64_t(height);
         if (width <= 0 || height <= 0) throw FileError(path, "the picture is empty");
@@ -99,6 +102,7 @@ struct PictureFile {
     PictureStream stream;
     int width = 0;
     int height = 0;
+    int channels = 0;
 };
 
 template <typename Sample>
@@ -118,6 +122,7 @@ Image decodeSrgb(const Sample* samples, int width, int height) {
 
 Image readHdr(const std::string& path) {
     PictureFile file(path);
+    allowDecoding(kHeaderAllowance);
     if (!stbi_is_hdr_from_callbacks(&kCallbacks, &file.stream))
         throw FileError(path, "is not a Radiance picture");
     file.rewind();
@@ -125,6 +130,7 @@ Image readHdr(const std::string& path) {
     const uint64_t pixels = uint64_t(file.width) * uint64_t(file.height);
     file.checkExpansion(pixels, 16);  // two bytes hold a run of at most 127 of a pixel's four bytes
     file.stream.paddingBytes = 4 * pixels;
+    allowDecoding(2 * sizeof(glm::vec4) * pixels + kHeaderAllowance);
     const Pixels values(
         stbi_loadf_from_callbacks(&kCallbacks, &file.stream, &file.width, &file.height, nullptr, 3),
         stbi_image_free);
@@ -139,6 +145,10 @@ Image readPng(const std::string& path) {
     file.readSize();
     const bool wide = stbi_is_16_bit_from_callbacks(&kCallbacks, &file.stream);
     file.rewind();
+    const bool jpeg = std::fgetc(file.stream.file) == 0xFF;
+    file.rewind();
+    const uint64_t pixels = uint64_t(file.width) * uint64_t(file.height);
+    allowDecoding(decodingBytes({pixels, uint64_t(file.channels), wide, jpeg, file.bytes}));
     const Pixels values(
         wide ? static_cast<void*>(stbi_load_16_from_callbacks(&kCallbacks, &file.stream, &file.width,
                                                               &file.height, nullptr, 3))

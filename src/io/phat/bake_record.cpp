@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "io/base/json_depth.h"
+
 namespace phat {
 
 const std::map<std::string, Directions>& directionNames() {
@@ -54,12 +56,17 @@ BakeRecord recordOf(const BakeSettings& s, const std::string& source, const std:
             line.dump(-1, ' ', false, json::error_handler_t::replace), s.seed, storage};
 }
 
+nlohmann::json settingsJson(const std::string& settings) {
+    using nlohmann::json;
+    json parsed = json::parse(settings, nullptr, false);
+    return parsed.is_object() && !isNestedTooDeeply(settings) ? parsed : json::object();
+}
+
 BakeSettings settingsOf(const BakeRecord& record) {
     using nlohmann::json;
     BakeSettings s;
     s.seed = s.photons.seed = record.seed;
-    const json line = json::parse(record.settings, nullptr, false);
-    if (!line.is_object()) return s;
+    const json line = settingsJson(record.settings);
     const auto number = [&](const char* key, auto& value, uint64_t low, uint64_t high) {
         const auto it = line.find(key);
         if (it == line.end() || !it->is_number_unsigned()) return;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "core/bake/bake.h"
@@ -30,5 +31,7 @@ BakeRecord recordOf(const BakeSettings& settings, const std::string& source, con
 
 /// The settings in a record; missing or invalid ones have their defaults.
 BakeSettings settingsOf(const BakeRecord& record);
+/// BakeRecord::settings; an empty object where they are none.
+nlohmann::json settingsJson(const std::string& settings);
 
 }  // namespace phat

@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "core/atlas/texel_point_bytes.h"
 #include "core/bvh/restore_bvh.h"
 #include "io/base/file_error.h"
 #include "io/gltf/gltf_rewrite.h"
@@ -67,12 +68,14 @@ void readCharts(PayloadReader& reader, const json& object, size_t surfaceCount, 
         chart.texelSizeMeters = r.texelSizeMeters;
         atlas.charts.push_back(chart);
     }
-    uint64_t blocks = 0;
+    uint64_t blocks = 0, chartTiles = 0;
     for (const Chart& chart : atlas.charts) {
         checkChart(atlas, chart, surfaceCount);
         blocks += uint64_t(chart.blocksWide()) * chart.blocksHigh();
+        chartTiles += uint64_t(chart.sizeTiles.x) * chart.sizeTiles.y;
     }
     if (blocks > std::numeric_limits<uint32_t>::max()) fail("there are too many blocks");
+    if (chartTiles > tileCount) fail("charts overlap");
     numberBlocks(atlas);
 
     atlas.tileChart = readPayload<uint32_t>(reader, object, "tiles", tileCount);
@@ -127,7 +130,11 @@ void readTriangleTexels(PayloadReader& reader, const json& object, uint64_t texC
         fail("the atlas UVs are not those that were baked: another program has changed the geometry");
 }
 
+// Of an atlas by its triangles. Charts are injective but for rounding, those of `--use-uv` likewise.
+constexpr double kMaxCoverings = 1.5;
+
 void readTriangleCharts(PayloadReader& reader, const json& object, const Scene& scene, Atlas& atlas) {
+    double covered = 0;  // texels
     atlas.triangleChart = readPayload<uint32_t>(reader, object, "triangles", scene.triangles.size());
     for (size_t t = 0; t < atlas.triangleChart.size(); ++t) {
         const uint32_t index = atlas.triangleChart[t];
@@ -137,10 +144,15 @@ void readTriangleCharts(PayloadReader& reader, const json& object, const Scene& 
             fail("a triangle and its chart belong to different nodes");
         const glm::vec2 low(atlas.charts[index].originTexel());
         const glm::vec2 high = low + glm::vec2(atlas.charts[index].sizeTexels());
-        for (const glm::vec2& texel : atlas.triangleTexels[t])
+        const auto& corners = atlas.triangleTexels[t];
+        for (const glm::vec2& texel : corners)
             if (!(texel.x >= low.x && texel.y >= low.y && texel.x <= high.x && texel.y <= high.y))
                 fail("a triangle lies outside its chart");
+        const glm::dvec2 along = corners[1] - corners[0], across = corners[2] - corners[0];
+        covered += 0.5 * std::abs(along.x * across.y - along.y * across.x);
     }
+    // Each is rasterised in full, which takes its time: the map from the surface to texels is one-to-one.
+    if (covered > kMaxCoverings * double(atlas.texelCount())) fail("triangles overlap in the atlas");
 }
 
 Atlas readAtlas(PayloadReader& reader, const json& extension, const Scene& scene) {
@@ -148,6 +160,7 @@ Atlas readAtlas(PayloadReader& reader, const json& extension, const Scene& scene
     Atlas atlas;
     atlas.sizeTexels = readSize(object, kMaxAtlasSide);
     if (atlas.sizeTexels % kTileSize != glm::uvec2(0)) fail("the atlas does not consist of whole tiles");
+    reader.budget.charge(kTexelPointBytes * atlas.texelCount(), "its atlas");
     atlas.texelSizeMeters = object.at("texelSize").get<float>();
     if (!(atlas.texelSizeMeters > 0 && std::isfinite(atlas.texelSizeMeters)))
         fail("the texel size is not positive");
@@ -245,8 +258,9 @@ const json* findExtension(const json& gltf) {
 PhatexelStorage storageOf(const json& extension) {
     const uint64_t version = wholeNumber(extension, "version");
     if (version < kBakedFormatVersion || version > kSharedChartsFormatVersion)
-        fail(fmt::format("has format version {}; this program reads versions {} to {}", version,
-                         kBakedFormatVersion, kSharedChartsFormatVersion));
+        fail(fmt::format("has format version {}; this program reads versions {} to {}: {}", version,
+                         kBakedFormatVersion, kSharedChartsFormatVersion,
+                         version < kBakedFormatVersion ? "bake the scene again" : "it needs a newer one"));
     const bool mayBePacked = version != kStorageFormatVersion;
     if (version == kBakedFormatVersion || (mayBePacked && !extension.contains("storage")))
         return PhatexelStorage::packed;
@@ -265,8 +279,8 @@ const json& extensionOf(const GltfSource& source) {
 void readExtension(const GltfSource& source, BakedScene& baked) {
     const json& extension = extensionOf(source);
     const PhatexelStorage storage = storageOf(extension);
-    PayloadReader reader{source, 0};
-    for (const auto& buffer : source.buffers) reader.bytesLeft += kMaxPayloadExpansion * buffer.size();
+    PayloadReader reader{source, gltf::MemoryBudget(0)};
+    for (const auto& buffer : source.buffers) reader.budget.allowFor(buffer.size());
 
     Scene& scene = baked.loaded.scene;
     baked.record = readRecord(extension, storage);

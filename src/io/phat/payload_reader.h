@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "io/gltf/gltf_problem.h"
 #include "io/gltf/gltf_source.h"
 #include "io/phat/phat_payload.h"
 
@@ -15,8 +16,9 @@ namespace phat {
 
 struct PayloadReader {
     const GltfSource& source;
-    // Payloads may share a bufferView; together they may not claim more than the file could hold.
-    uint64_t bytesLeft = 0;
+    // Of what is read and of what is made from it. Payloads may share a bufferView, and sizes are only
+    // claimed.
+    gltf::MemoryBudget budget;
 };
 
 /// The payload object[key] as `count` values. Throws std::runtime_error where its size is another.
@@ -28,9 +30,7 @@ std::vector<T> readPayload(PayloadReader& reader, const nlohmann::json& object, 
     if (count > ~0ull / sizeof(T) || byteLength != count * sizeof(T))
         throw std::runtime_error(fmt::format("the payload \"{}\" has {} bytes where {} belong", key,
                                              byteLength, count * sizeof(T)));
-    if (byteLength > reader.bytesLeft)
-        throw std::runtime_error(fmt::format("the payload \"{}\" is larger than the file allows", key));
-    reader.bytesLeft -= byteLength;
+    reader.budget.charge(byteLength, fmt::format("the payload \"{}\"", key));
     const auto stream = bufferViewBytes(reader.source, wholeNumber(payload, "bufferView"));
     const std::vector<uint8_t> bytes = decodePayload(stream, byteLength);
     std::vector<T> values(count);

@@ -26,6 +26,14 @@ std::vector<PackedPhatexel> readTexels(PayloadReader& reader, const json& layer,
     return texels;
 }
 
+void checkPlaces(const std::vector<PackedPhatexel>& texels, const Atlas& atlas) {
+    for (size_t i = 0; i < texels.size(); ++i) {
+        if (texels[i].directionDistance == 0 && texels[i].radiance == 0) continue;
+        if (atlas.chartAt({i % atlas.sizeTexels.x, i / atlas.sizeTexels.x}) == kNoChart)
+            refuse("a PHATexel lies on a tile that has no chart");
+    }
+}
+
 void readLayers(PayloadReader& reader, const json& object, PhatexelStorage storage, const Atlas& atlas,
                 std::vector<PhatexelLayer>& layers, std::vector<Guide>& guides) {
     const uint64_t guideCount = wholeNumber(object, "guideCount");
@@ -39,6 +47,7 @@ void readLayers(PayloadReader& reader, const json& object, PhatexelStorage stora
     for (const json& item : described) {
         PhatexelLayer& layer = layers.emplace_back();
         layer.texels = readTexels(reader, item, storage, atlas.texelCount());
+        checkPlaces(layer.texels, atlas);
         if (item.contains("pdf"))
             layer.pdf = readPayload<float>(reader, item, "pdf", atlas.texelCount());
         else if (guides.empty())

@@ -12,6 +12,7 @@
 #include "core/scene/environment_sampling.h"
 #include "core/scene/seen_light.h"
 #include "io/gltf/gltf_loader.h"
+#include "io/phat/bake_record.h"
 
 namespace phat {
 namespace {
@@ -235,7 +236,7 @@ void removeAddedLights(json& gltf) {
 
 std::string settingsWithLighting(const std::string& settings, const SceneLighting& lighting,
                                  const std::string& sky) {
-    json line = json::parse(settings);
+    json line = settingsJson(settings);
     if (!sky.empty()) line["sky"] = sky;
     if (sky.empty() && lighting.sky == SkyChoice::none) line["sky"] = "none";
     if (lighting.rotationDegrees != 0) line["environmentRotation"] = lighting.rotationDegrees;

@@ -44,7 +44,19 @@ std::vector<Later> laterViews(const json& extension) {
     return parts;
 }
 
+// Views are copied one by one, and many may look at the same bytes.
+void checkOverlaps(const GltfSource& source) {
+    constexpr uint64_t kMaxUses = 4;  // of a byte, in the mean
+    uint64_t held = 0, viewed = 0;
+    for (const auto& buffer : source.buffers) held += buffer.size();
+    for (const json& view : source.json.at("bufferViews")) {
+        viewed += std::min(wholeNumber(view, "byteLength"), held);
+        if (viewed > kMaxUses * held) throw std::runtime_error("too many of its bufferViews overlap");
+    }
+}
+
 WebParts split(const GltfSource& source, const std::string& stem) {
+    checkOverlaps(source);
     const std::vector<Later> later = laterViews(source.json.at("extensions").at(kPhatExtension));
     GlbBuilder room{source.json, {}};
     std::vector<GlbBuilder> parts(later.size());

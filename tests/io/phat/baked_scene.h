@@ -94,11 +94,16 @@ inline std::vector<uint32_t> randomWords(size_t count, std::mt19937& random) {
     return words;
 }
 
-inline std::vector<PhatexelLayer> randomLayers(int count, size_t texels, bool withPdf, size_t blocks,
+inline std::vector<PhatexelLayer> randomLayers(int count, const Atlas& atlas, bool withPdf,
                                                std::mt19937& random) {
+    const size_t texels = atlas.texelCount(), blocks = atlas.blockCount;
     std::vector<PhatexelLayer> layers(static_cast<size_t>(count));
     for (PhatexelLayer& layer : layers) {
-        for (size_t i = 0; i < texels; ++i) layer.texels.push_back({uint32_t(random()), uint32_t(random())});
+        for (uint32_t y = 0; y < atlas.sizeTexels.y; ++y)
+            for (uint32_t x = 0; x < atlas.sizeTexels.x; ++x) {
+                const PackedPhatexel any{uint32_t(random()), uint32_t(random())};
+                layer.texels.push_back(atlas.chartAt({x, y}) == kNoChart ? PackedPhatexel{} : any);
+            }
         for (size_t i = 0; !withPdf && i < blocks; ++i) layer.scrambles.push_back(random() % 1024);
         if (!withPdf) continue;
         for (size_t i = 0; i < texels; ++i) layer.pdf.push_back(float(random()) * 1e-8f);
@@ -120,9 +125,9 @@ inline Bake randomBake(const Scene& scene, int layers, bool withPdf, uint32_t se
     for (TexelState& state : bake.points.state)
         if (state != TexelState::unused && random() % 5 == 0) state = TexelState::occluded;
     const size_t texels = bake.atlas.texelCount();
-    bake.phatexture.indirect = randomLayers(layers, texels, withPdf, bake.atlas.blockCount, random);
+    bake.phatexture.indirect = randomLayers(layers, bake.atlas, withPdf, random);
     bake.phatexture.indirectGuides.resize(withPdf ? 0 : bake.atlas.blockCount);
-    bake.phatexture.area = randomLayers(1, texels, false, bake.atlas.blockCount, random);
+    bake.phatexture.area = randomLayers(1, bake.atlas, false, random);
     bake.phatexture.areaGuides.resize(1);
     for (auto* guides : {&bake.phatexture.indirectGuides, &bake.phatexture.areaGuides})
         for (Guide& guide : *guides)
