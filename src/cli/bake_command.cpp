@@ -13,6 +13,7 @@
 #include "cli/bake_report.h"
 #include "cli/bake_stages.h"
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/interrupt.h"
 #include "cli/lighting_options.h"
 #include "cli/progress_bar.h"
@@ -99,6 +100,9 @@ void bakeOnce(const BakeOptions& options, const GltfSource& source, const LitInp
     const BakeRecord record = fullRecord(options, input.added);
     const std::string journalPath = nameBeside(options.output, ".journal");
     FileJournal journal(journalPath, fingerprintOf(options, source, record), options.resume);
+    if (!options.quiet && !journal.putAside().empty())
+        tell(fmt::format("{}: the journal of an earlier bake is kept as {}\n", options.output,
+                         journal.putAside()));
     json report;
     try {
         ProgressBar progress(progressStyle(options.quiet), bakeStages(options.settings, options.probes));
@@ -158,7 +162,7 @@ void runBake(BakeOptions options) {
             texels = uint64_t(0.97 * double(texels) * double(*options.maxBytes) / double(error.bytes));
             if (attempt == kAttempts || texels < kMinTexels)
                 throw FileError(error.path, error.reason + ", more than --max-megabytes");
-            if (!options.quiet) fmt::print(stderr, "{}; once more with {} texels\n", error.what(), texels);
+            if (!options.quiet) tell(fmt::format("{}; once more with {} texels\n", error.what(), texels));
         }
     }
 }

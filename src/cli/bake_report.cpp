@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "core/atlas/texel_size.h"
+#include "io/base/printable.h"
 
 namespace phat {
 namespace {
@@ -94,7 +95,7 @@ void printReport(const json& report, const std::vector<std::string>& printed) {
     }
     for (const json& note : report["notes"])
         if (std::find(printed.begin(), printed.end(), note.get<std::string>()) == printed.end())
-            fmt::print("  note        {}\n", note.get<std::string>());
+            fmt::print("  note        {}\n", printable(note.get<std::string>()));
 }
 
 }  // namespace phat

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "cli/console.h"
 #include "cli/data_folders.h"
 #include "cli/drawn_report.h"
 #include "cli/exposure.h"
@@ -12,6 +13,7 @@
 #include "cli/render_methods.h"
 #include "gl/gl_context.h"
 #include "gl/traced_frame.h"
+#include "io/base/printable.h"
 #include "io/phat/added_things.h"
 
 namespace phat {
@@ -56,7 +58,7 @@ struct Things {
         if (completeProbes(baked, RayScene(baked.loaded.scene), progress))
             loaded.notes.push_back(options.input + " has no light probes; they were made for this picture");
         if (!options.quiet)
-            for (const std::string& note : loaded.notes) fmt::print(stderr, "{}\n", note);
+            for (const std::string& note : loaded.notes) tell(fmt::format("{}\n", printable(note)));
         added.emplace(AddedThings{loaded.scene, baked.probes});
     }
     const AddedThings* get() const { return added ? &*added : nullptr; }

@@ -8,6 +8,9 @@
 #include <map>
 #include <sstream>
 
+#include "cli/console.h"
+#include "io/base/printable.h"
+
 namespace phat {
 namespace {
 
@@ -130,7 +133,7 @@ void declareLighting(const DeclareOption& declare, SceneLighting& lighting) {
 }
 
 void printLines(const std::string& input, const std::vector<std::string>& lines) {
-    for (const std::string& line : lines) fmt::print(stderr, "{}: {}\n", input, line);
+    for (const std::string& line : lines) tell(fmt::format("{}: {}\n", input, printable(line)));
 }
 
 }  // namespace phat

@@ -3,20 +3,21 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
 #include <new>
 
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "core/base/progress.h"
 #include "io/base/file_error.h"
+#include "io/base/printable.h"
 
 namespace {
 
 enum ExitCode { kDone = 0, kFailed = 1, kWrongUsage = 2, kInterrupted = 130 };
 
 int fail(const char* reason) {
-    fmt::print(stderr, "phat: {}\n", reason);
+    phat::tell(fmt::format("phat: {}\n", phat::printable(reason)));
     return kFailed;
 }
 
@@ -38,6 +39,7 @@ int run(int argc, char** argv) {
     phat::addBenchCommand(app);
     try {
         app.parse(argc, argv);
+        phat::finishOutput();
         return kDone;
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? kDone : kWrongUsage;  // 0: --help and --version
@@ -47,7 +49,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    std::signal(SIGXFSZ, SIG_IGN);  // a file that grows over its limit is an error to report, as a full disk
+    phat::secureStandardStreams();
     try {
         return run(argc, argv);
     } catch (const phat::Interrupted& error) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "cli/console.h"
 #include "cli/interrupt.h"
 
 namespace phat {
@@ -56,8 +57,7 @@ ProgressBar::ProgressBar(ProgressStyle style, std::vector<PlannedStage> plan)
 
 ProgressBar::~ProgressBar() {
     if (style_ != ProgressStyle::oneLine) return;
-    fmt::print(stderr, "\r\x1b[K");
-    std::fflush(stderr);
+    tell("\r\x1b[K");
 }
 
 bool ProgressBar::stopRequested() const {
@@ -137,16 +137,15 @@ void ProgressBar::draw(bool last) {
 
     if (style_ == ProgressStyle::lines) {
         if (stageSeconds > 0) times += fmt::format(", {}/s", shortCount(double(done) / stageSeconds));
-        fmt::print(stderr, "{}: {:.0f} %, {}\n", stage_, 100 * fraction, times);
+        tell(fmt::format("{}: {:.0f} %, {}\n", stage_, 100 * fraction, times));
     } else {
         const auto filled = size_t(kBarWidth * fraction);
         std::string line =
             fmt::format("{:<{}} [{}{}] {:3.0f} %  {}", stage_, kNameWidth, std::string(filled, '#'),
                         std::string(kBarWidth - filled, '-'), 100 * fraction, times);
         line.resize(std::min(line.size(), terminalWidth() - 1));
-        fmt::print(stderr, "\r{}\x1b[K", line);  // erase what is left of a longer line
+        tell(fmt::format("\r{}\x1b[K", line));  // erase what is left of a longer line
     }
-    std::fflush(stderr);
 }
 
 }  // namespace phat

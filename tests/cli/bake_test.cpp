@@ -307,7 +307,7 @@ TEST(ConductBake, StopsSoonAndGoesOnWhereItWas) {
     const std::string out = folder.file("out.glb"), journal = out + ".journal", err = folder.file("err");
     ASSERT_EQ(runPhat(slowBake(folder.file("whole.glb"), {"--quiet"})).exitCode, 0);
 
-    for (const int signal : {SIGINT, SIGTERM}) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         const Child child(slowBake(out, {"--quiet", "--resume"}), err);
         const size_t before = readBytes(journal).size();
         ASSERT_TRUE(waitUntil([&] { return readBytes(journal).size() > before + 9000; }));

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <new>
 #include <stdexcept>
+#include <string>
 
 #include "core/scene/length_unit.h"
 #include "core/scene/ray_opacity.h"
@@ -33,6 +35,16 @@ void filterTransparent(const RTCFilterFunctionNArguments* arguments) {
     }
 }
 
+// Embree returns no errors: without this, a scene that it had no memory for would be an empty one.
+void throwDeviceError(RTCDevice device) {
+    const RTCError error = rtcGetDeviceError(device);
+    if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+    if (error == RTC_ERROR_UNSUPPORTED_CPU)
+        throw std::runtime_error("Embree does not support this processor");
+    if (error != RTC_ERROR_NONE)
+        throw std::runtime_error("Embree failed with error " + std::to_string(int(error)));
+}
+
 }  // namespace
 
 struct RayScene::Bvh {
@@ -51,7 +63,7 @@ struct RayScene::Bvh {
 
 std::shared_ptr<const RayScene::Bvh> RayScene::buildBvh(const Scene& scene) {
     auto bvh = std::make_shared<Bvh>();
-    if (!bvh->device) throw std::runtime_error("Embree cannot start on this machine");
+    if (!bvh->device) throwDeviceError(nullptr);
     bvh->unitMeters = lengthUnit(scene);
     bvh->scene = rtcNewScene(bvh->device);
     // Without the robust mode rays slip between adjacent triangles.
@@ -76,6 +88,7 @@ std::shared_ptr<const RayScene::Bvh> RayScene::buildBvh(const Scene& scene) {
     rtcAttachGeometry(bvh->scene, mesh);
     rtcReleaseGeometry(mesh);
     rtcCommitScene(bvh->scene);
+    throwDeviceError(bvh->device);
     return bvh;
 }
 

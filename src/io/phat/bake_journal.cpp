@@ -15,6 +15,7 @@
 
 #include "core/base/random.h"
 #include "io/base/file_error.h"
+#include "io/base/plain_file.h"
 #include "io/gltf/gltf_source.h"
 
 namespace phat {
@@ -103,11 +104,49 @@ void addGltf(Fingerprint& fingerprint, const GltfSource& source) {
 }
 
 void addFile(Fingerprint& fingerprint, const std::string& path) {
+    if (const std::string reason = whyNoPlainFile(path); !reason.empty()) throw FileError(path, reason);
     std::ifstream file(path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     if (!file) throw FileError(path, "cannot be read");
     fingerprint.add(text);
 }
+
+namespace {
+
+[[noreturn]] void failOn(const std::string& path, const char* what) {
+    throw FileError(path, fmt::format("{}: {}", what, std::strerror(errno)));
+}
+
+// Of a file that may be cut off: what is there agrees.
+bool beginsAsJournal(int file) {
+    struct stat status {};
+    if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) return false;
+    const Header expected;
+    char magic[sizeof(expected.magic)];
+    const size_t size = std::min(sizeof(magic), size_t(status.st_size));
+    return readFully(file, magic, size, 0) && std::memcmp(magic, expected.magic, size) == 0;
+}
+
+// What is there if it is a journal, or a new file. Whatever else has this name is not touched, nor what a
+// link leads to.
+int openJournal(const std::string& path) {
+    int file = open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (file < 0 && errno == ENOENT)
+        file = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (file < 0 && errno != ELOOP) failOn(path, "cannot be written");
+    if (file >= 0 && beginsAsJournal(file)) return file;
+    if (file >= 0) close(file);
+    throw FileError(path, "is in the way of the bake's journal, and is no journal itself");
+}
+
+int lockedJournal(const std::string& path) {
+    const int file = openJournal(path);
+    if (flock(file, LOCK_EX | LOCK_NB) == 0) return file;
+    close(file);
+    throw FileError(path, "is in use by another bake");
+}
+
+}  // namespace
 
 struct FileJournal::State {
     struct Extent {
@@ -125,8 +164,21 @@ struct FileJournal::State {
         if (file >= 0) close(file);
     }
 
-    [[noreturn]] void fail(const char* what) const {
-        throw FileError(path, fmt::format("{}: {}", what, std::strerror(errno)));
+    [[noreturn]] void fail(const char* what) const { failOn(path, what); }
+
+    // An earlier run's file that this one has no use for; a new one takes its place.
+    void putAside() {
+        const std::string aside = path + ".old";
+        close(openJournal(aside));  // nothing but an older journal is replaced
+        if (std::rename(path.c_str(), aside.c_str()) != 0) fail("cannot be put aside");
+        close(file);
+        file = lockedJournal(path);
+        end = 0;
+    }
+
+    bool holdsRecords() const {
+        struct stat status {};
+        return fstat(file, &status) == 0 && status.st_size > off_t(sizeof(Header));
     }
 
     // Takes over what an earlier run has left; false where that is nothing, or of another bake.
@@ -156,11 +208,13 @@ FileJournal::FileJournal(const std::string& path, uint64_t fingerprint, bool res
     : state_(std::make_unique<State>()) {
     State& s = *state_;
     s.path = path;
-    s.file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (s.file < 0) s.fail("cannot be written");
-    if (flock(s.file, LOCK_EX | LOCK_NB) != 0) throw FileError(path, "is in use by another bake");
+    s.file = lockedJournal(path);
     if (!resume || !s.readRecords(fingerprint)) {
         s.records.clear();
+        if (s.holdsRecords()) {
+            s.putAside();
+            putAside_ = path + ".old";
+        }
         const Header header{.fingerprint = fingerprint};
         if (ftruncate(s.file, 0) != 0 || !writeFully(s.file, &header, sizeof(header), 0))
             s.fail("cannot be written");

@@ -32,8 +32,9 @@ void addGltf(Fingerprint& fingerprint, const GltfSource& source);
 void addFile(Fingerprint& fingerprint, const std::string& path);
 
 /// A journal in a file. With `resume`, the records of an earlier run with the same fingerprint are kept;
-/// otherwise, and when the file is of another bake or no journal, it starts anew.
-/// Throws FileError, also from store() when the disk is full, and when another process has the journal open.
+/// otherwise, and when the file is of another bake, it is put aside and a new one begins.
+/// Throws FileError, also from store() when the disk is full, when another process has the journal open, and
+/// when something else has its name, which is not touched.
 class FileJournal : public BakeJournal {
   public:
     FileJournal(const std::string& path, uint64_t fingerprint, bool resume);
@@ -46,6 +47,8 @@ class FileJournal : public BakeJournal {
 
     /// Records that an earlier run has left.
     size_t resumedRecords() const;
+    /// Where an earlier run's journal is now that was not used; "": there was none.
+    const std::string& putAside() const { return putAside_; }
     /// Whether nothing is stored.
     bool empty() const;
     /// Deletes the file: the bake is done.
@@ -54,6 +57,7 @@ class FileJournal : public BakeJournal {
   private:
     struct State;
     std::unique_ptr<State> state_;
+    std::string putAside_;
 };
 
 }  // namespace phat

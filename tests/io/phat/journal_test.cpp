@@ -40,8 +40,44 @@ TEST_F(Journal, StartsAnewWithoutResumeOrForAnotherBake) {
     EXPECT_TRUE(FileJournal(path, 10, true).empty());
     write();
     EXPECT_TRUE(FileJournal(path, 9, false).empty());
-    writeBytes(path, {'n', 'o', ' ', 'j', 'o', 'u', 'r', 'n', 'a', 'l'});
-    EXPECT_TRUE(FileJournal(path, 9, true).empty());
+}
+
+TEST_F(Journal, PutsAsideWhatItHasNoUseFor) {
+    write();
+    const auto earlier = readBytes(path);
+    {
+        FileJournal journal(path, 10, true);
+        EXPECT_EQ(journal.putAside(), path + ".old");
+        journal.store(1, {1});
+    }
+    EXPECT_EQ(readBytes(path + ".old"), earlier);
+    EXPECT_EQ(FileJournal(path, 10, true).putAside(), "");  // used
+    EXPECT_EQ(FileJournal(path, 10, true).resumedRecords(), 1u);
+    EXPECT_EQ(FileJournal(path, 10, false).putAside(), path + ".old");
+    EXPECT_NE(readBytes(path + ".old"), earlier);            // the last one is kept
+    EXPECT_EQ(FileJournal(path, 10, false).putAside(), "");  // nothing was stored
+}
+
+// Of its name or of that which a journal is put aside to.
+TEST_F(Journal, TouchesNothingElse) {
+    const std::vector<char> text{'n', 'o', ' ', 'j', 'o', 'u', 'r', 'n', 'a', 'l'};
+    writeBytes(path, text);
+    for (const bool resume : {false, true}) EXPECT_THROW(FileJournal(path, 9, resume), FileError);
+    EXPECT_EQ(readBytes(path), text);
+
+    const std::string target = folder.file("target");
+    writeBytes(target, text);
+    ASSERT_EQ(unlink(path.c_str()), 0);
+    ASSERT_EQ(symlink(target.c_str(), path.c_str()), 0);
+    EXPECT_THROW(FileJournal(path, 9, false), FileError);
+    EXPECT_EQ(readBytes(target), text);
+
+    ASSERT_EQ(unlink(path.c_str()), 0);
+    write();
+    writeBytes(path + ".old", text);
+    EXPECT_THROW(FileJournal(path, 9, false), FileError);
+    EXPECT_EQ(readBytes(path + ".old"), text);
+    EXPECT_EQ(FileJournal(path, 9, true).resumedRecords(), 3u);
 }
 
 TEST_F(Journal, KeepsWhatIsBeforeACut) {
