@@ -1,9 +1,9 @@
-# `make demo`, `make web`, `make web-examples`, `make web-bench`, `make test`, `make bench` and `make figures`. All
-# install what is missing on Debian 12 (root or sudo).
+# `make demo`, `make web`, `make web-examples`, `make web-bench`, `make test`, `make bench`, `make figures` and
+# `make package`. All install what is missing on Debian 12 (root or sudo).
 
 BUILD_JOBS ?= $(shell nproc)
 
-.PHONY: demo test web web-examples web-bench bench figures release dev setup clean
+.PHONY: demo test web web-examples web-bench bench figures package release dev setup clean
 
 demo: out/tabletop.png
 	@echo "Look at out/tabletop.png"
@@ -42,6 +42,12 @@ figures: release
 	tools/setup figures
 	cmake --build build/release --target phat_peers phat_live -j $(BUILD_JOBS)
 	tools/figures.py $(if $(QUICK),--quick)
+
+# Debian packages, the Blender add-on, the package for npm, and their checksums, in out/packages/.
+package: web
+	tools/setup package
+	$(MAKE) release
+	packaging/make_packages build/release out/packages
 
 out/tabletop.png: out/tabletop.phat.glb
 	build/release/phat render out/tabletop.phat.glb -o $@

@@ -17,7 +17,7 @@ SUFFIXES = {".cpp", ".h", ".glsl", ".frag", ".vert", ".js"}
 
 
 def sources(root):
-    for folder in ("src", "shaders", "web/src", "web/page"):
+    for folder in ("src", "shaders", "web/src", "web/viewer"):
         for path in sorted((root / folder).rglob("*")):
             if path.suffix in SUFFIXES:
                 yield path.relative_to(root)

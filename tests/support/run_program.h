@@ -1,5 +1,5 @@
 #pragma once
-// Runs the phat program as a user would.
+// Runs the phat program, and others, as a user would.
 
 #include <sys/wait.h>
 
@@ -17,14 +17,15 @@ struct ProgramResult {
     std::string err;
 };
 
-inline ProgramResult runPhat(const std::vector<std::string>& arguments) {
+/// `program`: a path, or a name that the shell looks for.
+inline ProgramResult runProgram(const std::string& program, const std::vector<std::string>& arguments) {
     const TemporaryFolder folder;
     const auto quoted = [](const std::string& text) {
         std::string out = "'";
         for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
         return out + "'";
     };
-    std::string line = quoted(PHAT_PROGRAM);
+    std::string line = quoted(program);
     for (const std::string& argument : arguments) line += " " + quoted(argument);
     line += " >" + quoted(folder.file("out")) + " 2>" + quoted(folder.file("err"));
     const int status = std::system(line.c_str());
@@ -33,6 +34,10 @@ inline ProgramResult runPhat(const std::vector<std::string>& arguments) {
         return std::string(bytes.begin(), bytes.end());
     };
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text("out"), text("err")};
+}
+
+inline ProgramResult runPhat(const std::vector<std::string>& arguments) {
+    return runProgram(PHAT_PROGRAM, arguments);
 }
 
 }  // namespace phat
