@@ -10,7 +10,8 @@ import { maeOverMean, meanOf, phat, readExr } from './room.js';
 import { loaded, loseContext, open, openPlugin, pixelsOf, rest } from './site.js';
 
 // Few texels: a software driver traces the rays.
-const bakeOptions = ['--resolution', '8k', '--photons', '100k', '--quiet'];
+const texels = '8k',
+    fewest = '2k'; // where no picture is compared with another bake's
 let folder, browser;
 
 before(async () => {
@@ -23,10 +24,11 @@ after(async () => {
 });
 
 // The baked file of a room.
-async function bakedRoom(name, lamps, ...options) {
+async function bakedRoom(name, lamps, { resolution = texels, seed = '1', samples = '1' } = {}) {
     const [scene, file] = [`${name}.glb`, `${name}.phat.glb`].map((of) => join(folder, of));
     await writeFile(scene, lampRoom(lamps));
-    await phat('bake', scene, '-o', file, ...bakeOptions, ...options);
+    const options = { resolution, seed, samples, photons: '100k' };
+    await phat('bake', scene, '-o', file, '--quiet', ...Object.entries(options).flatMap(([key, value]) => [`--${key}`, value]));
     return file;
 }
 
@@ -101,7 +103,7 @@ test('a lamp that is dimmed by half leaves half of the light, and the untouched 
 });
 
 test('rays see lamps as they are set, whether tables are made before or after', async (t) => {
-    const file = await bakedRoom('seen', { ceiling: 8, wall: 12 });
+    const file = await bakedRoom('seen', { ceiling: 8, wall: 12 }, { resolution: fewest });
     const pixelsWith = async (isLate) => {
         const page = await openBaked(t, file);
         await rest(page);
@@ -123,7 +125,7 @@ test('rays see lamps as they are set, whether tables are made before or after', 
 });
 
 test('updated light is made again when the context was lost', async (t) => {
-    const page = await openBaked(t, await bakedRoom('lost', { ceiling: 8, point: 6 }));
+    const page = await openBaked(t, await bakedRoom('lost', { ceiling: 8, point: 6 }, { resolution: fewest }));
     await rest(page);
     const baked = await pixelsOf(page, 4, 'default');
     await settled(page, { ceiling: { visible: false } });
@@ -141,7 +143,7 @@ test('updated light is made again when the context was lost', async (t) => {
 });
 
 test('the package loads what is needed, and leaves nothing behind', async (t) => {
-    const file = await bakedRoom('left', { ceiling: 8, point: 6 }, '--samples', '2');
+    const file = await bakedRoom('left', { ceiling: 8, point: 6 }, { resolution: fewest, samples: '2' });
     const page = await openPlugin(t, browser.value, file);
     const result = await page.evaluate(async () => {
         const world = await load(true),
@@ -178,7 +180,7 @@ test('the package loads what is needed, and leaves nothing behind', async (t) =>
 });
 
 test('says why light does not follow, and leaves the room as it was', async (t) => {
-    const page = await openBaked(t, await bakedRoom('lacking', { ceiling: 8 }), {
+    const page = await openBaked(t, await bakedRoom('lacking', { ceiling: 8 }, { resolution: fewest }), {
         prepare: () => {
             const { parse } = JSON;
             JSON.parse = (...args) => {
@@ -204,7 +206,7 @@ test('a wall that is painted colours the others, when changes are followed', asy
     const page = await openBaked(t, await bakedRoom('painted', { ceiling: 8 })),
         blue = [0.1, 0.2, 0.9],
         expected = await rendered(await bakedRoom('blue', { ceiling: 8, paint: blue })),
-        again = await rendered(await bakedRoom('blue-again', { ceiling: 8, paint: blue }, '--seed', '2'));
+        again = await rendered(await bakedRoom('blue-again', { ceiling: 8, paint: blue }, { seed: '2' }));
     await rest(page);
     await page.evaluate(async (color) => {
         await viewer.light.followChanges();
@@ -236,7 +238,7 @@ for (const switched of ['wall', 'point'])
             without = { ...all, [switched]: 0 },
             [expected, again] = [
                 await rendered(await bakedRoom(`without-${switched}`, without)),
-                await rendered(await bakedRoom(`again-${switched}`, without, '--seed', '2')),
+                await rendered(await bakedRoom(`again-${switched}`, without, { seed: '2' })),
             ];
         await rest(page);
         const baked = await pixelsOf(page, 4, 'default');

@@ -74,7 +74,7 @@ for (const factor of [1000, 0.001])
     test(`draws what phat render draws: gallery ${factor} times as large`, async (t) => {
         const { value: gallery, dispose } = await borrowRoom(`gallery x ${factor}`);
         t.after(dispose);
-        await comparePictures(t, gallery, 'gl-egl', { width: 320, height: 180 });
+        await comparePictures(t, gallery, 'gl-egl', viewport);
     });
 
 test('is tone mapped as the poster is, at the exposure of its slider', async () => {
