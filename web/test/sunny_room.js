@@ -13,8 +13,7 @@ function tube([x, z], radius, bottom, top) {
     ];
 }
 
-// `sun`, `pendant`, `spot`: how bright each is; 0 leaves it out. `shade`: whether the pendant has one.
-export function sunnyRoom({ sun = 3, pendant = 3, spot = 8, shade = true } = {}) {
+export function sunnyRoom() {
     const room = new GlbBuilder();
     const material = (name, baseColor) =>
         room.push('materials', {
@@ -54,17 +53,16 @@ export function sunnyRoom({ sun = 3, pendant = 3, spot = 8, shade = true } = {})
         [[-end, low, -end], far, tall],
         ...around(end, low, high, end).map(([corner, u, v]) => [corner, v, u]),
     ]);
-    if (shade) room.add(material('shade', [0.6, 0.3, 0.2]), tube([-0.8, -0.8], 0.1, 1.75, 2.05));
+    room.add(material('shade', [0.6, 0.3, 0.2]), tube([-0.8, -0.8], 0.1, 1.75, 2.05));
     room.add(material('box', [0.2, 0.4, 0.7]), [
-        ...tube([0.7, -0.9], 0.3, 0, 0.7),
-        [[0.4, 0.7, -0.6], [0.6, 0, 0], [0, 0, -0.6]],
+        ...tube([-0.3, -0.7], 0.3, 0, 0.7),
+        [[-0.6, 0.7, -0.4], [0.6, 0, 0], [0, 0, -0.6]],
     ]);
     room.push('cameras', { type: 'perspective', perspective: { yfov: 1.1, aspectRatio: 16 / 9, znear: 0.01 } });
     room.json.scenes[0].nodes.push(room.push('nodes', { camera: 0, translation: [0, 1.5, 1.9] }));
     room.json.extensionsUsed.push('KHR_lights_punctual', 'KHR_materials_specular');
     const lights = [];
     const shine = (light, translation, rotation) => {
-        if (!light.intensity) return;
         room.json.scenes[0].nodes.push(
             room.push('nodes', {
                 name: light.name,
@@ -79,10 +77,10 @@ export function sunnyRoom({ sun = 3, pendant = 3, spot = 8, shade = true } = {})
         const [sy, cy, sx, cx] = [Math.sin(y / 2), Math.cos(y / 2), Math.sin(x / 2), Math.cos(x / 2)];
         return [cy * sx, sy * cx, -sy * sx, cy * cx];
     };
-    shine({ name: 'sun', type: 'directional', color: [1, 0.9, 0.8], intensity: sun }, [0, 1.5, 0], turned(0.9, -0.7));
-    shine({ name: 'pendant', type: 'point', intensity: pendant }, [-0.8, 1.9, -0.8], [0, 0, 0, 1]);
+    shine({ name: 'sun', type: 'directional', color: [1, 0.9, 0.8], intensity: 3 }, [0, 1.5, 0], turned(0.9, -0.7));
+    shine({ name: 'pendant', type: 'point', intensity: 3 }, [-0.8, 1.9, -0.8], [0, 0, 0, 1]);
     const cones = { innerConeAngle: 0.3, outerConeAngle: 0.45 };
-    shine({ name: 'spot', type: 'spot', intensity: spot, spot: cones }, [1.2, 2.9, 0.6], turned(0.3, -1.1));
+    shine({ name: 'spot', type: 'spot', intensity: 8, spot: cones }, [1.2, 2.9, 0.6], turned(0.3, -1.1));
     room.json.extensions = { KHR_lights_punctual: { lights } };
     return room.glb();
 }
