@@ -6,6 +6,7 @@
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -148,9 +149,9 @@ def main():
         record = info["bake"]["record"]
         assert record["settings"].get("environment") == "my room.sky.exr", record  # the World is grey
         assert bpy.ops.phat.site() == {"FINISHED"}
-        assert sorted(os.listdir(os.path.join(folder, "my room-site"))) == [
-            "bench.js", "chunk.js", "index.html", "lamp_panel.js", "light_updates.js", "poster.jpg", "room.glb",
-            "room.lamps.bin", "room.reflections.bin", "viewer.css", "viewer.js"]
+        names = os.listdir(os.path.join(folder, "my room-site"))
+        assert {re.sub(r"\.\w{8}(?=\.\w+$)", "", name) for name in names} >= {
+            "index.html", "poster.jpg", "room.glb", "room.lamps.bin", "room.reflections.bin", "viewer.css", "viewer.js"}
         check_sky(folder)
         light.data.spread = 1
         assert export.export_scene(bpy.context, os.path.join(folder, "spread.glb")) == ["the spread of the area light Soft Box"]

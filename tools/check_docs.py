@@ -21,7 +21,8 @@ DOCUMENTS = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "scene
 # Made by the build or by the reader's own commands.
 NOT_STORED = re.compile(r"(build|out)/|.*(room|/share/)|PREFIX/")
 # Flags of other programs that the documents mention.
-OTHER_FLAGS = {"--preset", "--build", "--target", "--test-dir", "--gtest_filter", "--benchmark_format", "--help", "--version"}
+OTHER_FLAGS = {"--preset", "--build", "--target", "--test-dir", "--gtest_filter", "--benchmark_format", "--help", "--version",
+               "--install-links", "--exclude"}
 
 LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
 CODE = re.compile(r"`([^`]+)`")

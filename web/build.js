@@ -1,7 +1,8 @@
 // Builds dist/phatextures.js, the package, and dist/site/, the viewer that `phat web` puts beside a room.
 import { build } from 'esbuild';
-import { cp, readFile, rm, mkdir, writeFile } from 'node:fs/promises';
-import { join } from 'node:path';
+import { createHash } from 'node:crypto';
+import { readFile, rm, mkdir, writeFile } from 'node:fs/promises';
+import { basename, join } from 'node:path';
 import { gzipSync } from 'node:zlib';
 
 const here = new URL('.', import.meta.url).pathname;
@@ -28,20 +29,22 @@ const roots = [
     'picture_cells.frag',
     'picture_alphas.frag',
     'split_sum.frag',
-    'lib/probe_light.glsl',
     'present.frag',
     'accumulate.frag',
 ];
-// Those that only light_updates.js needs, which few rooms load.
-const laterRoots = [
-    'gather_guides.frag',
-    'tabulate_guides.frag',
-    'trace_texels.frag',
-    'light_texels.frag',
-    'pack_phatexels.frag',
-    'estimate_irradiance.frag',
-    'filter_irradiance.frag',
-];
+// Those that only light_updates.js and added.js need, which few rooms load.
+const laterRoots = {
+    'phat:later-shaders': [
+        'gather_guides.frag',
+        'tabulate_guides.frag',
+        'trace_texels.frag',
+        'light_texels.frag',
+        'pack_phatexels.frag',
+        'estimate_irradiance.frag',
+        'filter_irradiance.frag',
+    ],
+    'phat:probe-shaders': ['lib/probe_light.glsl'],
+};
 
 // Neither comments nor spaces are worth sending, but in directives, whose spaces count; nor zeros that say nothing.
 function strip(text) {
@@ -79,7 +82,7 @@ const shaderPlugin = {
         build.onResolve({ filter: /^phat:/ }, ({ path }) => ({ path, namespace: 'phat' }));
         build.onLoad({ filter: /.*/, namespace: 'phat' }, async ({ path }) => {
             const first = await shaderFiles(roots),
-                files = path === 'phat:shaders' ? first : await shaderFiles(laterRoots, first);
+                files = path in laterRoots ? await shaderFiles(laterRoots[path], first) : first;
             return { contents: `export default ${JSON.stringify(files)}` };
         });
     },
@@ -108,7 +111,7 @@ const common = {
     format: 'esm',
     target: 'es2022',
     plugins: [splitPlugin, shaderPlugin],
-    legalComments: 'none',
+    legalComments: 'eof',
     absWorkingDir: here,
     splitting: true,
     chunkNames: '[name]',
@@ -125,22 +128,61 @@ function sizeOf({ outputFiles, metafile: { outputs } }) {
         first.add(name);
         for (const { path, kind } of outputs[name].imports) if (kind === 'import-statement') add(path);
     };
-    add(names.find((name) => name.endsWith('viewer.js')));
+    add(names.find((name) => /\/(viewer|begin)\./.test(name)));
     const contents = outputFiles.filter((_, i) => first.has(names[i])).map((file) => file.contents);
     const sum = (of) => contents.reduce((total, content) => total + of(content).length, 0);
     return { bytes: sum((content) => content), gzip: sum((content) => gzipSync(content)) };
 }
 
-const viewer = { ...common, entryPoints: ['viewer/viewer.js'], outdir: 'dist/site', minify: true, write: false };
+const viewer = {
+    ...common,
+    entryPoints: ['viewer/viewer.js'],
+    outdir: 'dist/site',
+    minify: true,
+    write: false,
+    // Named by their content, so that no cache mixes two versions.
+    entryNames: '[name].[hash]',
+    chunkNames: '[name].[hash]',
+};
+
+// The page, with the names of its files.
+async function writePage(...builds) {
+    const outputFiles = builds.flatMap((of) => of.outputFiles);
+    const css = await readFile(here + 'viewer/viewer.css'),
+        hash = createHash('sha256').update(css).digest('hex').slice(0, 8),
+        files = [...outputFiles.map(({ path, contents }) => [basename(path), contents]), [`viewer.${hash}.css`, css]];
+    let page = await readFile(here + 'viewer/index.html', 'utf8');
+    for (const [name, contents] of files) {
+        await writeFile(`${here}dist/site/${name}`, contents);
+        page = page.replace(`"${name.replace(/\.\w+(?=\.\w+$)/, '')}"`, `"${name}"`);
+    }
+    await writeFile(here + 'dist/site/index.html', page);
+}
+
+// Our licence, and of what is in the scripts of others. The package takes three.js from its user.
+async function writeLicenses() {
+    const [own, three] = await Promise.all(
+        ['../LICENSE', 'node_modules/three/LICENSE'].map((name) => readFile(here + name, 'utf8')),
+    );
+    for (const [folder, text] of [
+        ['dist', 'The package contains parts of the shaders of three.js (https://threejs.org).'],
+        ['dist/site', 'The scripts contain three.js (https://threejs.org).'],
+    ]) {
+        await writeFile(`${here}${folder}/LICENSE.txt`, own);
+        await writeFile(`${here}${folder}/THIRD_PARTY.txt`, `${text}\n\n${three}`);
+    }
+}
 
 await rm(here + 'dist', { recursive: true, force: true });
 await mkdir(here + 'dist/site', { recursive: true });
 await build({ ...common, entryPoints: { phatextures: 'src/index.js' }, outdir: 'dist', external: ['three'] });
 const [own, site] = [await build({ ...viewer, external: ['three'] }), await build(viewer)];
-for (const { path, contents } of site.outputFiles) await writeFile(path, contents);
-for (const name of ['index.html', 'viewer.css'])
-    await cp(`${here}viewer/${name}`, `${here}dist/site/${name}`);
+// No module, since browsers load none from files.
+const begin = await build({ ...viewer, entryPoints: ['viewer/begin.js'], format: 'iife', splitting: false });
+await writePage(site, begin);
+await writeLicenses();
 
-const sizes = { ...sizeOf(site), ownGzip: sizeOf(own).gzip };
+const sumOf = (a, b) => ({ bytes: a.bytes + b.bytes, gzip: a.gzip + b.gzip });
+const sizes = { ...sumOf(sizeOf(site), sizeOf(begin)), ownGzip: sumOf(sizeOf(own), sizeOf(begin)).gzip };
 await writeFile(here + 'dist/sizes.json', JSON.stringify(sizes) + '\n');
 console.log(`the page's scripts: ${sizes.bytes} bytes, ${sizes.gzip} gzipped, of which ours ${sizes.ownGzip}`);

@@ -1,13 +1,14 @@
 // phat web: a folder that any web server can host, with a baked room to walk through.
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <sstream>
+#include <set>
 
 #include "cli/commands.h"
 #include "cli/data_folders.h"
@@ -16,9 +17,10 @@
 #include "cli/progress_bar.h"
 #include "cli/render_methods.h"
 #include "cli/render_options.h"
+#include "cli/site_folder.h"
 #include "core/scene/default_camera.h"
 #include "core/scene/enclosure.h"
-#include "io/base/atomic_file.h"
+#include "io/base/content_name.h"
 #include "io/base/file_error.h"
 #include "io/gltf/gltf_source.h"
 #include "io/phat/baked_file.h"
@@ -29,9 +31,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kRoom = "room.glb";
 constexpr const char* kPartsStem = "room";
-constexpr const char* kPoster = "poster.jpg";
+constexpr const char* kPage = "index.html";
+constexpr const char* kPoster = "poster.jpg";  // pages that link to this one may show it
 constexpr int kPosterWidth = 960;
 
 struct WebOptions {
@@ -40,16 +42,13 @@ struct WebOptions {
     bool quiet = false;
 };
 
+constexpr const char* kNotBuilt = "the viewer is not built; `make web` does it";
+
 std::string readText(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    if (!file) throw FileError(path.string(), "the viewer is not built; `make web` does it");
-    return text.str();
-}
-
-void writeText(const fs::path& path, const std::string& text) {
-    replaceFile(path.string(), std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    if (!file) throw FileError(path.string(), kNotBuilt);
+    return text;
 }
 
 std::string escaped(const std::string& text) {
@@ -79,24 +78,43 @@ void fill(std::string& page, const std::string& placeholder, const std::string& 
     page.replace(at, placeholder.size(), value);
 }
 
-// The viewer's JavaScript by the files' names: what a page begins with, and what it loads when needed.
-std::map<std::string, std::string> readScripts(const fs::path& built) {
-    std::map<std::string, std::string> scripts;
-    for (const auto& entry : fs::directory_iterator(built))
-        if (entry.path().extension() == ".js")
-            scripts[entry.path().filename().string()] = readText(entry.path());
-    return scripts;
+// The viewer's files by their names, but the page itself.
+std::map<std::string, std::string> readViewer(const fs::path& built) {
+    std::error_code error;
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::directory_iterator(built, error))
+        if (const std::string name = entry.path().filename().string(); name != kPage)
+            files[name] = readText(entry.path());
+    if (error) throw FileError(built.string(), kNotBuilt);
+    return files;
 }
 
-// Returns its exposure.
-double writePoster(const WebOptions& options, const fs::path& site, Progress& progress) {
+// A file that is gone when this is.
+struct TemporaryFile {
+    explicit TemporaryFile(std::string file) : path(std::move(file)) {}
+    ~TemporaryFile() { unlink(path.c_str()); }
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+    std::string path;
+};
+
+struct Poster {
+    std::vector<uint8_t> jpeg;
+    double exposureStops;
+};
+
+Poster drawPoster(const WebOptions& options, const SiteFolder& site, Progress& progress) {
+    const TemporaryFile file(site.file(fmt::format("poster.tmp-{}.jpg", getpid())));
     RenderOptions poster;
     poster.input = options.input;
-    poster.output = (site / kPoster).string();
+    poster.output = file.path;
     poster.width = kPosterWidth;
     poster.reflections = Reflections::lookup;  // as the page draws
     poster.exposureStops = options.exposureStops;
-    return renderDrawn(poster, progress).front().at("exposure").at("stops").get<double>();
+    const double stops = renderDrawn(poster, progress).front().at("exposure").at("stops").get<double>();
+    const std::string bytes = readText(file.path);
+    return {{bytes.begin(), bytes.end()}, stops};
 }
 
 // Eye, target and field of view in degrees of a file without a camera that pages show by; else nothing.
@@ -120,6 +138,18 @@ std::string roomsOf(const RayScene& rays) {
     return text;
 }
 
+// The page with all but what is known when the poster is drawn.
+std::string readPage(const WebOptions& options) {
+    std::string page = readText(fs::path(siteFolder()) / kPage);
+    const std::string name = fs::path(options.input).filename().string();
+    fill(page, "@TITLE@", escaped(options.title.empty() ? name.substr(0, name.find('.')) : options.title));
+    const Scene scene = readBakedFile(options.input).loaded.scene;
+    const RayScene rays(scene);
+    fill(page, "@CAMERA@", defaultCameraOf(rays));
+    fill(page, "@ROOMS@", roomsOf(rays));
+    return page;
+}
+
 void writeSite(const WebOptions& options) {
     GltfSource source = openGltf(options.input);
     if (!isBakedFile(source)) throw FileError(options.input, "is not a baked file: `phat bake` makes one");
@@ -127,38 +157,29 @@ void writeSite(const WebOptions& options) {
         throw FileError(
             options.input,
             "has PHATexels in the paper's storage, which pages do not read: bake without --storage paper");
-    const fs::path site = options.site, built = siteFolder();
-    std::string page = readText(built / "index.html");
-    const std::map<std::string, std::string> scripts = readScripts(built);
-    const std::string style = readText(built / "viewer.css");
-    const std::string name = fs::path(options.input).filename().string();
-    fill(page, "@TITLE@", escaped(options.title.empty() ? name.substr(0, name.find('.')) : options.title));
-    {
-        const Scene scene = readBakedFile(options.input).loaded.scene;
-        const RayScene rays(scene);
-        fill(page, "@CAMERA@", defaultCameraOf(rays));
-        fill(page, "@ROOMS@", roomsOf(rays));
-    }
+    const std::map<std::string, std::string> viewer = readViewer(siteFolder());
+    std::set<std::string> names{kPage, kPoster};
+    for (const auto& [name, text] : viewer) names.insert(name);
+    SiteFolder site(options.site, options.input, names);
+    std::string page = readPage(options);
     const WebParts parts = splitForWeb(source, kPartsStem);
-
-    std::error_code error;
-    fs::create_directories(site, error);
-    if (error) throw FileError(options.site, "cannot be created: " + error.message());
     catchInterrupts();
     ProgressBar progress(progressStyle(options.quiet), {});
-    const double exposure = writePoster(options, site, progress);
-    fill(page, "@EXPOSURE@", fmt::format("{}", exposure));
-    for (const WebPart& part : parts.later) replaceFile((site / part.uri).string(), part.bytes);
-    replaceFile((site / kRoom).string(), parts.room);
-    for (const auto& [script, text] : scripts) writeText(site / script, text);
-    writeText(site / "viewer.css", style);
-    writeText(site / "index.html", page);
+    const Poster poster = drawPoster(options, site, progress);
+    fill(page, "@EXPOSURE@", fmt::format("{}", poster.exposureStops));
+    fill(page, "@ROOM@", parts.room.uri);
+    fill(page, "@POSTER@", std::string(kPoster) + "?" + contentHash(poster.jpeg));
+    for (const WebPart& part : parts.later) site.write(part.uri, part.bytes);
+    site.write(parts.room.uri, parts.room.bytes);
+    site.write(kPoster, poster.jpeg);
+    for (const auto& [name, text] : viewer) site.write(name, text);
+    site.write(kPage, page);  // the last, so that whoever loads it finds all the others
+    site.finish();
     if (options.quiet) return;
-    uint64_t bytes = 0, first = parts.room.size();
-    for (const auto& entry : fs::directory_iterator(site)) bytes += entry.file_size();
-    for (const auto& [script, text] : scripts)
-        if (page.find('"' + script + '"') != std::string::npos) first += text.size();
-    fmt::print("{}: {:.1f} MB; a first picture after {:.1f} MB\n", options.site, double(bytes) * 1e-6,
+    uint64_t first = parts.room.bytes.size();
+    for (const auto& [name, text] : viewer)
+        if (name.ends_with(".js") && page.find('"' + name + '"') != std::string::npos) first += text.size();
+    fmt::print("{}: {:.1f} MB; a first picture after {:.1f} MB\n", options.site, double(site.bytes()) * 1e-6,
                double(first) * 1e-6);
 }
 
@@ -167,9 +188,10 @@ void writeSite(const WebOptions& options) {
 void addWebCommand(CLI::App& app) {
     CLI::App* command = app.add_subcommand("web", "Write a page that shows a baked file, for any web server");
     CLI::Option* input = command->add_option("IN", "A .phat.glb file")->required();
-    CLI::Option* site = command->add_option("-o,--output", "Folder of the page; made if missing")
-                            ->type_name("SITE")
-                            ->required();
+    CLI::Option* site =
+        command->add_option("-o,--output", "Folder of the page: a new or empty one, or that of an older page")
+            ->type_name("SITE")
+            ->required();
     CLI::Option* title =
         command->add_option("--title", "Of the page; default: the file's name")->type_name("TEXT");
     const auto exposure = std::make_shared<std::optional<float>>();

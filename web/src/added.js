@@ -1,6 +1,9 @@
 // Meshes that were not in the bake, lit by its probes instead of ambient, hemisphere and environment light.
+// Few pages add any: it is loaded by the first that are.
 import { Matrix4 } from 'three';
-import { shaderLibrary } from './gl.js';
+import shaders from 'phat:probe-shaders';
+import { addShaders, shaderLibrary } from './gl.js';
+import { chainHook, chainShader } from './hooks.js';
 import { readProbes } from './probes.js';
 
 const vertexDeclarations = `
@@ -43,53 +46,46 @@ const light = `
 #include <lights_fragment_end>
 `;
 
+addShaders(shaders);
+
 function injectProbes(material, uniforms) {
-    const { onBeforeCompile, customProgramCacheKey } = material;
-    material.onBeforeCompile = function (shader, renderer) {
-        onBeforeCompile.call(this, shader, renderer);
+    return chainShader(material, 'phat probes', (shader) => {
         Object.assign(shader.uniforms, uniforms);
         shader.vertexShader = vertexDeclarations + shader.vertexShader.replace('#include <project_vertex>', place);
         shader.fragmentShader =
             shaderLibrary('lib/probe_light.glsl') +
             fragmentDeclarations +
             shader.fragmentShader.replace('#include <lights_fragment_end>', light);
-    };
-    material.customProgramCacheKey = function () {
-        return `phat probes ${customProgramCacheKey.call(this)}`;
-    };
-    material.needsUpdate = true;
-    return () => {
-        Object.assign(material, { onBeforeCompile, customProgramCacheKey });
-        material.needsUpdate = true;
-    };
+    });
 }
 
 // What a BakedLight has added.
 export class AddedMeshes {
-    constructor(root, parser, description) {
+    // `probes`: what readProbes returns.
+    constructor(root, probes) {
         this.root = root;
-        this.read = () => readProbes(parser, description);
         this.rootFromWorld = { value: new Matrix4() };
+        this.uniforms = { ...probes, phatRootFromWorld: this.rootFromWorld };
         this.materials = new Map(); // undo and number of meshes
         this.meshes = new Map(); // undo
     }
 
-    async add(object) {
-        this.reading ??= this.read();
-        this.uniforms = { ...(await this.reading), phatRootFromWorld: this.rootFromWorld };
-        if (this.disposed) return;
+    static async read(root, parser, description) {
+        return new AddedMeshes(root, await readProbes(parser, description));
+    }
+
+    add(object) {
         object.traverse((mesh) => {
             if (mesh.isMesh && !this.meshes.has(mesh)) this.addMesh(mesh);
         });
     }
 
     addMesh(mesh) {
-        const { onBeforeRender } = mesh,
-            materials = [mesh.material].flat();
-        mesh.onBeforeRender = (...all) => {
-            onBeforeRender.apply(mesh, all);
+        const materials = [mesh.material].flat();
+        const undo = chainHook(mesh, 'onBeforeRender', (own) => (...all) => {
+            own.apply(mesh, all);
             this.rootFromWorld.value.copy(this.root.matrixWorld).invert();
-        };
+        });
         for (const material of materials) {
             const known = this.materials.get(material) ?? {
                 undo: injectProbes(material, this.uniforms),
@@ -99,7 +95,7 @@ export class AddedMeshes {
             this.materials.set(material, known);
         }
         this.meshes.set(mesh, () => {
-            mesh.onBeforeRender = onBeforeRender;
+            undo();
             for (const material of materials) {
                 const known = this.materials.get(material);
                 if (--known.count > 0) continue;
@@ -116,12 +112,15 @@ export class AddedMeshes {
         });
     }
 
+    // Frees what is on the GPU; three.js uploads it again where it is drawn again.
     dispose() {
-        this.disposed = true;
-        this.meshes.forEach((undo) => undo());
-        this.meshes.clear();
-        if (!this.uniforms) return;
         const { probeCells, probeLight, probeDistances } = this.uniforms;
         for (const { value } of [probeCells, probeLight, probeDistances]) value.dispose();
+    }
+
+    detach() {
+        this.meshes.forEach((undo) => undo());
+        this.meshes.clear();
+        this.dispose();
     }
 }

@@ -2,12 +2,11 @@
 import {
     DataTexture,
     EquirectangularReflectionMapping,
-    ExternalTexture,
     FloatType,
     LinearFilter,
     LinearSRGBColorSpace,
 } from 'three';
-import { AddedMeshes } from './added.js';
+import { BakedMaterials } from './baked_materials.js';
 import {
     canLookUp,
     kName,
@@ -17,8 +16,8 @@ import {
     readGuides,
     readLayer,
 } from './file.js';
-import { injectLight } from './inject.js';
-import { isBlended } from './material.js';
+import { lackOf } from './gl.js';
+import { chainHook } from './hooks.js';
 import { Rendering } from './rendering.js';
 import { gatherSurfaces, surfaceMeshes, triangleCount } from './surfaces.js';
 import { readTrees } from './trees.js';
@@ -65,41 +64,46 @@ export class BakedLight {
         this.progress = 0;
         this.onProgress = null;
         this.bake = bake;
-        this.unitMeters = bake.atlas.unitMeters;
+        this.unitMeters = root.userData.unitMeters = bake.atlas.unitMeters;
         this.renderings = new Map(); // by their renderers
-        const pictures = () => ({ light: new ExternalTexture(), depth: new ExternalTexture() });
-        this.pictures = { opaque: pictures(), blended: pictures() };
-        const materials = new Set();
+        this.lacks = new WeakMap(); // by their renderers: what keeps them from drawing the light
+        this.disposed = false; // whether the light will never be drawn again
+        this.materials = new BakedMaterials((...picture) => this.draw(...picture));
         this.undo = bake.surfaces.drawRanges.map(({ mesh }) => {
-            const { onBeforeRender } = mesh;
-            mesh.onBeforeRender = (renderer, scene, camera, ...rest) => {
-                onBeforeRender.call(mesh, renderer, scene, camera, ...rest);
-                this.draw(renderer, camera, rest[1]);
-            };
-            if (mesh.material.isMeshStandardMaterial) materials.add(mesh.material);
-            return () => {
-                mesh.onBeforeRender = onBeforeRender;
-            };
+            this.adopt(mesh.material);
+            // Where materials are not asked, as by WebGPURenderer.
+            return chainHook(mesh, 'onBeforeRender', (own) => (renderer, ...rest) => {
+                own.call(mesh, renderer, ...rest);
+                this.canDraw(renderer);
+            });
         });
-        this.corner = { value: [0, 0] };
-        this.materials = new Map([...materials].map((m) => [m, injectLight(m, this.corner)]));
-        this.materials.forEach(({ undo }) => this.undo.push(undo));
         this.ready = this.load(parser, description);
         this.ready.catch(() => {}); // whoever awaits it is told
         this.canTrace = Boolean(description.bvh);
         this.file = [parser, description];
         this.readTrees = () => readTrees(...this.file, bake.surfaces);
-        this.added = new AddedMeshes(root, parser, description);
+        this.toAdd = new Set();
         this.environment = null;
     }
 
-    // Lights what was not in the bake by the bake's probes, instead of ambient light.
-    add(object) {
-        return this.added.add(object);
+    // Lets a material with which the page replaces one of the room show the light, too.
+    adopt(material) {
+        this.materials.adopt(material);
+    }
+
+    // Lights what was not in the bake by the bake's probes, instead of ambient light. Loads what does so.
+    async add(object) {
+        this.toAdd.add(object);
+        this.loadingAdded ??= import('./added.js').then(async ({ AddedMeshes }) => {
+            this.added = await AddedMeshes.read(this.root, ...this.file);
+        });
+        await this.loadingAdded;
+        if (this.toAdd.delete(object)) this.added.add(object);
     }
 
     remove(object) {
-        this.added.remove(object);
+        this.toAdd.delete(object);
+        this.added?.remove(object);
     }
 
     // Loads what makes light follow the lamps when it is first read.
@@ -177,40 +181,45 @@ export class BakedLight {
         this.onProgress?.();
     }
 
-    // Before a surface is drawn: the light of the picture that it is drawn in.
-    draw(renderer, camera, material) {
-        // Post-processing draws with materials of its own, which show no light.
-        if (!this.materials.has(material)) return;
+    // Whether a renderer can draw the light. If not, the first time, says why, and shows the room without any.
+    canDraw(renderer) {
+        if (!this.lacks.has(renderer)) {
+            const lack = lackOf(renderer);
+            this.lacks.set(renderer, lack);
+            if (lack) console.error(`The room is drawn without its light: ${lack}`);
+        }
+        const lack = this.lacks.get(renderer);
+        if (lack) this.materials.showUnlit();
+        return !lack;
+    }
+
+    // Before a surface is drawn: the light of the picture that it is drawn in. Post-processing that draws with materials
+    // of its own shows none.
+    draw(renderer, scene, camera) {
+        if (!this.canDraw(renderer)) return;
         if (!this.renderings.has(renderer)) this.renderings.set(renderer, new Rendering(renderer));
-        const shown = this.renderings.get(renderer).draw(this, camera);
-        if (shown) this.show(shown);
+        const shown = this.renderings.get(renderer).draw(this, scene, camera);
+        if (shown) this.materials.show(shown);
     }
 
-    show({ targets, corner }) {
-        this.corner.value = corner;
-        for (const kind of ['opaque', 'blended']) {
-            this.pictures[kind].light.sourceTexture = targets[kind]?.light ?? null;
-            this.pictures[kind].depth.sourceTexture = targets[kind]?.depth ?? null;
-        }
-        for (const [material, { uniforms }] of this.materials) {
-            const { light, depth } = this.pictures[isBlended(material) ? 'blended' : 'opaque'];
-            uniforms.phatLight.value = light;
-            uniforms.phatDepth.value = depth;
-            uniforms.phatBehindDepth.value = this.pictures.opaque.depth;
-        }
-    }
-
+    // Frees what is on the GPU. As with all of three.js, what is drawn again is made again.
     dispose() {
-        this.disposed = true;
-        this.undo.forEach((undo) => undo());
-        this.undo = [];
-        this.added.dispose();
-        this.updates?.dispose();
+        this.added?.dispose();
         this.renderings.forEach((rendering) => rendering.dispose());
         this.renderings.clear();
         this.environment?.dispose();
-        for (const { light, depth } of Object.values(this.pictures))
-            [light, depth].forEach((texture) => texture.dispose());
+        this.materials.dispose();
+    }
+
+    // Returns all materials to what they were, for good.
+    detach() {
+        this.dispose();
+        this.disposed = true;
+        this.undo.forEach((undo) => undo());
+        this.materials.detach();
+        this.toAdd.clear();
+        this.added?.detach();
+        this.updates?.dispose();
         this.bake = null;
     }
 }

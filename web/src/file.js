@@ -18,9 +18,11 @@ export function fail(reason) {
 export async function readPayload(parser, payload, Type, count, what) {
     if (!payload) fail(`${what} is missing`);
     if (payload.byteLength !== count * Type.BYTES_PER_ELEMENT) fail(`${what} has the wrong size`);
+    if (typeof DecompressionStream === 'undefined') fail('this browser has no DecompressionStream');
+    const compressed = await parser.getDependency('bufferView', payload.bufferView); // throws what it lacks
     let bytes;
     try {
-        bytes = await inflate(await parser.getDependency('bufferView', payload.bufferView));
+        bytes = await inflate(compressed);
     } catch {
         fail(`${what} is damaged or cut off`);
     }

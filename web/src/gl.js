@@ -211,11 +211,19 @@ export function createFramebuffer(gl, colors, depth = null) {
     return framebuffer;
 }
 
-// Whether a WebGL 2 context supports the lookup.
+// Whether a context can draw baked light, in a browser that can read it.
 export function isSupported(gl) {
     return (
+        typeof DecompressionStream !== 'undefined' &&
         typeof WebGL2RenderingContext !== 'undefined' &&
         gl instanceof WebGL2RenderingContext &&
         gl.getExtension('EXT_color_buffer_float') !== null
     );
+}
+
+// What keeps a renderer of three.js from drawing baked light: one sentence, or nothing.
+export function lackOf(renderer) {
+    if (!renderer.isWebGLRenderer) return 'it needs WebGLRenderer.';
+    if (!isSupported(renderer.getContext())) return 'it needs WebGL 2 with float render targets.';
+    return renderer.state.buffers.depth.getReversed() ? 'it needs a depth buffer that is not reversed.' : '';
 }

@@ -1,4 +1,4 @@
-import type { Color, ColorRepresentation, DataTexture, Object3D } from 'three';
+import type { Color, ColorRepresentation, DataTexture, Material, Object3D, Scene, WebGLRenderer } from 'three';
 
 /** Reads `PHAT_photon_accumulation_texture`: `loader.register((parser) => new PhatexturesExtension(parser))`. */
 export class PhatexturesExtension {
@@ -25,7 +25,8 @@ export interface Lamp {
 
 /**
  * What a baked file adds to its scene: `gltf.userData.bakedLight`. Its materials show it wherever `gltf.scene` is drawn,
- * instead of ambient, hemisphere and environment light; changes of the materials are followed.
+ * instead of ambient, hemisphere and environment light, and clones and instances of its meshes; changes of the materials are
+ * followed.
  */
 export class BakedLight {
     private constructor();
@@ -93,12 +94,27 @@ export class BakedLight {
     add(object: Object3D): Promise<void>;
     /** Returns the materials of what was added to what they were. */
     remove(object: Object3D): void;
-    /** Frees what is on the GPU and returns the materials to what they were. */
+    /**
+     * Lets a MeshStandardMaterial with which the page replaces one of the room's show the light. The file's own do so anyway,
+     * with hooks (`onBeforeCompile`) of the page's, too.
+     */
+    adopt(material: Material): void;
+    /** Frees what is on the GPU. As with all of three.js, what is drawn again is made again. */
     dispose(): void;
+    /** Returns all materials to what they were, for good, and frees all. */
+    detach(): void;
 }
 
-/** Whether a context can draw baked light: WebGL 2 with float render targets. */
+/** Whether baked light can be read and drawn here: WebGL 2 with float render targets, and DecompressionStream. */
 export function isSupported(context: WebGLRenderingContext | WebGL2RenderingContext | null): boolean;
 
 /** Position of picture `index` of `count` inside the pixel, for averaging pictures (`Camera.setViewOffset`). */
 export function jitterOf(index: number, count: number): [number, number];
+
+/**
+ * Makes all point, spot and directional lights of a scene throw shadows, of all its meshes but glass, as they do in the bake:
+ * turns the renderer's shadow maps on, and fits them to the scene, from the surfaces that are nearest to a lamp on. Call it
+ * when the scene is complete, and again when lights have moved. Where nothing moves, `renderer.shadowMap.autoUpdate = false`
+ * draws the maps once.
+ */
+export function prepareLights(renderer: WebGLRenderer, scene: Scene): void;

@@ -1,6 +1,7 @@
 // Makes three.js's materials add the light of the passes at the fragment's position, and rough glass blur what is
 // behind it as far as it is away.
 import { ShaderChunk } from 'three';
+import { chainShader } from './hooks.js';
 
 // The passes draw each pixel once; at edges, where multisampling shades two surfaces, the neighbour that is
 // nearest in depth is the fragment's own surface.
@@ -82,9 +83,7 @@ export function injectLight(material, corner) {
         phatBehindDepth: { value: null },
         phatCorner: corner,
     };
-    const { onBeforeCompile, customProgramCacheKey } = material;
-    material.onBeforeCompile = function (shader, renderer) {
-        onBeforeCompile.call(this, shader, renderer);
+    const undo = chainShader(material, 'phat', (shader) => {
         Object.assign(shader.uniforms, uniforms);
         shader.fragmentShader =
             declarations +
@@ -95,14 +94,6 @@ export function injectLight(material, corner) {
                     '#include <opaque_fragment>',
                     'outgoingLight += phatLightHere();\n#include <opaque_fragment>',
                 );
-    };
-    material.customProgramCacheKey = function () {
-        return `phat ${customProgramCacheKey.call(this)}`;
-    };
-    material.needsUpdate = true;
-    const undo = () => {
-        Object.assign(material, { onBeforeCompile, customProgramCacheKey });
-        material.needsUpdate = true;
-    };
+    });
     return { uniforms, undo };
 }

@@ -46,7 +46,7 @@ export class Passes {
         this.frameCount = 0;
         this.drawing = new SurfaceDrawing(gl, renderer, bake.surfaces, this.white);
         this.rays = new Rays(gl, renderer, this.noVertices);
-        this.createPrograms(bake.surfaces.drawRanges.some(({ mesh }) => hasClearcoat(mesh.material)));
+        this.createPrograms(this.hasAny(hasClearcoat, []));
         this.splitSum = drawSplitSum(gl);
     }
 
@@ -88,14 +88,13 @@ export class Passes {
     }
 
     // Pictures of a view's size. Views of two sizes may be drawn in turn; what is not used any more is freed.
-    targetsFor({ width, height }) {
+    targetsFor({ width, height, copies }) {
         const { gl, layers } = this,
-            hasBlended = this.hasBlended(),
+            hasBlended = this.hasAny(isBlended, copies),
             traces = this.rays.level > 0,
             lobeCount = this.clearcoat ? 2 : 1;
         const fits = (t) =>
-            t.width === width &&
-            t.height === height &&
+            [t.width, t.height].join() === [width, height].join() &&
             Boolean(t.blended) === hasBlended &&
             (!traces || Boolean(t.rays));
         const targets =
@@ -114,8 +113,9 @@ export class Passes {
         this.targets = [];
     }
 
-    hasBlended() {
-        return this.bake.surfaces.drawRanges.some(({ mesh }) => isBlended(mesh.material));
+    // Whether that holds for any material.
+    hasAny(predicate, copies) {
+        return [...this.bake.surfaces.drawRanges, ...copies].some(({ mesh }) => predicate(mesh.material));
     }
 
     drawDepth(view, target) {
@@ -278,13 +278,13 @@ export class Passes {
         this.drawing.draw(program, view, kSlots.length);
     }
 
-    // `view`: { width, height, clipFromWorld, worldFromClip, pixelRadians, eye, eyeAtInfinity, isVisible(mesh) }; `light`:
-    // a BakedLight. Returns the view's targets. Leaves WebGL's state to the caller.
+    // `view`: { width, height, clipFromWorld, worldFromClip, pixelRadians, eye, eyeAtInfinity, isVisible(mesh), copies };
+    // `copies`: see copies.js; `light`: a BakedLight. Returns the view's targets. Leaves WebGL's state to the caller.
     draw(view, light) {
         this.clock = light.clock;
         this.clock?.ended('three.js'); // what it did before the first surface
-        this.drawing.uploadMaps();
-        if (!this.clearcoat && this.bake.surfaces.drawRanges.some(({ mesh }) => hasClearcoat(mesh.material))) {
+        this.drawing.uploadMaps(view.copies);
+        if (!this.clearcoat && this.hasAny(hasClearcoat, view.copies)) {
             this.programs.dispose();
             this.createPrograms(true);
             this.freeTargets();
@@ -299,10 +299,11 @@ export class Passes {
         return targets;
     }
 
-    chooseRays({ width, height }, light) {
+    // Rays hit the room where it was baked, and have one eye: with copies of it, reflections are looked up.
+    chooseRays({ width, height, copies }, light) {
         const { defines, stage, scrambles } = this.programs;
-        if (stage === kWhole) this.rays.choose(light, width * height, { defines, scrambles });
-        else this.rays.level = 0;
+        if (stage === kWhole && copies.length === 0) this.rays.choose(light, width * height, { defines, scrambles });
+        else Object.assign(this.rays, { level: 0, isAwaited: false });
     }
 
     // Whether the last picture showed all that is loaded.

@@ -1,19 +1,20 @@
 // The passes and targets of one renderer for a baked light.
 import { Matrix4, Vector3, Vector4 } from 'three';
-import { isSupported } from './gl.js';
+import { findCopies } from './copies.js';
 import { Passes } from './passes.js';
 
-function isVisible(object) {
-    for (let o = object; o; o = o.parent) if (!o.visible) return false;
-    return true;
+// Whether it is drawn with `scene`.
+function isVisible(object, scene) {
+    for (let o = object; o?.visible; o = o.parent) if (o === scene) return true;
+    return false;
 }
 
-// A camera in the space of `root`, where the light was baked.
-function viewOf(root, camera) {
-    const rootFromWorld = new Matrix4().copy(root.matrixWorld).invert();
+// A camera in the space where the light was baked.
+function viewOf(worldFromRoot, camera) {
+    const rootFromWorld = new Matrix4().copy(worldFromRoot).invert();
     const clipFromWorld = new Matrix4()
         .multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse)
-        .multiply(root.matrixWorld);
+        .multiply(worldFromRoot);
     const eye = new Vector3();
     if (camera.isOrthographicCamera)
         eye.set(0, 0, 1).transformDirection(camera.matrixWorld).transformDirection(rootFromWorld);
@@ -27,6 +28,16 @@ function viewOf(root, camera) {
         eye: eye.toArray(),
         eyeAtInfinity: camera.isOrthographicCamera ? 1 : 0,
     };
+}
+
+// What is drawn of a bake: whether a mesh of its own is, and copies.
+function surfacesOf(light, scene, camera) {
+    const isDrawn = (mesh) => light.enabled && camera.layers.test(mesh.layers),
+        copies = [];
+    findCopies(scene, light.bake.surfaces.drawRanges, (mesh, range, worldFromRoot) => {
+        if (isDrawn(mesh)) copies.push({ mesh, range, ...viewOf(worldFromRoot, camera) });
+    });
+    return { isVisible: (mesh) => isDrawn(mesh) && isVisible(mesh, scene), copies };
 }
 
 export class Rendering {
@@ -46,7 +57,7 @@ export class Rendering {
     // drawn where nothing has changed: the light is that of a call, a camera, and a target (three.js draws
     // what is behind glass into another one first). Returns { targets, corner }, the pictures and where they
     // are in the target, or null.
-    draw(light, camera) {
+    draw(light, scene, camera) {
         const { renderer } = this,
             gl = renderer.getContext(),
             target = renderer.getRenderTarget(),
@@ -62,14 +73,11 @@ export class Rendering {
             level = renderer.getActiveMipmapLevel(),
             clearColor = gl.getParameter(gl.COLOR_CLEAR_VALUE);
         try {
-            this.passes ??= this.createPasses(gl, light.bake);
+            this.passes ??= new Passes(renderer, light.bake);
             this.passes.useLookup(light.bake.lookup);
-            const isDrawn = (mesh) => light.enabled && isVisible(mesh) && camera.layers.test(mesh.layers);
-            const { radians, ...view } = viewOf(light.root, camera);
-            const targets = this.passes.draw(
-                { ...view, pixelRadians: radians / height, width, height, isVisible: isDrawn },
-                light,
-            );
+            const { radians, ...view } = viewOf(light.root.matrixWorld, camera);
+            Object.assign(view, { pixelRadians: radians / height, width, height }, surfacesOf(light, scene, camera));
+            const targets = this.passes.draw(view, light);
             light.isWhole = this.passes.isWhole();
             light.tracedMilliseconds = this.passes.rays.milliseconds;
             this.drawnFor = { frame, camera, target, shown: { targets, corner: [x, y] } };
@@ -81,12 +89,6 @@ export class Rendering {
             gl.clearColor(...clearColor);
         }
         return this.drawnFor.shown;
-    }
-
-    createPasses(gl, bake) {
-        if (!isSupported(gl))
-            throw new Error('baked light needs WebGL 2 with float render targets (EXT_color_buffer_float)');
-        return new Passes(this.renderer, bake);
     }
 
     dispose() {

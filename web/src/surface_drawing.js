@@ -29,8 +29,8 @@ export class SurfaceDrawing {
         program.set('material', this.rows);
     }
 
-    uploadMaps() {
-        for (const { mesh } of this.surfaces.drawRanges) {
+    uploadMaps(copies) {
+        for (const { mesh } of [...this.surfaces.drawRanges, ...copies]) {
             for (const [, textureOf] of kSlots) {
                 const texture = textureOf(mesh.material);
                 if (texture) uploadTexture(this.renderer, texture);
@@ -39,17 +39,30 @@ export class SurfaceDrawing {
     }
 
     draw(program, view, slotCount) {
-        const { gl } = this;
-        program.set('clipFromWorld', view.clipFromWorld);
-        program.offer('eyeWorld', view.eye);
-        program.offer('eyeAtInfinity', view.eyeAtInfinity);
-        this.surfaces.drawRanges.forEach(({ mesh, first, count }, i) => {
-            if (isBlended(mesh.material) !== view.blended || !view.isVisible(mesh)) return;
-            if (mesh.material.side === 2) gl.disable(gl.CULL_FACE);
-            else gl.enable(gl.CULL_FACE);
-            program.offer('surfaceIndex', i);
-            if (slotCount > 0) this.bindMaterial(program, mesh.material, slotCount);
-            gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
+        const { drawRanges } = this.surfaces;
+        this.setView(program, view);
+        drawRanges.forEach((range, i) => {
+            if (view.isVisible(range.mesh)) this.drawRange(program, range, i, { view, slotCount });
         });
+        for (const { range, mesh, ...own } of view.copies) {
+            this.setView(program, own);
+            this.drawRange(program, { ...drawRanges[range], mesh }, range, { view, slotCount });
+        }
+    }
+
+    setView(program, { clipFromWorld, eye, eyeAtInfinity }) {
+        program.set('clipFromWorld', clipFromWorld);
+        program.offer('eyeWorld', eye);
+        program.offer('eyeAtInfinity', eyeAtInfinity);
+    }
+
+    drawRange(program, { mesh, first, count }, index, { view, slotCount }) {
+        const { gl } = this;
+        if (isBlended(mesh.material) !== view.blended) return;
+        if (mesh.material.side === 2) gl.disable(gl.CULL_FACE);
+        else gl.enable(gl.CULL_FACE);
+        program.offer('surfaceIndex', index);
+        if (slotCount > 0) this.bindMaterial(program, mesh.material, slotCount);
+        gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
     }
 }

@@ -167,7 +167,7 @@ test('the package loads what is needed, and leaves nothing behind', async (t) =>
         const { order, perPicture } = light.updates.last;
         Object.assign(found, { blocks: order.places.length, perPicture, textures: countAlive().Texture });
         found.changed = draw(world).some((x, i) => Math.abs(x - baked[i]) > 30);
-        light.dispose();
+        light.detach();
         return { ...found, after: strengths(), left: countAlive(), isSettled: light.isSettled };
     });
     assert.deepEqual(result.names, ['point', 'ceiling']);

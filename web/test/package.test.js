@@ -31,14 +31,15 @@ test('the package exports what its types declare', async () => {
         PhatexturesExtension,
         isSupported,
         jitterOf: jitter,
+        prepareLights,
     } = await import('../dist/phatextures.js');
     const types = await readFile(new URL('../src/index.d.ts', import.meta.url), 'utf8');
     const declared = [...types.matchAll(/export (?:class|function) (\w+)/g)].map(([, name]) => name);
     assert.deepEqual(
         declared.sort(),
-        Object.keys({ BakedLight, PhatexturesExtension, isSupported, jitterOf: jitter }).sort(),
+        Object.keys({ BakedLight, PhatexturesExtension, isSupported, jitterOf: jitter, prepareLights }).sort(),
     );
-    for (const exported of [BakedLight, PhatexturesExtension, isSupported, jitter])
+    for (const exported of [BakedLight, PhatexturesExtension, isSupported, jitter, prepareLights])
         assert.equal(typeof exported, 'function');
     assert.equal(new PhatexturesExtension({}).name, 'PHAT_photon_accumulation_texture');
 });
@@ -113,13 +114,13 @@ async function lightOfEnvironment() {
     return { light: new BakedLight(new Object3D(), parser, description, bake), deliver };
 }
 
-test('an environment that arrives after dispose() is not kept', async () => {
-    for (const isDisposed of [false, true]) {
+test('an environment that arrives after detach() is not kept', async () => {
+    for (const isDetached of [false, true]) {
         const { light, deliver } = await lightOfEnvironment();
-        if (isDisposed) light.dispose();
+        if (isDetached) light.detach();
         deliver();
         await light.ready;
-        assert.equal(light.environment === null, isDisposed);
+        assert.equal(light.environment === null, isDetached);
     }
 });
 

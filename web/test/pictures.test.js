@@ -1,10 +1,13 @@
 // What the page of `phat web` shows, beside the pictures of `phat render`.
 import assert from 'node:assert/strict';
+import { mkdtemp, rm, writeFile } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { borrowBrowser, serve } from './browser.js';
 import { borrowRoom, maeOverMean, meanOf, phat, readExr } from './room.js';
 import { loaded, open, openRoom, pixelsOf, rest, viewport } from './site.js';
+import { sunnyRoom } from './sunny_room.js';
 
 let browser, room, server, close, mesa;
 
@@ -76,6 +79,17 @@ for (const factor of [1000, 0.001])
         t.after(dispose);
         await comparePictures(t, gallery, 'gl-egl', viewport);
     });
+
+// Light that three.js draws, with its shadows: the sun's patch on the floor, the cones of a shade and of a spot.
+test('draws what phat render draws: a sun through a window, a spot, and a pendant in a shade', async (t) => {
+    const folder = await mkdtemp(join(tmpdir(), 'phat-sunny-'));
+    t.after(() => rm(folder, { recursive: true }));
+    const [scene, file, site] = ['scene.glb', 'room.phat.glb', 'site'].map((name) => join(folder, name));
+    await writeFile(scene, sunnyRoom());
+    await phat('bake', scene, '-o', file, '--resolution', '60k', '--photons', '50k', '--quiet');
+    await phat('web', file, '-o', site, '--exposure', '0', '--quiet');
+    await comparePictures(t, { file, folder, site }, 'gl-egl', { width: 320, height: 180 });
+});
 
 test('is tone mapped as the poster is, at the exposure of its slider', async () => {
     const page = await loaded(await open(browser, server.url));

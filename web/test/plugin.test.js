@@ -7,7 +7,7 @@ import { after, before, test } from 'node:test';
 import validator from 'gltf-validator';
 import { borrowBrowser, serve } from './browser.js';
 import { GlbBuilder } from './built_room.js';
-import { borrowRoom, maeOverMean, meanOf, phat, readExr } from './room.js';
+import { borrowRoom, maeOverMean, meanOf, partOf, phat, readExr } from './room.js';
 
 const repository = new URL('../../', import.meta.url).pathname;
 let borrowed, browser, room, server, page, folder;
@@ -37,7 +37,7 @@ test('gltf-validator finds no error in what is baked and in what a page loads', 
     const noteless = { maxIssues: 0 };
     const baked = await validator.validateBytes(new Uint8Array(await readFile(room.file)), noteless);
     assert.equal(baked.issues.numErrors, 0, JSON.stringify(baked.issues));
-    const split = await validator.validateBytes(new Uint8Array(await readFile(join(room.site, 'room.glb'))), {
+    const split = await validator.validateBytes(new Uint8Array(await readFile(await partOf(room.site, 'room.glb'))), {
         ...noteless,
         externalResourceFunction: async (uri) => new Uint8Array(await readFile(join(room.site, uri))),
     });
@@ -76,15 +76,15 @@ test('gltf-validator and three.js alone read what is baked from files of all sor
     assert.equal(refused.length, 2, refused.join());
 });
 
-test('lights what three.js alone leaves dark, and leaves no trace when it is disposed', async () => {
-    const { plain, lit, disposed, used, left, maps } = await page.evaluate(async () => {
+test('lights what three.js alone leaves dark, and leaves no trace when it is detached', async () => {
+    const { plain, lit, detached, used, left, maps } = await page.evaluate(async () => {
         const result = { plain: draw(await load(false)) };
         const world = await load(true);
         result.lit = draw(world);
         result.used = countAlive();
-        world.light.dispose();
+        world.light.detach();
         result.left = countAlive();
-        result.disposed = draw(world);
+        result.detached = draw(world);
         // Textures that the passes had three.js upload stay three.js's.
         const maps = new Set();
         world.gltf.scene.traverse((o) => {
@@ -94,7 +94,7 @@ test('lights what three.js alone leaves dark, and leaves no trace when it is dis
         return result;
     });
     assert.ok(meanOf(lit) > 1.5 * meanOf(plain), `${meanOf(lit)} and ${meanOf(plain)}`);
-    assert.ok(maeOverMean(disposed, plain) < 1e-6);
+    assert.ok(maeOverMean(detached, plain) < 1e-6);
     assert.ok(used.Texture > maps && used.Framebuffer > 0 && used.Program > 0);
     assert.deepEqual(left, {
         Texture: maps,

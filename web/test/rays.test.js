@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { borrowBrowser, serve } from './browser.js';
 import { mirrorRoom } from './mirror_room.js';
-import { borrowRoom, maeOverMean, meanOf, phat, readExr } from './room.js';
+import { borrowRoom, maeOverMean, meanOf, partOf, phat, readExr } from './room.js';
 import { loaded, loseContext, open, openPlugin, pixelsOf, rest } from './site.js';
 
 const size = { width: 160, height: 90 };
@@ -126,7 +126,7 @@ test('rays follow the materials of what they hit', async (t) => {
 async function editedSite(name, edit) {
     const site = join(folder, name);
     await cp(mirror.site, site, { recursive: true });
-    const path = join(site, 'room.glb'),
+    const path = await partOf(site, 'room.glb'),
         bytes = await readFile(path),
         end = 20 + bytes.readUInt32LE(12),
         gltf = JSON.parse(bytes.subarray(20, end).toString());

@@ -1,6 +1,6 @@
 // Baked rooms and their pages, made by the program.
 import { execFile } from 'node:child_process';
-import { mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
+import { mkdtemp, readFile, readdir, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { promisify } from 'node:util';
@@ -70,6 +70,12 @@ async function makeRoom(name) {
 
 // { value: { folder, file, site }, dispose } of a scene. The files are for all tests: nobody changes them.
 export const borrowRoom = shared(makeRoom, ({ folder }) => rm(folder, { recursive: true }));
+
+// The path of a file of a page, by its name without the hash.
+export async function partOf(site, name) {
+    const names = await readdir(site);
+    return join(site, names.find((other) => other.replace(/\.[0-9a-f]{8}(?=\.\w+$)/, '') === name));
+}
 
 // { width, height, pixels } as RGBA floats, row 0 at the bottom.
 export async function readExr(path) {

@@ -1,21 +1,11 @@
 // The page that `phat web` writes: a baked room to walk through.
-import {
-    LinearSRGBColorSpace,
-    PCFShadowMap,
-    PerspectiveCamera,
-    Scene,
-    ShaderChunk,
-    Vector2,
-    WebGLRenderer,
-} from 'three';
+import { LinearSRGBColorSpace, PerspectiveCamera, Scene, ShaderChunk, Vector2, WebGLRenderer } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
-import { PhatexturesExtension, isSupported, jitterOf } from '../src/index.js';
-import { isGlass } from '../src/material.js';
+import { PhatexturesExtension, isSupported, jitterOf, prepareLights } from '../src/index.js';
 import { kRelativeCost } from '../src/passes.js';
 import { Navigation, defaultCamera, sphereOf } from './navigation.js';
 import { createPanel } from './panel.js';
 import { Picture } from './picture.js';
-import { prepareShadow } from './shadows.js';
 
 // Pictures that a view at rest is averaged from, and while its light changes.
 const kSamples = 32,
@@ -35,6 +25,7 @@ const kNear = 0.01; // units of length
 const kMinScale = 0.25,
     kScaleSteps = 8;
 
+const { sayFailure } = globalThis; // of begin.js
 const element = (id) => document.getElementById(id);
 const canvas = element('view');
 
@@ -43,37 +34,34 @@ function say(text) {
     element('message').hidden = text === '';
 }
 
-function createRenderer() {
-    const context = canvas.getContext('webgl2', { antialias: false, powerPreference: 'high-performance' });
-    if (!isSupported(context))
-        throw new Error(
-            'This room needs WebGL 2 with float render targets, which this browser or device does not offer.',
-        );
+function createRenderer(context) {
+    if (!isSupported(context)) throw new Error('This room needs WebGL 2.');
     const renderer = new WebGLRenderer({ canvas, context });
     renderer.outputColorSpace = LinearSRGBColorSpace; // present.frag encodes
-    renderer.shadowMap.enabled = true;
     renderer.shadowMap.autoUpdate = false;
-    renderer.shadowMap.type = PCFShadowMap;
     return renderer;
 }
 
-// Three things that three.js does to punctual light, and glTF's appendix B and hence the bake do not: a highlight is
-// blunted where normals turn within a pixel (here many pictures are averaged), and brightened on rough metals
-// for light that would be reflected twice; and a light nearer than 10 cm counts as that far.
+// Four things that three.js does to punctual light, and glTF's appendix B, its spots and hence the bake do not: a highlight
+// is blunted where normals turn within a pixel (here many pictures are averaged), and brightened on rough metals for light
+// that would be reflected twice; a light nearer than 10 cm counts as that far; and spots have another profile.
 function keepToGltf(material) {
     const { onBeforeCompile, customProgramCacheKey } = material;
-    const chunks = {
-        lights_physical_fragment: [/.* \+= geometryRoughness;/g, ''],
-        lights_pars_begin: ['pow( lightDistance, decayExponent ), 0.01', 'pow( lightDistance, decayExponent ), 1e-30'],
-        lights_fragment_begin: [/(multiScatteringCompensation =).*;/g, '$1 vec3(1.0);'],
-    };
+    const edits = [
+        ['lights_physical_fragment', /.* \+= geometryRoughness;/g, ''],
+        ['lights_pars_begin', 'pow( lightDistance, decayExponent ), 0.01', 'pow( lightDistance, decayExponent ), 1e-30'],
+        [
+            'lights_pars_begin',
+            'smoothstep( coneCosine, penumbraCosine, angleCosine )',
+            'pow2( saturate( ( angleCosine - coneCosine ) / max( penumbraCosine - coneCosine, 1e-3 ) ) )',
+        ],
+        ['lights_fragment_begin', /(multiScatteringCompensation =).*;/g, '$1 vec3(1.0);'],
+    ];
     material.onBeforeCompile = function (shader, renderer) {
         onBeforeCompile.call(this, shader, renderer);
-        for (const [name, [pattern, by]] of Object.entries(chunks))
-            shader.fragmentShader = shader.fragmentShader.replace(
-                `#include <${name}>`,
-                ShaderChunk[name].replaceAll(pattern, by),
-            );
+        for (const [name] of edits)
+            shader.fragmentShader = shader.fragmentShader.replace(`#include <${name}>`, ShaderChunk[name]);
+        for (const [, pattern, by] of edits) shader.fragmentShader = shader.fragmentShader.replaceAll(pattern, by);
     };
     material.customProgramCacheKey = () => `keepToGltf ${customProgramCacheKey.call(material)}`;
 }
@@ -95,12 +83,11 @@ class Viewer {
         this.scene = new Scene();
         this.scene.add(gltf.scene);
         gltf.scene.updateMatrixWorld(true);
-        const sphere = sphereOf(gltf.scene),
-            { unitMeters } = this.light;
+        const sphere = sphereOf(gltf.scene);
         this.camera = new PerspectiveCamera(
             40,
             1,
-            Math.min(1e-3 * sphere.radius, kNear * unitMeters),
+            Math.min(1e-3 * sphere.radius, kNear * this.light.unitMeters),
             50 * sphere.radius,
         );
         this.picture = new Picture(renderer);
@@ -116,13 +103,7 @@ class Viewer {
         gltf.scene.traverse((object) => {
             // Those of the nodes: of a camera that several nodes have, gltf.cameras is none of theirs.
             if (object.isPerspectiveCamera) cameras.push(object);
-            if (object.isMesh) {
-                // three.js knows no light through glass: better all of it than none.
-                object.castShadow = !isGlass(object.material);
-                object.receiveShadow = true;
-                if (object.material.isMeshStandardMaterial) materials.add(object.material);
-            }
-            if (object.shadow) prepareShadow(object, sphere, unitMeters);
+            if (object.isMesh && object.material.isMeshStandardMaterial) materials.add(object.material);
         });
         const anisotropy = Math.min(8, renderer.capabilities.getMaxAnisotropy()); // twin: mostAnisotropy
         for (const material of materials) {
@@ -130,7 +111,7 @@ class Viewer {
                 if (texture?.isTexture) Object.assign(texture, { anisotropy });
             keepToGltf(material);
         }
-        this.drawShadows();
+        prepareLights(renderer, this.scene);
         createPanel(
             this,
             [...materials],
@@ -156,7 +137,7 @@ class Viewer {
                 this.frame(now);
             } catch (error) {
                 this.stop();
-                say(`The room cannot be drawn: ${error.message}`);
+                sayFailure(`The room cannot be drawn: ${error.message}`);
                 console.error(error);
             }
         });
@@ -312,10 +293,12 @@ async function showBench(viewer) {
 }
 
 async function start() {
+    const { room } = canvas.dataset,
+        context = canvas.getContext('webgl2', { antialias: false, powerPreference: 'high-performance' });
     try {
-        const renderer = createRenderer();
+        const renderer = createRenderer(context);
         const progress = element('progress');
-        const gltf = await load('room.glb', ({ loaded, total }) => {
+        const gltf = await load(room, ({ loaded, total }) => {
             if (total) progress.value = loaded / total / 2;
         });
         const viewer = (globalThis.viewer = new Viewer(renderer, gltf));
@@ -328,14 +311,12 @@ async function start() {
         await showBench(viewer);
         element('loading').hidden = true;
     } catch (error) {
-        element('loading').hidden = true;
-        say(
-            error.message.startsWith('This room')
-                ? error.message
-                : `The room could not be loaded: ${error.message}`,
-        );
         console.error(error);
+        const general = `The room could not be loaded: ${error.message}`,
+            cause = import('./failure.js').then(({ causeOf }) => causeOf({ error, room, context }));
+        sayFailure(await cause.catch(() => general));
     }
 }
 
+globalThis.viewerBegan = true;
 start();

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <set>
 
+#include "io/base/content_name.h"
 #include "io/base/file_error.h"
 #include "io/gltf/glb_builder.h"
 #include "io/gltf/gltf_rewrite.h"
@@ -75,11 +76,13 @@ WebParts split(const GltfSource& source, const std::string& stem) {
     WebParts result;
     room.json["buffers"] = json::array({json::object()});
     for (size_t i = 0; i < parts.size(); ++i) {
-        result.later.push_back({fmt::format("{}.{}.bin", stem, later[i].name), std::move(parts[i].bin)});
-        const WebPart& part = result.later.back();
+        const std::string name = contentName(stem + "." + later[i].name, parts[i].bin, "bin");
+        const WebPart& part = result.later.emplace_back(name, std::move(parts[i].bin));
         room.json["buffers"].push_back({{"uri", part.uri}, {"byteLength", part.bytes.size()}});
     }
-    result.room = glbBytes(room);
+    std::vector<uint8_t> bytes = glbBytes(room);
+    const std::string name = contentName(stem, bytes, "glb");
+    result.room = {name, std::move(bytes)};
     return result;
 }
 

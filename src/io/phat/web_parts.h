@@ -15,13 +15,13 @@ struct WebPart {
 };
 
 struct WebParts {
-    std::vector<uint8_t> room;   // a baked GLB: the scene, its diffuse light, and the atlas
+    WebPart room;                // a baked GLB: the scene, its diffuse light, and the atlas
     std::vector<WebPart> later;  // buffers of it, in the order in which a page wants them: area lights'
                                  // highlights, then a layer of the indirect light each
 };
 
-/// `stem`: of the parts' names beside the room, STEM.lamps.bin, STEM.reflections.bin, STEM.reflections-2.bin
-/// ... Together they are the same baked file. Reads the buffers of `source`.
+/// `stem`: of the names, by contentName: STEM.HASH.glb, STEM.lamps.HASH.bin, STEM.reflections.HASH.bin,
+/// STEM.reflections-2.HASH.bin ... Together they are the same baked file. Reads the buffers of `source`.
 /// Throws FileError. pre: they are not read yet.
 WebParts splitForWeb(GltfSource& source, const std::string& stem);
 
