@@ -72,14 +72,22 @@ export class LightUpdatePass {
     createLight({ width, height, charts, indirectIrradiance, areaIrradiance }, points) {
         const { gl } = this,
             identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
+        this.move(Float32Array.from(charts.flatMap(() => identity)));
         this.points = createTexture2D(gl, gl.RGBA32UI, width, height, points.places);
         this.normals = createTexture2D(gl, gl.R32UI, width, height, points.normals);
-        this.poses = createTable(gl, gl.RGBA32F, Float32Array.from(charts.flatMap(() => identity)));
         const none = new Uint32Array(4 * width * height);
         this.estimates = createTextureArray(gl, gl.RGBA32UI, width, height, [
             bakedEstimates(indirectIrradiance, points, false),
             areaIrradiance ? bakedEstimates(areaIrradiance, points, true) : none,
         ]);
+    }
+
+    // Texels to where they are now: Motion.chartPoses. Leaves WebGL's state to the caller.
+    move(poses) {
+        const { gl } = this;
+        gl.deleteTexture(this.poses ?? null);
+        prepareUploads(gl);
+        this.poses = createTable(gl, gl.RGBA32F, poses);
     }
 
     createTargets({ width, height }) {
