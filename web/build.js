@@ -34,6 +34,7 @@ const roots = [
 ];
 // Those that only light_updates.js needs, which few rooms load.
 const laterRoots = [
+    'cover_texels.frag',
     'gather_guides.frag',
     'tabulate_guides.frag',
     'trace_texels.frag',

@@ -79,6 +79,7 @@ export class LightRounds {
         this.moved = motion.revision;
         this.order.places = motion.moveBlocks(this.points.blocks);
         this.pass.move(motion.chartPoses());
+        this.pass.cover.note(motion, this.order.places);
     }
 
     // By what the last blocks that were measured took.

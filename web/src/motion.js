@@ -28,6 +28,19 @@ export class Motion {
         this.revisions = this.places.map(() => 0);
     }
 
+    // A box around a surface where it is, or was at rest.
+    boundsOf(surface, { vertices } = this.surfaces) {
+        const [first, end] = this.wordsOf(surface),
+            floats = new Float32Array(vertices.buffer),
+            box = { low: [0, 0, 0].fill(Infinity), high: [0, 0, 0].fill(-Infinity) };
+        for (let at = first; at < end; at += kVertexWords)
+            for (let axis = 0; axis < 3; ++axis) {
+                box.low[axis] = Math.min(box.low[axis], floats[at + axis]);
+                box.high[axis] = Math.max(box.high[axis], floats[at + axis]);
+            }
+        return box;
+    }
+
     // Looks where the surfaces are. Returns whether any has moved. pre: world matrices are up to date.
     update(root) {
         const rootFromWorld = new Matrix4().copy(root.matrixWorld).invert(),
