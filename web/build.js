@@ -35,6 +35,8 @@ const roots = [
 // Those that only light_updates.js needs, which few rooms load.
 const laterRoots = [
     'cover_texels.frag',
+    'trace_probes.frag',
+    'pack_probes.frag',
     'gather_guides.frag',
     'tabulate_guides.frag',
     'trace_texels.frag',

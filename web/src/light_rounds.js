@@ -80,6 +80,7 @@ export class LightRounds {
         this.order.places = motion.moveBlocks(this.points.blocks);
         this.pass.move(motion.chartPoses());
         this.pass.cover.note(motion, this.order.places);
+        this.pass.probes.noteMotion();
     }
 
     // By what the last blocks that were measured took.

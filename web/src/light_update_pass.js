@@ -6,6 +6,7 @@ import { prepareUploads, resetState } from './fixed.js';
 import { GuidePass } from './guide_pass.js';
 import { bakedEstimates, kLights, kRays, layoutOf } from './light_tables.js';
 import { ProgramSet, bindHitLights, shadeHits } from './ray_pass.js';
+import { ProbePass } from './probe_pass.js';
 import { hashOf } from './sample_numbers.js';
 import { createTable } from './tables.js';
 import { TexelBatch, batchTarget, kBatchBlocks } from './texel_batch.js';
@@ -34,6 +35,9 @@ export class LightPrograms extends ProgramSet {
             gather: fullscreen('gather_guides.frag'),
             tabulate: fullscreen('tabulate_guides.frag'),
             cover: fullscreen('cover_texels.frag', ofTrees),
+            traceProbes: fullscreen('trace_probes.frag', ofTrees),
+            packProbes: fullscreen('pack_probes.frag'),
+            packRanges: fullscreen('pack_probes.frag', ['RANGE']),
             trace: fullscreen('trace_texels.frag', ofTrees),
             shade: fullscreen('shade_reflections.frag', [...ofLookup, 'WITHOUT_PUNCTUAL_LIGHTS', 'TEXELS']),
             hitLights: fullscreen('trace_hit_lights.frag', ofTrees),
@@ -69,6 +73,7 @@ export class LightUpdatePass {
         this.createLight(atlas, points);
         this.createTargets(atlas);
         this.cover = new TexelCover(this, points);
+        this.probes = new ProbePass(this);
     }
 
     // What is known of the light beside what pictures are drawn from.
@@ -128,6 +133,7 @@ export class LightUpdatePass {
         for (let first = 0; first < blocks.length; first += kBatchBlocks) {
             this.batch = new TexelBatch(gl, this.blocks, blocks.slice(first, first + kBatchBlocks));
             this.cover.update(scene, this.batch);
+            this.probes.update(scene, this.batch);
             this.seed = hashOf(number, first);
             this.sources.forEach((source) => this.tracePhatexels(source, directions));
             this.estimateIrradiance();
@@ -284,6 +290,7 @@ export class LightUpdatePass {
             gl.deleteTexture(texture);
         this.guides.dispose();
         this.cover.dispose();
+        this.probes.dispose();
         this.set.dispose();
     }
 }

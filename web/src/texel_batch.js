@@ -49,9 +49,9 @@ export class TexelBatch {
         return batchSize(this.blocks.length, kBlockSize);
     }
 
-    // Those of the blocks for which `isPart(block)` holds.
+    // Those of the blocks for whose turns `isPart` holds.
     part(isPart) {
-        return new TexelBatch(this.gl, this.rects, this.blocks.filter(({ block }) => isPart(block)));
+        return new TexelBatch(this.gl, this.rects, this.blocks.filter(isPart));
     }
 
     // What was drawn for each block's texels to its place in a texture.

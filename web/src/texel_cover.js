@@ -48,7 +48,7 @@ export class TexelCover {
         const { pass, uncertain } = this,
             { gl, normals, targets } = pass,
             { cover: program } = pass.programs,
-            part = batch.part((block) => uncertain[block] === 1);
+            part = batch.part(({ block }) => uncertain[block] === 1);
         if (part.blocks.length === 0) return;
         program.use();
         scene.bindTrees(program, 0);
