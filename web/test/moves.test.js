@@ -13,8 +13,9 @@ const lamps = { ceiling: 8, point: 6 },
     start = { at: [-1.15, 0, -0.6] },
     end = { at: [1.05, 0, -0.5], turn: 0.4 };
 
-// Of pictures of 160 x 90: the floor on which the box has stood, from the top.
-const uncovered = [28, 79, 48, 88];
+// Of pictures of 160 x 90, from the top: the floor on which the box has stood, and where the plate reflects it now.
+const uncovered = [28, 79, 48, 88],
+    reflected = [106, 77, 122, 90];
 const inside = (all, [left, top, right, bottom]) =>
     all.filter((_, i) => {
         const pixel = i >> 2,
@@ -49,16 +50,15 @@ test('a box that the page moves is where the light is of a bake with it there', 
     t.diagnostic(
         `mean ${ratio.toFixed(4)}, MAE/mean ${error.toFixed(4)}; of another bake ${noise.toFixed(4)}, just moved ${before.toFixed(4)}`,
     );
-    if (process.env.PHAT_PICTURES) {
-        const { writeFile } = await import('node:fs/promises');
-        for (const [name, p] of Object.entries({ moved, pixels, expected, again }))
-            await writeFile(`${process.env.PHAT_PICTURES}/${name}.f32`, new Float32Array(p));
-    }
+    // As of lamps: lights.test.js.
     assert.ok(Math.abs(ratio - 1) < 0.02, `${ratio}`);
-    const floors = [pixels, again, moved].map((picture) =>
-        maeOverMean(inside(picture, uncovered), inside(expected, uncovered)),
-    );
-    t.diagnostic(`where it stood ${floors.map((x) => x.toFixed(4))}`);
+    for (const [name, part] of Object.entries({ uncovered, reflected })) {
+        const [own, others, last] = [pixels, again, moved].map((picture) =>
+            maeOverMean(inside(picture, part), inside(expected, part)),
+        );
+        t.diagnostic(`${name}: ${own.toFixed(4)}; of another bake ${others.toFixed(4)}, just moved ${last.toFixed(4)}`);
+        assert.ok(own < others + 0.02, `${name}: ${own}, another bake ${others}`);
+    }
     assert.ok(error < noise + 0.02, `${error}, another bake ${noise}`);
     assert.equal(await errorOf(page), 0);
     assert.deepEqual(page.problems, []);
