@@ -149,8 +149,8 @@ def main():
         assert record["settings"].get("environment") == "my room.sky.exr", record  # the World is grey
         assert bpy.ops.phat.site() == {"FINISHED"}
         assert sorted(os.listdir(os.path.join(folder, "my room-site"))) == [
-            "bench.js", "chunk.js", "index.html", "lamp_panel.js", "light_updates.js", "poster.jpg", "room.glb",
-            "room.lamps.bin", "room.reflections.bin", "viewer.css", "viewer.js"]
+            "bench.js", "chunk.js", "index.html", "lamp_panel.js", "light_updates.js", "moves.js",
+            "poster.jpg", "room.glb", "room.lamps.bin", "room.reflections.bin", "viewer.css", "viewer.js"]
         check_sky(folder)
         light.data.spread = 1
         assert export.export_scene(bpy.context, os.path.join(folder, "spread.glb")) == ["the spread of the area light Soft Box"]

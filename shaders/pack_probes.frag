@@ -10,7 +10,7 @@ uniform usampler2D tilePatches;
 
 layout(location = 0) out uvec4 wordsOut;
 
-const uint kTopLevel = 14u;
+const uint kFarthestLevel = 14u;
 const uint kFarLevel = 15u;
 const uint kRangeBits = 63u;
 
@@ -49,7 +49,7 @@ uvec4 wordsOf(BatchTile t) {
     for (int i = 0; i < 32; ++i) {
         ivec2 within = ivec2(i & 7, i >> 3);
         uint code = codeAt(t, t.inTile * ivec2(8, 4) + within);
-        uint level = uint(clamp((float(code) - low) / extent, 0.0, 1.0) * float(kTopLevel) + 0.5);
+        uint level = uint(clamp((float(code) - low) / extent, 0.0, 1.0) * float(kFarthestLevel) + 0.5);
         words[within.y] |= (code == kFarDistanceCode ? kFarLevel : level) << uint(4 * within.x);
     }
     return words;

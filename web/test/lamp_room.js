@@ -5,7 +5,7 @@ import { GlbBuilder } from './built_room.js';
 const kBoxSize = [0.5, 0.7, 0.5];
 
 // A node named 'box'.
-function addBox(room, material, { at, turn = 0 }) {
+function addBox(room, material, { at, turn = 0, movable, travels }) {
     const [x, y, z] = kBoxSize,
         [left, front] = [-x / 2, z / 2],
         [across, up, deep] = [[x, 0, 0], [0, y, 0], [0, 0, z]],
@@ -22,11 +22,20 @@ function addBox(room, material, { at, turn = 0 }) {
         name: 'box',
         translation: at,
         rotation: [0, Math.sin(turn / 2), 0, Math.cos(turn / 2)],
+        ...(movable && { extras: { phat: { movable } } }),
+    });
+    if (!travels) return;
+    const times = room.accessor(new Float32Array([0, 1]), 'SCALAR', 1, { min: [0], max: [1] }),
+        places = room.accessor(new Float32Array([...at, ...travels]), 'VEC3', 3);
+    room.push('animations', {
+        samplers: [{ input: times, output: places }],
+        channels: [{ sampler: 0, target: { node: room.json.nodes.length - 1, path: 'translation' } }],
     });
 }
 
 // `ceiling`, `wall`, `point`: how bright each of those is that the room has; those of surfaces may be 0. `paint`: the colour
-// of the left wall. `box`: where the middle of its bottom is, and its turn around that, radians.
+// of the left wall. `box`: where the middle of its bottom is, its turn around that, radians, whether it is movable, and
+// where an animation of a second takes it.
 export function lampRoom({ ceiling, wall, point, paint = [0.8, 0.15, 0.1], box }) {
     const room = new GlbBuilder();
     const material = (name, baseColor, more = {}, factors = {}) =>

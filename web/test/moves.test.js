@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { LightPages, errorOf, rendered, settled } from './light_pages.js';
 import { maeOverMean, meanOf } from './room.js';
-import { pixelsOf, rest } from './site.js';
+import { eyeOf, forwardOf, pixelsOf, rest } from './site.js';
 
 const pages = new LightPages();
 before(() => pages.begin());
@@ -61,5 +61,53 @@ test('a box that the page moves is where the light is of a bake with it there', 
     }
     assert.ok(error < noise + 0.02, `${error}, another bake ${noise}`);
     assert.equal(await errorOf(page), 0);
+    assert.deepEqual(page.problems, []);
+});
+
+const placeOf = (page) => page.evaluate(() => viewer.scene.getObjectByName('box').position.toArray());
+
+test('a box that is movable is dragged over the floor, and its light follows', async (t) => {
+    const page = await pages.open(t, await pages.bake('movable', { ...lamps, box: { ...end, movable: true } }));
+    await page.waitForFunction(() => viewer.moves);
+    assert.match(await page.textContent('#motionstate'), /dragged: box/);
+    assert.ok(await page.isHidden('#play'));
+    const [eye, forward, before] = [await eyeOf(page), await forwardOf(page), await placeOf(page)];
+    // The middle of the box on the screen.
+    const [x, y] = await page.evaluate(() => {
+        const { x, y } = viewer.scene.getObjectByName('box').position.clone().setY(0.5).project(viewer.camera);
+        return [((1 + x) / 2) * innerWidth, ((1 - y) / 2) * innerHeight];
+    });
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x - 30, y, { steps: 3 });
+    await page.mouse.up();
+    const after = await placeOf(page);
+    assert.ok(after[0] < before[0] - 0.2 && after[1] === before[1], `${before} to ${after}`);
+    assert.deepEqual([await eyeOf(page), await forwardOf(page)], [eye, forward]);
+    await page.waitForFunction(() => viewer.light.updates?.points && !viewer.light.isSettled);
+    // What is not movable turns the view.
+    await page.mouse.move(20, 20);
+    await page.mouse.down();
+    await page.mouse.move(60, 20, { steps: 3 });
+    await page.mouse.up();
+    assert.notDeepEqual(await forwardOf(page), forward);
+    assert.deepEqual(await placeOf(page), after);
+    assert.deepEqual(page.problems, []);
+});
+
+test("the file's animation plays, and its light follows", async (t) => {
+    const page = await pages.open(t, await pages.bake('animated', { ...lamps, box: { ...start, travels: end.at } }));
+    await page.waitForFunction(() => viewer.moves);
+    await page.click('summary');
+    assert.equal(await page.textContent('#play'), 'Play');
+    assert.deepEqual(await placeOf(page), start.at);
+    await page.click('#play');
+    await page.waitForFunction((x) => viewer.scene.getObjectByName('box').position.x !== x, start.at[0]);
+    await page.waitForFunction(() => viewer.light.updates?.points && !viewer.light.isSettled);
+    await page.click('#play');
+    const [x, y, z] = await placeOf(page),
+        part = (x - start.at[0]) / (end.at[0] - start.at[0]);
+    assert.ok(part > 0 && part < 1 && y === 0, `${part}, ${y}`);
+    assert.ok(Math.abs(z - start.at[2] - part * (end.at[2] - start.at[2])) < 1e-5, `${z}`);
     assert.deepEqual(page.problems, []);
 });
