@@ -1,3 +1,4 @@
+// twin: web/src/texel_cover.js, web/src/probe_pass.js.
 #include "gl/moved_texels.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Depth probes of blocks around which something has moved, made anew.
-// twin of the shaders: src/core/phatexel/depth_probes.cpp.
+// twin: src/gl/moved_texels.cpp.
 import { createFramebuffer, createTexture2D } from './gl.js';
 import { batchCorner, batchSize, batchTarget } from './texel_batch.js';
 import { kBlockSize } from './texel_points.js';

@@ -1,4 +1,5 @@
 // Which texels something covers that has moved.
+// twin: src/gl/moved_texels.cpp.
 import { createTexture2D } from './gl.js';
 
 // How far what touches a texel may be from it, over the radius of its block. twin: kPressedTexels in
