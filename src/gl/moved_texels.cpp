@@ -16,7 +16,7 @@ constexpr glm::uvec2 kLevelTexels{2 * kBlockTiles, 4 * kBlockTiles},
     kPatchTexels{2 * kBlockTiles, kBlockTiles};
 // Of a block's diagonal: farther above its texels, nothing touches them (kPressedTexels in
 // core/atlas/texel_cover.h).
-constexpr float kTouchReach = 0.02f;
+constexpr float kTouchReach = 0.05f;
 // A block that begins anew begins with its second round.
 constexpr uint32_t kProbeRounds = 2;
 
