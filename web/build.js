@@ -35,6 +35,9 @@ const roots = [
 // Those that only light_updates.js and added.js need, which few rooms load.
 const laterRoots = {
     'phat:later-shaders': [
+        'cover_texels.frag',
+        'trace_probes.frag',
+        'pack_probes.frag',
         'gather_guides.frag',
         'tabulate_guides.frag',
         'trace_texels.frag',

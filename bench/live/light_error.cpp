@@ -14,6 +14,7 @@
 #include "core/scene/default_camera.h"
 #include "gl/gl_context.h"
 #include "gl/light_turns.h"
+#include "io/image/image_file.h"
 #include "io/phat/bake_record.h"
 #include "io/phat/baked_file.h"
 
@@ -24,7 +25,7 @@ namespace {
 constexpr int kAdaptions = 3;
 
 struct Options {
-    std::string baked, node = "crate";
+    std::string baked, node = "crate", pictures;
     float meters = -0.2f, raysPerTexel = 48;
     int references = 12, width = 320, height = 180;
 };
@@ -62,6 +63,7 @@ class Jump {
     RendererInput input() const { return {scene(), baked_.atlas, baked_.points, baked_.phatexture, &bvh_}; }
     void moveRenderer(Renderer& renderer, IncrementalBaker& engine) const;
     double errorOf(Renderer& renderer) const;
+    void keep(const char* name, const Image& picture) const;
     void makeReference(IncrementalBaker& engine);
     void byCpu(IncrementalBaker& engine);
     void byGpu(LightUpdate geometry, IncrementalBaker& engine);
@@ -90,6 +92,10 @@ double Jump::errorOf(Renderer& renderer) const {
     return compareImages(renderer.render(frame_), reference_).maeOverMean;
 }
 
+void Jump::keep(const char* name, const Image& picture) const {
+    if (!options_.pictures.empty()) writeExr(options_.pictures + "/" + name + ".exr", picture);
+}
+
 // The engine is left as a bake of the new scene.
 void Jump::makeReference(IncrementalBaker& engine) {
     Renderer renderer(input(), shaders_);
@@ -109,6 +115,8 @@ void Jump::makeReference(IncrementalBaker& engine) {
             reference_.pixels[p] += (next.pixels[p] - reference_.pixels[p]) / float(i + 1);
     }
     bakeError_ = compareImages(bake, reference_).maeOverMean;
+    keep("reference", reference_);
+    keep("bake", bake);
 }
 
 void Jump::byCpu(IncrementalBaker& engine) {
@@ -151,6 +159,7 @@ void Jump::byGpu(LightUpdate geometry, IncrementalBaker& engine) {
     const std::vector<BlockTurn> all = order.next(order.size(), frame_.camera);
     for (int i = 0; i < kAdaptions; ++i)
         renderer.traceLight({.blocks = all, .number = ++number, .irradiance = false});
+    keep("adapted", renderer.render(frame_));
     moveRenderer(renderer, engine);
     while (!renderer.takeUpdate(geometry, 1)) continue;
     order = BlockOrder(baked_.atlas, baked_.points);
@@ -172,6 +181,7 @@ void Jump::byGpu(LightUpdate geometry, IncrementalBaker& engine) {
                {"checks", checks},
                {"error", errorOf(renderer)}});
     }
+    keep("gpu", renderer.render(frame_));
 }
 
 void Jump::measure() {
@@ -207,6 +217,8 @@ int main(int argc, char** argv) {
     app.add_option("--node", options.node, "What jumps");
     app.add_option("--meters", options.meters, "How far, along x; 0: nothing changes");
     app.add_option("--rays-per-texel", options.raysPerTexel, "Of the GPU, at most");
+    app.add_option("--pictures", options.pictures,
+                   "Folder: the reference, a bake, the GPU's at first and last");
     app.add_option("--references", options.references, "Bakes whose mean is the reference");
     CLI11_PARSE(app, argc, argv);
     try {

@@ -22,6 +22,7 @@ def export_scene(context, path):
         "export_format": "GLB",
         "export_cameras": True,
         "export_lights": True,
+        "export_extras": True,  # custom properties, by which the page of phat web knows what may be moved
         "export_apply": True,
         "export_animations": False,
         "use_visible": True,

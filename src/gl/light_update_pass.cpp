@@ -201,6 +201,7 @@ GpuLight createGpuLight(const Scene& scene, const Atlas& atlas, const TexelPoint
                         const Phatexture& phatexture) {
     GpuLight light;
     light.points = uploadTexelPoints(scene, atlas, points);
+    light.moved = createMovedTexels(scene, atlas, points);
     light.guides = uploadGuideSums(phatexture);
     light.estimates = uploadEstimates(atlas, irradianceTexels(atlas, points), phatexture);
     light.blocks = blockRects(atlas);
@@ -214,6 +215,7 @@ LightUpdatePass createLightUpdatePass(const std::string& folder, const GpuAtlas&
                                       const GpuLookup& lookup, const std::vector<std::string>& bvhDefines) {
     LightUpdatePass pass;
     pass.guides = createGuidePass(folder);
+    pass.moved = createMovedTexelsPass(folder, bvhDefines);
     pass.trace = FullscreenProgram(folder, "trace_texels.frag", bvhDefines);
     std::vector<std::string> shading = phatexelDefines(lookup);
     shading.push_back("TEXELS");
@@ -248,7 +250,7 @@ LightUpdatePass createLightUpdatePass(const std::string& folder, const GpuAtlas&
     return pass;
 }
 
-std::vector<float> traceLight(const LightUpdatePass& pass, const GpuLight& light, const LitWorld& world,
+std::vector<float> traceLight(const LightUpdatePass& pass, GpuLight& light, const LitWorld& world,
                               const LightRound& round) {
     glDisable(GL_BLEND);
     std::vector<float> changes;
@@ -256,6 +258,7 @@ std::vector<float> traceLight(const LightUpdatePass& pass, const GpuLight& light
         const size_t count = std::min<size_t>(kBatchBlocks, round.blocks.size() - first);
         const Batch batch{pass, light, world, TexelBatch{light.blocks, round.blocks.subspan(first, count)},
                           uint32_t(hashOf(round.number, first))};
+        updateMovedTexels(pass.moved, light.moved, light.points, world, batch.texels);
         for (size_t source = 0; round.phatexels && source < world.atlas.sources.size(); ++source)
             if (world.atlas.sources[source].layerCount > 0) batch.tracePhatexels(source, round);
         if (round.compares) batch.addChanges(changes);

@@ -10,6 +10,7 @@
 #include "gl/fullscreen.h"
 #include "gl/guide_pass.h"
 #include "gl/light_round.h"
+#include "gl/moved_texels.h"
 #include "gl/ray_pass.h"
 #include "gl/texel_points.h"
 
@@ -18,6 +19,7 @@ namespace phat {
 /// What is known of the light beside what frames are drawn from.
 struct GpuLight {
     GpuTexelPoints points;
+    MovedTexels moved;
     GpuGuides guides;
     GlTexture estimates;  // RGBA32UI [source][y][x], see shaders/lib/irradiance_estimate.glsl
     std::vector<BlockRect> blocks;
@@ -30,6 +32,7 @@ GpuLight createGpuLight(const Scene& scene, const Atlas& atlas, const TexelPoint
 /// Programs, and pictures between them.
 struct LightUpdatePass {
     GuidePass guides;
+    MovedTexelsPass moved;
     FullscreenProgram trace, shade, lights, pack, compare, estimate, filterFirst, filter;
     GlTexture hits, places, codes;  // of the rays, see trace_texels.frag
     GlTexture indirect, area;       // RGBA16F: what they bring
@@ -46,7 +49,7 @@ LightUpdatePass createLightUpdatePass(const std::string& shaderFolder, const Gpu
 
 /// PHATexels are replaced; irradiance is estimated better, and shown once it is filtered. Returns, where the
 /// round compares, for each of its blocks what BlockOrder::noteCheck asks for.
-std::vector<float> traceLight(const LightUpdatePass& pass, const GpuLight& light, const LitWorld& world,
+std::vector<float> traceLight(const LightUpdatePass& pass, GpuLight& light, const LitWorld& world,
                               const LightRound& round);
 /// The irradiance of all texels, from the estimates so far.
 void filterIrradiance(const LightUpdatePass& pass, const GpuLight& light, const GpuAtlas& atlas);

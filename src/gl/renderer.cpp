@@ -193,7 +193,10 @@ void Renderer::moveScene(const Scene& scene, const Atlas& atlas, const TexelPoin
     s.raysMoved = s.raysEdited = true;
     phat::moveScene(s.scene, scene, atlas);
     s.show(scene, atlas, points);
-    if (s.light) moveTexelPoints(s.light->points, scene, atlas, worldFromRest);
+    if (s.light) {
+        moveTexelPoints(s.light->points, scene, atlas, worldFromRest);
+        noteMotion(s.light->moved, scene, worldFromRest);
+    }
     s.surfacesTurned = true;
     s.lights = scene.lights;
     s.shadows = {};
@@ -210,6 +213,9 @@ bool Renderer::takeUpdate(LightUpdate& update, double seconds) {
     for (const LightUpdate::TileGeometry& tile : update.tileGeometries) {
         updateTilePatch(s.atlas, tile);
         if (s.lookup.guideCount > 0) updateProbe(s.lookup, tile, tiles);
+        // The baker's thread moves tiles, but traces no probes where the GPU makes the light.
+        const glm::uvec2 place(tile.tile % tiles.x, tile.tile / tiles.x);
+        if (s.light) s.light->moved.staleProbes[s.shownAtlas->blockAt(kTileSize * place)] = 1;
     }
     update.tileGeometries.clear();
     if (!update.tileLight.empty()) updateTileLight(s.atlas, update.tileLight);
@@ -243,6 +249,7 @@ void Renderer::beginLight(const RendererInput& rest) {
     if (!s.restBvh || s.lookup.guideCount == 0) throw GlError("this bake's light cannot be made by the GPU");
     s.light = createGpuLight(rest.scene, rest.atlas, rest.points, rest.phatexture);
     moveTexelPoints(s.light->points, rest.scene, rest.atlas, s.worldFromRest);
+    noteMotion(s.light->moved, *s.shownScene, s.worldFromRest);
     s.lightPass = createLightUpdatePass(s.shaderFolder, s.atlas, s.lookup, bvhDefines(*s.restBvh));
 }
 

@@ -13,10 +13,15 @@ namespace phat {
 
 /// [y][x] of the atlas, of the scene at rest.
 struct GpuTexelPoints {
-    GlTexture points;   // RGBA32UI: position, flat normal (octahedral); NaN where there is none
-    GlTexture normals;  // R32UI: interpolated normal, octahedral
-    GlTexture poses;    // RGBA32F table: three rows of each chart's world-from-rest matrix
+    GlTexture points;       // RGBA32UI: position, flat normal (octahedral); NaN where there is none
+    GlTexture normals;      // R32UI: interpolated normal, octahedral, see shaders/lib/texel_point.glsl
+    GlTexture restNormals;  // the same, as if nothing covered them
+    GlTexture poses;        // RGBA32F table: three rows of each chart's world-from-rest matrix
 };
+
+/// Whether a texel is on a surface that something may cover, or leave; gutters that the bake found covered
+/// stay so.
+bool mayBeCovered(const TexelPoints& points, size_t texel);
 
 /// pre: `scene` and `points` are at rest. Throws GlError.
 GpuTexelPoints uploadTexelPoints(const Scene& scene, const Atlas& atlas, const TexelPoints& points);

@@ -23,6 +23,8 @@ export class BlockOrder {
     constructor(places) {
         this.places = places;
         this.rounds = new Uint32Array(places.length);
+        this.turns = 0;
+        this.lastTurns = new Uint32Array(places.length);
         this.unsettled = places.length;
     }
 
@@ -34,12 +36,17 @@ export class BlockOrder {
 
     // The next `count` blocks, { block, rounds }, or fewer once settled; they count as made.
     next(count, view) {
-        const due = this.places.map((place, block) => this.rounds[block] * (maySee(view, place) ? 1 : kUnseenCount)),
+        // Less the passes since its last turn, so that what begins anew again and again has turns, too.
+        const age = (block) => (this.turns - this.lastTurns[block]) / this.places.length;
+        const due = this.places.map(
+                (place, block) => this.rounds[block] * (maySee(view, place) ? 1 : kUnseenCount) - age(block),
+            ),
             order = [...due.keys()].filter((block) => this.rounds[block] < kSettledRounds);
         order.sort((a, b) => due[a] - due[b] || a - b);
         return order.slice(0, count).map((block) => {
             const rounds = this.rounds[block]++;
             if (this.rounds[block] === kSettledRounds) --this.unsettled;
+            this.lastTurns[block] = ++this.turns;
             return { block, rounds };
         });
     }

@@ -5,7 +5,7 @@ import { kChartsOffset, kVertexWords } from './surfaces.js';
 import { emissionMap, emissionOf, isUnlit } from './material.js';
 import { half, kMaterialWords, kMeansSide, matrixOf, packHitMaterial, placedMap } from './hit_materials.js';
 
-const kTriangleWords = 24;
+export const kTriangleWords = 24;
 export const kEmitterWords = 16;
 // Points of a triangle at which a picture of what shines is read.
 const kEmissionSamples = 64;
@@ -40,7 +40,7 @@ class Corners {
     }
 }
 
-function octahedral([x, y, z]) {
+export function octahedral([x, y, z]) {
     const sum = Math.abs(x) + Math.abs(y) + Math.abs(z) || 1,
         [u, v] = [x / sum, y / sum],
         fold = (a, b) => (1 - Math.abs(b)) * (a >= 0 ? 1 : -1);
@@ -172,6 +172,30 @@ export function emittersOf(surfaces, images) {
     return emitterRows(findEmitters(new Corners(surfaces), surfaces.drawRanges, images));
 }
 
+// What a table has of the surfaces: { emitters, trianglesOf }, the second of which returns the rows of `count` triangles in the
+// order of the leaves, from the one at `first` on.
+export function surfaceRows({ surfaces, trees, materials, images }) {
+    const corners = new Corners(surfaces),
+        { drawRanges } = surfaces,
+        { order, surfaceOf } = trees;
+    const emitters = findEmitters(corners, drawRanges, images),
+        emitterOf = new Map(emitters.map(({ triangle }, i) => [triangle, i + 1])),
+        numbers = new Map(materials.map((m, i) => [m, i]));
+    const surfaceMaterials = drawRanges.map(({ mesh }) => ({
+        material: numbers.get(mesh.material),
+        map: placedMap(mesh.material),
+    }));
+    const trianglesOf = (first, count) => {
+        const rows = new Uint32Array(kTriangleWords * count);
+        order.subarray(first, first + count).forEach((triangle, i) => {
+            const of = { ...surfaceMaterials[surfaceOf[triangle]], emitter: emitterOf.get(triangle) ?? 0 };
+            writeTriangle(rows, kTriangleWords * i, corners, triangle, of);
+        });
+        return rows;
+    };
+    return { emitters: emitterRows(emitters), trianglesOf };
+}
+
 // Whether anything that emits also reflects. twin: emittersReflect in src/core/scene/light_bound.cpp.
 function emitterReflects(m) {
     if (isUnlit(m) || emissionOf(m).every((x) => x === 0)) return false;
@@ -209,30 +233,19 @@ export function hasColors(vertices) {
 
 // { table, firstTriangle, firstEmitter, emitterCount }; the first two numbers count texels of four words. `rows`: of
 // the materials.
-export function hitTable({ surfaces, trees, materials, images, rows }) {
-    const corners = new Corners(surfaces),
-        { drawRanges } = surfaces,
-        { order, surfaceOf } = trees;
-    const emitters = findEmitters(corners, drawRanges, images),
-        emitterOf = new Map(emitters.map(({ triangle }, i) => [triangle, i + 1]));
+export function hitTable({ rows, ...room }) {
+    const { emitters, trianglesOf } = surfaceRows(room),
+        triangleCount = room.trees.order.length;
     const firstTriangle = rows.length,
-        firstEmitter = firstTriangle + kTriangleWords * order.length;
-    const table = new Uint32Array(firstEmitter + kEmitterWords * emitters.length);
+        firstEmitter = firstTriangle + kTriangleWords * triangleCount;
+    const table = new Uint32Array(firstEmitter + emitters.length);
     table.set(rows);
-    const numbers = new Map(materials.map((m, i) => [m, i]));
-    const surfaceMaterials = drawRanges.map(({ mesh }) => ({
-        material: numbers.get(mesh.material),
-        map: placedMap(mesh.material),
-    }));
-    order.forEach((triangle, i) => {
-        const of = { ...surfaceMaterials[surfaceOf[triangle]], emitter: emitterOf.get(triangle) ?? 0 };
-        writeTriangle(table, firstTriangle + kTriangleWords * i, corners, triangle, of);
-    });
-    table.set(emitterRows(emitters), firstEmitter);
+    table.set(trianglesOf(0, triangleCount), firstTriangle);
+    table.set(emitters, firstEmitter);
     return {
         table,
         firstTriangle: firstTriangle / 4,
         firstEmitter: firstEmitter / 4,
-        emitterCount: emitters.length,
+        emitterCount: emitters.length / kEmitterWords,
     };
 }

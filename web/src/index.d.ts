@@ -55,14 +55,16 @@ export class BakedLight {
     readonly tracedMilliseconds: number;
     /**
      * The room's lamps. What one is set to is drawn in the next picture; the light that the room's surfaces reflect of it follows
-     * over the next pictures, as rays make PHATexels and irradiance anew. The first use loads what does so (12 kB), the first
-     * change allocates about 90 bytes of GPU memory a texel. Rejects, with the reason, where the file lacks what is needed;
+     * over the next pictures, as rays make PHATexels and irradiance anew. The first use loads what does so (18 kB), the first
+     * change allocates about 90 bytes of GPU memory a texel, the first motion 4 more. Rejects, with the reason, where the file lacks what is needed;
      * where that shows later, a warning is logged, and the light stays as it was.
      */
     readonly lights: Promise<Lamp[]>;
     /**
-     * From now on, as from the first lamp that is set, the light follows the room's materials and all punctual lights of the
-     * scene, too: a floor that is painted red reddens the wall. What changed before is followed as well. Rejects as `lights` does.
+     * From now on, as from the first lamp that is set, the light follows the room's materials, all punctual lights of the scene,
+     * and the file's nodes, too: a floor that is painted red reddens the wall, and a table that is moved takes its shadow along.
+     * Nodes may be moved and turned, by the page or by animations of the file. What changed before is followed as well. Rejects
+     * as `lights` does.
      */
     followChanges(): Promise<void>;
     /** GPU time that this may take of a picture. Default: 4; Infinity: as much as all texels take once. */

@@ -19,8 +19,9 @@ export class LightRounds {
         Object.assign(this, { passes, points });
         this.order = new BlockOrder(points.blocks);
         this.timer = new PassTimer(passes.gl);
-        this.changes = 0; // that are known here: of the lamps, see LightUpdates
+        this.changes = 0; // that are known here, see LightUpdates
         this.revision = 0; // of the RayScene
+        this.moved = 0; // revision of the Motion
         this.number = 0; // of the round
         this.perPicture = kFirstBlocks;
         this.unfiltered = 0; // blocks that were made since irradiance was last filtered
@@ -29,14 +30,15 @@ export class LightRounds {
         this.pass = null; // once its programs are compiled
     }
 
-    // Does a picture's part of the work. `light`: a BakedLight; `changes`: how often its lamps have been set.
-    follow(light, view, changes) {
+    // Does a picture's part of the work. pre: what has moved is shown.
+    follow({ light, motion, changes }, view) {
         const scene = this.passes.rays.sceneOf(light),
             { revision } = scene;
         if (this.changes !== changes || this.revision !== revision) this.order.noteChange();
         Object.assign(this, { changes, revision, milliseconds: 0 });
         if (this.isSettled) return;
         if (!this.isReady(scene, light)) return;
+        this.move(motion);
         this.learn(light.updateMilliseconds);
         this.trace(scene, view, light);
         this.advanceFilter(light.updateMilliseconds === Infinity);
@@ -70,6 +72,15 @@ export class LightRounds {
         prepareUploads(gl);
         gl.deleteTexture(atlas.tileLight);
         atlas.tileLight = uploadTileLight(gl, radianceBound.map(() => kUnbounded), width / 8, height / 8);
+    }
+
+    move(motion) {
+        if (this.moved === motion.revision) return;
+        this.moved = motion.revision;
+        this.order.places = motion.moveBlocks(this.points.blocks);
+        this.pass.move(motion.chartPoses());
+        this.pass.cover.note(motion, this.order.places);
+        this.pass.probes.noteMotion();
     }
 
     // By what the last blocks that were measured took.

@@ -6,10 +6,12 @@ import { prepareUploads, resetState } from './fixed.js';
 import { GuidePass } from './guide_pass.js';
 import { bakedEstimates, kLights, kRays, layoutOf } from './light_tables.js';
 import { ProgramSet, bindHitLights, shadeHits } from './ray_pass.js';
+import { ProbePass } from './probe_pass.js';
 import { hashOf } from './sample_numbers.js';
 import { createTable } from './tables.js';
 import { TexelBatch, batchTarget, kBatchBlocks } from './texel_batch.js';
-import { kBlockSize } from './texel_points.js';
+import { TexelCover } from './texel_cover.js';
+import { kBlockSize, shownNormals } from './texel_points.js';
 
 // Steps of 1, 2, 4, 8 and 16 texels.
 const kFilterPasses = 5;
@@ -32,6 +34,10 @@ export class LightPrograms extends ProgramSet {
         super({
             gather: fullscreen('gather_guides.frag'),
             tabulate: fullscreen('tabulate_guides.frag'),
+            cover: fullscreen('cover_texels.frag', ofTrees),
+            traceProbes: fullscreen('trace_probes.frag', ofTrees),
+            packProbes: fullscreen('pack_probes.frag'),
+            packRanges: fullscreen('pack_probes.frag', ['RANGE']),
             trace: fullscreen('trace_texels.frag', ofTrees),
             shade: fullscreen('shade_reflections.frag', [...ofLookup, 'WITHOUT_PUNCTUAL_LIGHTS', 'TEXELS']),
             hitLights: fullscreen('trace_hit_lights.frag', ofTrees),
@@ -66,20 +72,30 @@ export class LightUpdatePass {
         this.guides = new GuidePass(passes, this.programs);
         this.createLight(atlas, points);
         this.createTargets(atlas);
+        this.cover = new TexelCover(this, points);
+        this.probes = new ProbePass(this);
     }
 
     // What is known of the light beside what pictures are drawn from.
     createLight({ width, height, charts, indirectIrradiance, areaIrradiance }, points) {
         const { gl } = this,
             identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
+        this.move(Float32Array.from(charts.flatMap(() => identity)));
         this.points = createTexture2D(gl, gl.RGBA32UI, width, height, points.places);
-        this.normals = createTexture2D(gl, gl.R32UI, width, height, points.normals);
-        this.poses = createTable(gl, gl.RGBA32F, Float32Array.from(charts.flatMap(() => identity)));
+        this.normals = createTexture2D(gl, gl.R32UI, width, height, shownNormals(points));
         const none = new Uint32Array(4 * width * height);
         this.estimates = createTextureArray(gl, gl.RGBA32UI, width, height, [
             bakedEstimates(indirectIrradiance, points, false),
             areaIrradiance ? bakedEstimates(areaIrradiance, points, true) : none,
         ]);
+    }
+
+    // Texels to where they are now: Motion.chartPoses. Leaves WebGL's state to the caller.
+    move(poses) {
+        const { gl } = this;
+        gl.deleteTexture(this.poses ?? null);
+        prepareUploads(gl);
+        this.poses = createTable(gl, gl.RGBA32F, poses);
     }
 
     createTargets({ width, height }) {
@@ -100,6 +116,7 @@ export class LightUpdatePass {
             indirect: createFramebuffer(gl, [this.indirect]),
             area: createFramebuffer(gl, [this.area]),
             packed: createFramebuffer(gl, [this.packed]),
+            codes: createFramebuffer(gl, [this.codes]),
             estimates: createFramebuffer(gl, [this.indirectEstimate, this.areaEstimate]),
             filtered: this.filtered.map((of) => createFramebuffer(gl, [of])),
             irradiance: this.sources.map((_, layer) =>
@@ -115,6 +132,8 @@ export class LightUpdatePass {
         this.world = { gl, scene, passes };
         for (let first = 0; first < blocks.length; first += kBatchBlocks) {
             this.batch = new TexelBatch(gl, this.blocks, blocks.slice(first, first + kBatchBlocks));
+            this.cover.update(scene, this.batch);
+            this.probes.update(scene, this.batch);
             this.seed = hashOf(number, first);
             this.sources.forEach((source) => this.tracePhatexels(source, directions));
             this.estimateIrradiance();
@@ -270,6 +289,8 @@ export class LightUpdatePass {
         for (const texture of [this.codes, this.packed, this.indirect, this.area, ...this.filtered])
             gl.deleteTexture(texture);
         this.guides.dispose();
+        this.cover.dispose();
+        this.probes.dispose();
         this.set.dispose();
     }
 }

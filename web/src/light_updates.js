@@ -1,7 +1,9 @@
-// Light that follows the lamps of a room. Few rooms need it: it is loaded when BakedLight.lights is first read.
+// Light that follows the lamps of a room, and what moves in it. Few rooms need it: it is loaded when BakedLight.lights is
+// first read.
 import { canLookUp, readPayload } from './file.js';
 import { lampsOf } from './lamps.js';
 import { LightRounds } from './light_rounds.js';
+import { MovedSurfaces, Motion } from './motion.js';
 import { findTexelPoints } from './texel_points.js';
 
 const kSliceMilliseconds = 8;
@@ -34,7 +36,8 @@ export class LightUpdates {
         if (lack) throw new Error(`the light of this room stays as it was baked: ${lack}`);
         Object.assign(this, { light, parser, description });
         this.lamps = lampsOf(light.root, light.bake.surfaces.drawRanges, () => this.noteChange());
-        this.changes = 0;
+        this.motion = new Motion(light.bake.surfaces, light.bake.atlas);
+        this.changes = 0; // of lamps and places; 0: nothing is followed yet
         this.points = null; // TexelPoints, once a lamp has been set
         this.failure = null;
         this.last = null; // LightRounds that were drawn last
@@ -75,16 +78,27 @@ export class LightUpdates {
 
     // Before a picture is drawn by `passes`. Leaves WebGL's state to the caller.
     follow(passes, view) {
-        const { light, points, changes } = this;
+        const { light, points } = this;
         light.updatedMilliseconds = 0;
+        this.followMotion(passes);
         if (!points || this.failure || light.progress < 1) return;
         try {
             this.last = passes.lightRounds ??= new LightRounds(passes, points);
-            this.last.follow(light, view, changes);
+            this.last.follow(this, view);
             light.updatedMilliseconds = this.last.milliseconds;
         } catch (error) {
             this.fail(error);
         }
+    }
+
+    // Shows what is elsewhere now, whatever becomes of its light.
+    followMotion(passes) {
+        const { light, motion } = this;
+        if (this.changes === 0) return;
+        if (motion.update(light.root)) ++this.changes;
+        passes.moved ??= new MovedSurfaces(passes, motion);
+        passes.moved.show();
+        if (light.bake.trees) passes.moved.pose(passes.rays.sceneOf(light));
     }
 
     get isSettled() {

@@ -16,10 +16,11 @@ const kMaxRadiance = 65504;
 
 export class RayScene {
     constructor(gl, renderer, bake, noVertices) {
-        Object.assign(this, { gl, renderer, bake, noVertices });
         const { trees, surfaces } = bake;
+        Object.assign(this, { gl, renderer, trees, surfaces, noVertices });
         prepareUploads(gl);
         this.nodes = createTable(gl, gl.RGBA32UI, trees.nodes);
+        this.root = trees.root;
         this.triangles = createTable(gl, gl.RGBA32UI, trees.triangles);
         this.materials = [...new Set(surfaces.drawRanges.map(({ mesh }) => mesh.material))];
         this.colored = hasColors(surfaces.vertices);
@@ -56,19 +57,12 @@ export class RayScene {
     }
 
     rebuild() {
-        const { gl, renderer, bake, materials, noVertices } = this,
-            { surfaces, trees } = bake;
+        const { gl, renderer, trees, surfaces, materials, noVertices } = this;
         this.freeTables();
         ++this.revision;
-        this.images = new HitImages(gl, renderer, materials, noVertices);
-        this.rows = materialRows(materials, this.images, this.colored);
-        const { table, ...hits } = hitTable({
-            surfaces,
-            trees,
-            materials,
-            images: this.images,
-            rows: this.rows,
-        });
+        const images = (this.images = new HitImages(gl, renderer, materials, noVertices)),
+            rows = (this.rows = materialRows(materials, images, this.colored)),
+            { table, ...hits } = hitTable({ surfaces, trees, materials, images, rows });
         this.hits = { ...hits, table: createTable(gl, gl.RGBA32UI, table) };
         if (trees.firstTransparent < trees.order.length)
             this.opacity = createOpacity(gl, renderer, { surfaces, trees, materials }, noVertices);
@@ -78,20 +72,20 @@ export class RayScene {
     updateRows() {
         const rows = materialRows(this.materials, this.images, this.colored);
         if (isSame(rows, this.rows)) return;
-        const emitters = emittersOf(this.bake.surfaces, this.images);
+        const emitters = emittersOf(this.surfaces, this.images);
         // A colour may be one that a picture does not have.
         if (emitters.length !== kEmitterWords * this.hits.emitterCount) return this.rebuild();
         this.rows = rows;
         ++this.revision;
-        this.write(0, rows);
-        this.write(this.hits.firstEmitter, emitters);
+        this.write(this.hits.table, 0, rows);
+        this.write(this.hits.table, this.hits.firstEmitter, emitters);
     }
 
-    // Words of the hits' table, from a texel on.
-    write(first, words) {
+    // Words of a table, from a texel on.
+    write(table, first, words) {
         const { gl } = this,
             kind = [1, gl.RGBA_INTEGER, gl.UNSIGNED_INT];
-        gl.bindTexture(gl.TEXTURE_2D, this.hits.table);
+        gl.bindTexture(gl.TEXTURE_2D, table);
         for (let at = 0, width; at < words.length; at += 4 * width) {
             const texel = first + at / 4,
                 [x, y] = [texel % kTableWidth, Math.floor(texel / kTableWidth)];
@@ -118,10 +112,9 @@ export class RayScene {
 
     // What lib/bvh.glsl reads, in four units from `unit` on.
     bindTrees(program, unit) {
-        const { gl, opacity, bake } = this,
-            { trees } = bake;
+        const { gl, opacity, trees } = this;
         program.set('bvhGridStep', trees.gridStep);
-        program.set('bvhRoot', trees.root);
+        program.set('bvhRoot', this.root);
         program.bind('bvhNodes', unit, gl.TEXTURE_2D, this.nodes);
         program.bind('bvhTriangles', unit + 1, gl.TEXTURE_2D, this.triangles);
         if (!opacity) return;

@@ -108,7 +108,7 @@ function writeCorners(floats, at, geometry, rootFromMesh) {
 }
 
 // Corners and triangles of all surfaces in the space of `root`, where the light was baked.
-// Returns { vertices, indices, drawRanges: [{ mesh, rootFromMesh, first, count }] }.
+// Returns { vertices, indices, drawRanges: [{ mesh, first, count, firstVertex, rootFromMesh }] }.
 export function gatherSurfaces(root, meshes, atlas, texCoord) {
     root.updateWorldMatrix(true, true);
     const rootFromWorld = new Matrix4().copy(root.matrixWorld).invert();
@@ -144,7 +144,7 @@ export function gatherSurfaces(root, meshes, atlas, texCoord) {
                 indices[first + 3 * t + (isMirrored && corner > 0 ? 3 - corner : corner)] = firstVertex + v;
             }
         }
-        drawRanges.push({ mesh, rootFromMesh, first, count: 3 * count });
+        drawRanges.push({ mesh, first, count: 3 * count, firstVertex, rootFromMesh });
         firstVertex += geometry.attributes.position.count;
         first += 3 * count;
     });

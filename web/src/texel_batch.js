@@ -49,6 +49,23 @@ export class TexelBatch {
         return batchSize(this.blocks.length, kBlockSize);
     }
 
+    // Those of the blocks for whose turns `isPart` holds.
+    part(isPart) {
+        return new TexelBatch(this.gl, this.rects, this.blocks.filter(isPart));
+    }
+
+    // What was drawn for each block's texels to its place in a texture.
+    copyWords(target, to) {
+        const { gl } = this;
+        gl.bindFramebuffer(gl.READ_FRAMEBUFFER, target);
+        gl.readBuffer(gl.COLOR_ATTACHMENT0);
+        gl.bindTexture(gl.TEXTURE_2D, to);
+        this.blocks.forEach(({ block }, i) => {
+            const { origin, size } = this.rects[block];
+            gl.copyTexSubImage2D(gl.TEXTURE_2D, 0, ...origin, ...batchCorner(i, kBlockSize), ...size);
+        });
+    }
+
     // What was drawn for each block's texels, attachment `from` of a target, to its place in a layer of an array.
     copyTexels(target, from, to, layer) {
         const { gl } = this;

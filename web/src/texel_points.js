@@ -6,7 +6,8 @@ import { kVertexWords } from './surfaces.js';
 
 const kGutterReach = 8; // texels
 export const kBlockSize = 32;
-export const kNoIrradiance = 0x80008000; // twin: shaders/lib/texel_point.glsl
+export const kNoIrradiance = 0x80008000, // twin: shaders/lib/texel_point.glsl
+    kCovered = 0x80008001;
 const kNone = -1;
 
 const minus = (a, b) => a.map((x, i) => x - b[i]);
@@ -247,7 +248,7 @@ class BlockSums {
 }
 
 // [y][x] of the atlas: `places`, four words a texel: the position, NaN where there is none, and the flat normal;
-// `normals`; and what is known of the blocks.
+// `normals`, as if nothing covered what the bake found on a surface; and what is known of the blocks.
 export class TexelPoints {
     // `covered`: bits, see docs/format.md.
     constructor(atlas, covered) {
@@ -281,7 +282,8 @@ export class TexelPoints {
                 turned = normal.map((c) => side * c);
             const block = this.blocks[chart.firstBlock + (y >> 5) * chart.blocksWide + (x >> 5)];
             block.addNormal(turned);
-            if (this.isCovered(texel)) continue;
+            // What is covered on a surface may be uncovered when something moves; gutters are not worth it.
+            if (this.isCovered(texel) && !isInside) continue;
             block.addPosition(position);
             this.positions.set(position, 4 * texel);
             this.places[4 * texel + 3] = packDirection(triangle.faceNormal.map((c) => side * c));
@@ -290,9 +292,15 @@ export class TexelPoints {
         }
     }
 
+    // At rest.
     receives(texel) {
-        return !Number.isNaN(this.positions[4 * texel]) && this.normals[texel] !== kNoIrradiance;
+        return !this.isCovered(texel) && !Number.isNaN(this.positions[4 * texel]) && this.normals[texel] !== kNoIrradiance;
     }
+}
+
+// `normals` at rest, as shaders/lib/texel_point.glsl reads them.
+export function shownNormals(points) {
+    return points.normals.map((normal, texel) => (points.isCovered(texel) ? kCovered : normal));
 }
 
 function trianglesByChart({ charts, triangleChart }) {

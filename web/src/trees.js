@@ -4,8 +4,8 @@
 import { fail, readPayload } from './file.js';
 import { kVertexWords } from './surfaces.js';
 
-const kNodeWords = 12,
-    kTriangleWords = 8,
+export const kNodeWords = 12;
+const kTriangleWords = 8,
     kWidth = 4;
 const kCoordinateBits = 28,
     kMaxCoordinate = 2 ** 40,
@@ -158,17 +158,17 @@ function halves(groups) {
     return [sorted.slice(0, half), sorted.slice(half)];
 }
 
-// A balanced tree over the groups, whose nodes follow those that there are. Each group is there as a copy of its root.
+// A balanced tree over the groups, whose nodes follow those that there are. Each group is there by its `head`: the words of
+// its root, or of an instance.
 // Returns all nodes and the number of the root.
-function joinGroups(nodes, groups) {
+export function joinGroups(nodes, groups) {
     const nodeCount = nodes.length / kNodeWords,
         all = new Uint32Array(kNodeWords * (nodeCount + 2 * Math.max(groups.length, 1)));
     all.set(nodes);
     let end = nodeCount + 1;
     const place = (at, below) => {
         if (below.length === 1) {
-            const from = kNodeWords * below[0].root;
-            all.copyWithin(kNodeWords * at, from, from + kNodeWords);
+            all.set(below[0].head, kNodeWords * at);
             return;
         }
         const parts = halves(below).flatMap((half) => (half.length > 1 ? halves(half) : [half])),
@@ -204,12 +204,13 @@ export async function readTrees(parser, description, surfaces) {
     const triangles = packTriangles(surfaces, order, groups, step);
     let root = 0;
     for (const group of groups) {
-        group.root = root;
+        Object.assign(group, { root, head: stored.subarray(kNodeWords * root, kNodeWords * (root + 1)) });
         root = walk(stored, bvh.nodeCount, root);
     }
     const opaque = groups.filter(({ transparent }) => !transparent);
     return {
         ...joinGroups(stored, groups),
+        groups,
         triangles,
         order,
         surfaceOf,

@@ -4,6 +4,7 @@ import './bvh.test.js';
 import './compositions.test.js';
 import './failures.test.js';
 import './lights.test.js';
+import './moves.test.js';
 import './package.test.js';
 import './pictures.test.js';
 import './plugin.test.js';

@@ -1,79 +1,19 @@
 // Light that follows the lamps of a page, against bakes of the room as it is then.
 import assert from 'node:assert/strict';
-import { mkdtemp, rm, writeFile } from 'node:fs/promises';
-import { tmpdir } from 'node:os';
-import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { borrowBrowser, serve } from './browser.js';
-import { lampRoom } from './lamp_room.js';
-import { maeOverMean, meanOf, phat, readExr } from './room.js';
-import { loaded, loseContext, open, openPlugin, pixelsOf, rest } from './site.js';
+import { LightPages, errorOf, fewest, rendered, settled } from './light_pages.js';
+import { maeOverMean, meanOf } from './room.js';
+import { loseContext, openPlugin, pixelsOf, rest } from './site.js';
 
-// Few texels: a software driver traces the rays.
-const texels = '8k',
-    fewest = '2k'; // where no picture is compared with another bake's
-let folder, browser;
+const pages = new LightPages();
+before(() => pages.begin());
+after(() => pages.end());
 
-before(async () => {
-    folder = await mkdtemp(join(tmpdir(), 'phat-lights-'));
-    browser = await borrowBrowser('gl-egl');
-});
-after(async () => {
-    await browser?.dispose();
-    if (folder) await rm(folder, { recursive: true });
-});
-
-// The baked file of a room.
-async function bakedRoom(name, lamps, { resolution = texels, seed = '1', samples = '1' } = {}) {
-    const [scene, file] = [`${name}.glb`, `${name}.phat.glb`].map((of) => join(folder, of));
-    await writeFile(scene, lampRoom(lamps));
-    const options = { resolution, seed, samples, photons: '100k' };
-    await phat('bake', scene, '-o', file, '--quiet', ...Object.entries(options).flatMap(([key, value]) => [`--${key}`, value]));
-    return file;
-}
-
-async function openBaked(t, file, options) {
-    const site = file.replace('.phat.glb', '');
-    await phat('web', file, '-o', site, '--exposure', '1', '--quiet');
-    const server = await serve(site);
-    const page = await loaded(await open(browser.value, server.url, options));
-    t.after(async () => {
-        await page.close();
-        server.close();
-    });
-    return page;
-}
-
-async function rendered(file) {
-    const picture = file.replace('.phat.glb', '.exr');
-    await phat('render', file, '-o', picture, '--size', '160x90', '--spp', '4', '--reflections', 'lookup', '--quiet');
-    return (await readExr(picture)).pixels;
-}
-
-// Sets lamps by name, and draws until the light has settled. Returns how many pictures that took.
-const settled = (page, settings) =>
-    page.evaluate(async (all) => {
-        const { light } = viewer;
-        light.updateMilliseconds = Infinity;
-        light.waitsForPrograms = true;
-        for (const lamp of await light.lights) Object.assign(lamp, all[lamp.name]);
-        let pictures = 0;
-        for (; !light.isSettled; ++pictures) {
-            viewer.changed();
-            viewer.addSample('fast', 1);
-            await new Promise((done) => {
-                setTimeout(done);
-            });
-        }
-        return pictures;
-    }, settings);
-
-const errorOf = (page) => page.evaluate(() => viewer.renderer.getContext().getError());
 // Of the scripts and parts that the page has asked for.
 const names = (requests) => requests.map((url) => url.split('/').at(-1)).filter((name) => name.endsWith('.js'));
 
 test('a lamp that is dimmed by half leaves half of the light, and the untouched room is what it was', async (t) => {
-    const page = await openBaked(t, await bakedRoom('one', { ceiling: 8 })),
+    const page = await pages.open(t, await pages.bake('one', { ceiling: 8 })),
         requests = [];
     page.on('request', (request) => requests.push(request.url()));
     await rest(page);
@@ -103,9 +43,9 @@ test('a lamp that is dimmed by half leaves half of the light, and the untouched 
 });
 
 test('rays see lamps as they are set, whether tables are made before or after', async (t) => {
-    const file = await bakedRoom('seen', { ceiling: 8, wall: 12 }, { resolution: fewest });
+    const file = await pages.bake('seen', { ceiling: 8, wall: 12 }, { resolution: fewest });
     const pixelsWith = async (isLate) => {
-        const page = await openBaked(t, file);
+        const page = await pages.open(t, file);
         await rest(page);
         await page.evaluate(() => viewer.light.loadTrees());
         const before = isLate ? await pixelsOf(page, 1, 'fast', 'rays') : null;
@@ -125,7 +65,7 @@ test('rays see lamps as they are set, whether tables are made before or after', 
 });
 
 test('updated light is made again when the context was lost', async (t) => {
-    const page = await openBaked(t, await bakedRoom('lost', { ceiling: 8, point: 6 }, { resolution: fewest }));
+    const page = await pages.open(t, await pages.bake('lost', { ceiling: 8, point: 6 }, { resolution: fewest }));
     await rest(page);
     const baked = await pixelsOf(page, 4, 'default');
     await settled(page, { ceiling: { visible: false } });
@@ -143,8 +83,8 @@ test('updated light is made again when the context was lost', async (t) => {
 });
 
 test('the package loads what is needed, and leaves nothing behind', async (t) => {
-    const file = await bakedRoom('left', { ceiling: 8, point: 6 }, { resolution: fewest, samples: '2' });
-    const page = await openPlugin(t, browser.value, file);
+    const file = await pages.bake('left', { ceiling: 8, point: 6 }, { resolution: fewest, samples: '2' });
+    const page = await openPlugin(t, pages.browser.value, file);
     const result = await page.evaluate(async () => {
         const world = await load(true),
             { light } = world,
@@ -180,7 +120,7 @@ test('the package loads what is needed, and leaves nothing behind', async (t) =>
 });
 
 test('says why light does not follow, and leaves the room as it was', async (t) => {
-    const page = await openBaked(t, await bakedRoom('lacking', { ceiling: 8 }, { resolution: fewest }), {
+    const page = await pages.open(t, await pages.bake('lacking', { ceiling: 8 }, { resolution: fewest }), {
         prepare: () => {
             const { parse } = JSON;
             JSON.parse = (...args) => {
@@ -203,10 +143,10 @@ test('says why light does not follow, and leaves the room as it was', async (t) 
 });
 
 test('a wall that is painted colours the others, when changes are followed', async (t) => {
-    const page = await openBaked(t, await bakedRoom('painted', { ceiling: 8 })),
+    const page = await pages.open(t, await pages.bake('painted', { ceiling: 8 })),
         blue = [0.1, 0.2, 0.9],
-        expected = await rendered(await bakedRoom('blue', { ceiling: 8, paint: blue })),
-        again = await rendered(await bakedRoom('blue-again', { ceiling: 8, paint: blue }, { seed: '2' }));
+        expected = await rendered(await pages.bake('blue', { ceiling: 8, paint: blue })),
+        again = await rendered(await pages.bake('blue-again', { ceiling: 8, paint: blue }, { seed: '2' }));
     await rest(page);
     await page.evaluate(async (color) => {
         await viewer.light.followChanges();
@@ -234,11 +174,11 @@ test('a wall that is painted colours the others, when changes are followed', asy
 for (const switched of ['wall', 'point'])
     test(`a room in which "${switched}" is switched off is one that was baked without it`, async (t) => {
         const all = { ceiling: 8, wall: 12, point: 6 },
-            page = await openBaked(t, await bakedRoom(`with-${switched}`, all)),
+            page = await pages.open(t, await pages.bake(`with-${switched}`, all)),
             without = { ...all, [switched]: 0 },
             [expected, again] = [
-                await rendered(await bakedRoom(`without-${switched}`, without)),
-                await rendered(await bakedRoom(`again-${switched}`, without, { seed: '2' })),
+                await rendered(await pages.bake(`without-${switched}`, without)),
+                await rendered(await pages.bake(`again-${switched}`, without, { seed: '2' })),
             ];
         await rest(page);
         const baked = await pixelsOf(page, 4, 'default');

@@ -147,7 +147,7 @@ class Viewer {
         this.renderer.setAnimationLoop(null);
     }
 
-    // Once: nothing moves.
+    // Again where something has moved.
     drawShadows() {
         this.renderer.shadowMap.needsUpdate = true;
     }
@@ -308,6 +308,8 @@ async function start() {
             viewer.changed();
         };
         await viewer.light.ready;
+        if (gltf.animations[0] || gltf.parser.json.nodes.some(({ extras }) => extras?.phat?.movable))
+            viewer.moves = new (await import('./moves.js')).Moves(viewer, gltf);
         await showBench(viewer);
         element('loading').hidden = true;
     } catch (error) {

@@ -1,0 +1,135 @@
+// What moves in a room: the file's animations, and things that are dragged over the floor. Loaded where a file has any.
+import { Box3, Plane, PropertyBinding, Raycaster, Vector2, Vector3 } from 'three';
+
+const kMaxStep = 0.1; // seconds of an animation a picture
+const kTracks = /\.(position|quaternion|scale)$/;
+
+const element = (id) => document.getElementById(id);
+
+// All clips at once, over and over.
+class Player {
+    constructor(root, clips) {
+        this.seconds = 0;
+        this.duration = Math.max(0, ...clips.map(({ duration }) => duration));
+        this.tracks = clips
+            .flatMap(({ tracks }) => tracks)
+            .filter(({ name }) => kTracks.test(name))
+            .map((track) => ({
+                binding: PropertyBinding.create(root, track.name),
+                interpolant: track.createInterpolant(),
+            }));
+    }
+
+    advance(seconds) {
+        this.seconds = (this.seconds + seconds) % this.duration;
+        for (const { binding, interpolant } of this.tracks) binding.setValue(interpolant.evaluate(this.seconds), 0);
+    }
+}
+
+export class Moves {
+    constructor(viewer, { scene, animations }) {
+        Object.assign(this, { viewer, root: scene, player: new Player(scene, animations), canvas: element('view') });
+        this.bounds = new Box3().setFromObject(scene);
+        this.movable = [];
+        scene.traverse((object) => {
+            if (object.userData.phat?.movable) this.movable.push(object);
+        });
+        this.ray = new Raycaster();
+        this.offerPlayer();
+        this.offerDrags();
+        element('motion').hidden = false;
+    }
+
+    offerPlayer() {
+        const play = element('play');
+        play.hidden = this.player.tracks.length === 0;
+        play.addEventListener('click', async () => {
+            this.playing = !this.playing;
+            play.textContent = this.playing ? 'Pause' : 'Play';
+            await this.follow();
+            this.tick(performance.now());
+        });
+    }
+
+    // Light follows from the first move on.
+    async follow() {
+        this.following ??= this.viewer.light.followChanges();
+        try {
+            await this.following;
+        } catch (error) {
+            element('motionstate').textContent = error.message;
+        }
+    }
+
+    tick(before) {
+        requestAnimationFrame((now) => {
+            if (!this.playing) return;
+            this.player.advance(Math.min((now - before) / 1000, kMaxStep));
+            this.moved();
+            this.tick(now);
+        });
+    }
+
+    moved() {
+        this.viewer.drawShadows();
+        this.viewer.viewChanged();
+    }
+
+    offerDrags() {
+        const { canvas, movable } = this,
+            names = movable.map(({ name }) => name).filter(Boolean);
+        if (movable.length === 0) return;
+        element('motionstate').textContent = `Can be dragged: ${names.join(', ') || movable.length}.`;
+        // Before the view's own controls see it.
+        canvas.addEventListener('pointerdown', (event) => this.grab(event), { capture: true });
+        canvas.addEventListener('pointermove', (event) => this.drag(event), { capture: true });
+        for (const name of ['pointerup', 'pointercancel', 'lostpointercapture'])
+            canvas.addEventListener(name, (event) => this.release(event), { capture: true });
+    }
+
+    aim({ clientX, clientY }) {
+        const { left, top, width, height } = this.canvas.getBoundingClientRect(),
+            at = new Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height);
+        this.ray.setFromCamera(at, this.viewer.camera);
+        return this.ray;
+    }
+
+    // The movable thing under the pointer, if nothing is before it.
+    grab(event) {
+        if (event.button !== 0 || this.held) return;
+        const [hit] = this.aim(event).intersectObject(this.root, true);
+        let object = hit?.object;
+        while (object && !this.movable.includes(object)) object = object.parent;
+        if (!object) return;
+        event.stopImmediatePropagation();
+        this.canvas.setPointerCapture(event.pointerId);
+        this.held = {
+            object,
+            pointer: event.pointerId,
+            plane: new Plane(new Vector3(0, 1, 0), -hit.point.y),
+            last: hit.point.clone(),
+        };
+        this.follow();
+    }
+
+    // Over the floor: its height stays.
+    drag(event) {
+        const { held, bounds } = this;
+        if (event.pointerId !== held?.pointer) return;
+        event.stopImmediatePropagation();
+        const at = this.aim(event).ray.intersectPlane(held.plane, new Vector3());
+        if (!at) return;
+        at.clamp(bounds.min, bounds.max);
+        const { object } = held,
+            place = object.getWorldPosition(new Vector3()).add(at).sub(held.last);
+        object.position.copy(object.parent.worldToLocal(place));
+        held.last = at;
+        this.moved();
+    }
+
+    release(event) {
+        if (event.pointerId !== this.held?.pointer) return;
+        event.stopImmediatePropagation();
+        this.held = null;
+    }
+}
