@@ -17,6 +17,13 @@ const roots = [
     'pool.frag',
     'display.frag',
     'preview.frag',
+    'split_sum.frag',
+    'lib/probe_light.glsl',
+    'present.frag',
+    'accumulate.frag',
+];
+// Those that only ray_tracing.js needs, which slow devices don't load.
+const rayRoots = [
     'reflection_guides.frag',
     'trace_reflections.frag',
     'shade_reflections.frag',
@@ -27,12 +34,8 @@ const roots = [
     'reproject_reflections.frag',
     'picture_cells.frag',
     'picture_alphas.frag',
-    'split_sum.frag',
-    'lib/probe_light.glsl',
-    'present.frag',
-    'accumulate.frag',
 ];
-// Those that only light_updates.js needs, which few rooms load.
+// Those that only light_updates.js needs beside these, which few rooms load.
 const laterRoots = [
     'gather_guides.frag',
     'tabulate_guides.frag',
@@ -79,8 +82,10 @@ const shaderPlugin = {
         build.onResolve({ filter: /^phat:/ }, ({ path }) => ({ path, namespace: 'phat' }));
         build.onLoad({ filter: /.*/, namespace: 'phat' }, async ({ path }) => {
             const first = await shaderFiles(roots),
-                files = path === 'phat:shaders' ? first : await shaderFiles(laterRoots, first);
-            return { contents: `export default ${JSON.stringify(files)}` };
+                ofRays = await shaderFiles(rayRoots, first),
+                later = await shaderFiles(laterRoots, { ...first, ...ofRays }),
+                files = { 'phat:shaders': first, 'phat:ray-shaders': ofRays, 'phat:later-shaders': later };
+            return { contents: `export default ${JSON.stringify(files[path])}` };
         });
     },
 };
