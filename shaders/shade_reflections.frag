@@ -114,7 +114,10 @@ vec3 bakedLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFromLo
         if (wi.z <= 0.0) continue;
         vec3 found = phatexelToward(lookup, direction, source == 0 ? 0 : layerCount);
         vec3 mean = arriving / kPi;
-        sum += weight * (found.x < 0.0 ? mean : min(found, kMaxOverMean / max(sharpest, 1e-4) * mean));
+        if (found.x >= 0.0)
+            sum += weight * min(found, kMaxOverMean / max(sharpest, 1e-4) * mean);
+        else if (source == 0)  // no PHATexel looks there where something is near, which hides the emitters
+            sum += weight * mean;
     }
     return sum;
 }
