@@ -86,6 +86,26 @@ TEST(GpuGlass, PanesReflectWhatTheyDoNotTransmit) {
     expectNear(meanOf(glassy.byGpu()), glm::dvec3(reflected * double(kReflected)), 0.02, "reflected");
 }
 
+TEST(GpuGlass, AppearsAndDisappearsByAChangeOfMaterial) {
+    Scene scene = floorAndCeiling(whiteMetal(0), lambert(0.5f));
+    addCeiling(scene, lambert(0), 8, 1.5f);
+    GlassWorld glassy(std::move(scene));
+    setIrradiance(glassy.world, 1, 3);
+    glassy.frame.component = Component::glossyIndirect;
+    glassy.frame.tracedByGpu = Reflections::rays;
+    const Scene& opaque = glassy.world.scene;
+    Renderer renderer({opaque, glassy.world.atlas, glassy.world.points, glassy.world.phatexture, &glassy.bvh},
+                      kShaderFolder);
+    const auto shown = [&] { return meanOf(renderer.render(glassy.frame)).x; };
+    EXPECT_NEAR(shown(), 0, 1e-3);
+    std::vector<Material> materials = opaque.materials;
+    materials[opaque.surfaces[2].material] = glass(1);
+    renderer.setMaterials(materials);
+    EXPECT_NEAR(shown(), 0.5 * 3 / double(kPi), 0.01);
+    renderer.setMaterials(opaque.materials);
+    EXPECT_NEAR(shown(), 0, 1e-3);
+}
+
 /// A floor under two panels, and glass between them.
 struct Case {
     const char* name;
