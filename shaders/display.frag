@@ -38,11 +38,10 @@ layout(location = 0) out vec4 radiance;  // premultiplied by opacity
 #endif
 
 #ifdef GLASS_TEXTURES
-uniform usampler2D panes;           // the nearest glass, see traced_surfaces.frag
+uniform sampler2D panes;            // the depth of the nearest glass
 uniform usampler2DArray paneLight;  // what rays brought to it, as the bits of floats, two layers a lobe
 uniform bool tracesPanes;
 uniform bool scatters;  // whether there is a picture of what is behind rough glass
-flat in uint vTriangle;
 #endif
 
 #ifdef CLEARCOAT
@@ -116,8 +115,7 @@ vec3 lobeRadiance(int firstLobe, int source, ShownTexel t, float albedo) {
 // Of glass traced radiance replaces the pyramid's, in the pixels where it is the nearest.
 vec3 tracedOver(vec3 light, int firstLobe, int source) {
 #ifdef GLASS_TEXTURES
-    uint side = 2u * vTriangle + (gl_FrontFacing ? 1u : 2u);
-    if (tracesPanes && texelFetch(panes, ivec2(gl_FragCoord.xy), 0).x == side) {
+    if (tracesPanes && texelFetch(panes, ivec2(gl_FragCoord.xy), 0).x == gl_FragCoord.z) {
         int layer = 2 * (firstLobe / kSources) + source;
         vec4 traced = uintBitsToFloat(texelFetch(paneLight, ivec3(gl_FragCoord.xy, layer), 0));
         return mix(light, traced.rgb, traced.a);

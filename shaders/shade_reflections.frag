@@ -3,6 +3,9 @@
 // reflect sharply are PHATexels instead of walks; hits without texels have no indirect light; shadows at hits are hard.
 #include "lib/hit_light.glsl"
 #include "lib/hit_surface.glsl"
+#ifdef GLASS
+#include "lib/hit_glass.glsl"
+#endif
 #include "lib/packed_rays.glsl"
 #ifdef TEXELS
 #include "lib/random.glsl"
@@ -111,7 +114,10 @@ vec3 bakedLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFromLo
         if (wi.z <= 0.0) continue;
         vec3 found = phatexelToward(lookup, direction, source == 0 ? 0 : layerCount);
         vec3 mean = arriving / kPi;
-        sum += weight * (found.x < 0.0 ? mean : min(found, kMaxOverMean / max(sharpest, 1e-4) * mean));
+        if (found.x >= 0.0)
+            sum += weight * min(found, kMaxOverMean / max(sharpest, 1e-4) * mean);
+        else if (source == 0)  // no PHATexel looks there where something is near, which hides the emitters
+            sum += weight * mean;
     }
     return sum;
 }
@@ -166,18 +172,22 @@ void main() {
         HitSurface s = hitSurface(found.triangle, found.barycentric, found.backFace, -found.direction,
                                   rayWidth(found, raySpread));
         mat3 worldFromLocal = frameFromNormal(s.normal);
-        ViewedBrdf viewed = viewedBrdf(s.brdf, -found.direction * worldFromLocal);
+        vec3 eye = -found.direction * worldFromLocal;
+        ViewedBrdf viewed = viewedBrdf(s.brdf, eye);
         area = s.emission * emissionWeight(found, s);
         if (reflects(s.brdf)) {
             vec4 u = numbersOf(pixel, found);
             indirect = bakedLight(found.position, s, viewed, worldFromLocal, u, regularized * rayAlpha(found)) +
                        punctualLight(found.position, s, viewed, worldFromLocal);
+#ifdef GLASS
+            indirect *= reflectedWeight(found.triangle, s, eye);
+#endif
         }
     }
     indirect = min(indirect, brightest);
     area = min(area, brightest);
     // A broken vertex or texel must not spread over the picture.
     if (any(isnan(indirect + area)) || any(isinf(indirect + area))) return;
-    indirectOut = found.weight * vec4(indirect, 1.0);
-    areaOut = found.weight * vec4(area, 1.0 / max(found.distance, 1e-6));
+    indirectOut = found.weight * vec4(found.tint * indirect, 1.0);
+    areaOut = found.weight * vec4(found.tint * area, 1.0 / max(found.distance, 1e-6));
 }

@@ -7,6 +7,9 @@
 #include "lib/lights.glsl"
 #include "lib/packed_rays.glsl"
 #include "lib/ray_origin.glsl"
+#ifdef GLASS
+#include "lib/hit_glass.glsl"
+#endif
 
 uniform usampler2D hits;  // see lib/packed_rays.glsl
 uniform usampler2D places;
@@ -18,11 +21,6 @@ layout(location = 0) out vec4 indirectOut;  // times the ray's weight
 
 // Panes that light passes on its way.
 const int kMaxPanes = 4;
-
-bool isGlass(int triangle) {
-    uint material = hitTexel(hitFirstTriangle + kHitTriangleTexels * triangle + 2).w;
-    return unpackHalf2x16(hitTexel(kHitMaterialTexels * int(material) + 3).y).x > 0.0;
-}
 
 // As in shadow maps, glass casts no shadow.
 bool isShadowed(vec3 origin, vec3 direction, float meters) {
@@ -48,7 +46,8 @@ void main() {
         hitSurface(found.triangle, found.barycentric, found.backFace, towardEye, rayWidth(found, raySpread));
     if (!reflects(s.brdf)) return;
     mat3 worldFromLocal = frameFromNormal(s.normal);
-    ViewedBrdf viewed = viewedBrdf(s.brdf, towardEye * worldFromLocal);
+    vec3 eye = towardEye * worldFromLocal;
+    ViewedBrdf viewed = viewedBrdf(s.brdf, eye);
     vec3 origin = offsetOrigin(found.position, s.normal, towardEye), sum = vec3(0.0);
     for (int light = 0; light < lightCount; ++light) {
         PunctualSample from = samplePunctual(light, found.position);
@@ -56,8 +55,11 @@ void main() {
         if (maxComponent(reflected) <= 0.0) continue;
         if (!isShadowed(origin, from.towardLight, from.distance * (1.0 - 1e-4))) sum += reflected;
     }
+#ifdef GLASS
+    sum *= reflectedWeight(found.triangle, s, eye);
+#endif
     sum = min(sum, brightest);
     // A broken vertex must not spread over the picture.
     if (any(isnan(sum)) || any(isinf(sum))) return;
-    indirectOut = vec4(found.weight * sum, 0.0);
+    indirectOut = vec4(found.weight * found.tint * sum, 0.0);
 }

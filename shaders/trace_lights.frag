@@ -8,6 +8,9 @@
 #include "lib/reflection_guides.glsl"
 #include "lib/sample_numbers.glsl"
 #include "lib/scalar_lobe.glsl"
+#ifdef GLASS
+#include "lib/glass_rays.glsl"
+#endif
 
 uniform usampler2D points;     // see lobes.frag
 uniform usampler2D guides;
@@ -44,7 +47,13 @@ void main() {
     // Below this weight no emitter is bright enough to be visible, and the ray is saved.
     if (value <= 0.0 || weight < 1e-6 || albedo <= 0.0) return;
     vec3 origin = offsetOrigin(position, normalGeometric, towardEye);
-    if (anyHit(origin, light.direction, light.meters * (1.0 - 1e-4))) return;
+    float meters = light.meters * (1.0 - 1e-4);
+#ifdef GLASS
+    light.radiance *= straightTransmittance(origin, light.direction, meters);
+    if (maxComponent(light.radiance) <= 0.0) return;
+#else
+    if (anyHit(origin, light.direction, meters)) return;
+#endif
     vec3 arriving = min(value * weight / light.pdf / albedo * light.radiance, brightest);
     areaOut = vec4(texelFetch(rayWeights, pixel, 0).a / float(lightSamples) * arriving, 0.0);
 }

@@ -7,6 +7,9 @@
 #include "lib/sample_numbers.glsl"
 #include "lib/scalar_lobe.glsl"
 #include "lib/visible_normal.glsl"
+#ifdef GLASS
+#include "lib/glass_rays.glsl"
+#endif
 
 uniform usampler2D points;  // see lobes.frag
 uniform usampler2D guides;
@@ -40,7 +43,18 @@ void main() {
     float pdf = smithG1(wo.z, l.alpha) * ggxD(h.z, l.alpha) / (4.0 * wo.z);
 
     vec3 origin = offsetOrigin(position, normalGeometric, towardEye);
+    vec3 tint = vec3(1.0);
+    float way = 0.0;
+#ifdef GLASS
+    GlassWalk walk = GlassWalk(origin, direction, tint, vec3(0.0), way);
+    BvhHit hit = seeThrough(walk, kFar);
+    origin = walk.origin;
+    direction = walk.direction;
+    tint = walk.tint;
+    way = walk.meters;
+#else
     BvhHit hit = closestHit(origin, direction, kFar);
-    packRay(TracedRay(rays, direction, weight, pdf, hit.triangle, hit.backFace, hit.barycentric, hit.distance,
-                      origin + direction * hit.distance), hitOut, placeOut);
+#endif
+    packRay(TracedRay(rays, direction, tint, weight, pdf, hit.triangle, hit.backFace, hit.barycentric,
+                      way + hit.distance, origin + direction * hit.distance), hitOut, placeOut);
 }

@@ -69,7 +69,7 @@ void main() {
     if (dot(direction, point.normal) <= 0.0 || dot(direction, point.flatNormal) <= 0.0) return;
     vec3 origin = offsetOrigin(point.position, point.flatNormal, vec3(0.0));
     BvhHit hit = closestHit(origin, direction, kFar);
-    packRay(TracedRay(1, direction, 1.0, pdf, hit.triangle, hit.backFace, hit.barycentric, hit.distance,
+    packRay(TracedRay(1, direction, vec3(1.0), 1.0, pdf, hit.triangle, hit.backFace, hit.barycentric, hit.distance,
                       origin + direction * hit.distance), hitOut, placeOut);
     codeOut = code;
 }

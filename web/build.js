@@ -18,6 +18,12 @@ const roots = [
     'pool.frag',
     'display.frag',
     'preview.frag',
+    'split_sum.frag',
+    'present.frag',
+    'accumulate.frag',
+];
+// Those that only ray_tracing.js needs, which slow devices don't load.
+const rayRoots = [
     'reflection_guides.frag',
     'trace_reflections.frag',
     'shade_reflections.frag',
@@ -28,26 +34,21 @@ const roots = [
     'reproject_reflections.frag',
     'picture_cells.frag',
     'picture_alphas.frag',
-    'split_sum.frag',
-    'present.frag',
-    'accumulate.frag',
 ];
-// Those that only light_updates.js and added.js need, which few rooms load.
-const laterRoots = {
-    'phat:later-shaders': [
-        'cover_texels.frag',
-        'trace_probes.frag',
-        'pack_probes.frag',
-        'gather_guides.frag',
-        'tabulate_guides.frag',
-        'trace_texels.frag',
-        'light_texels.frag',
-        'pack_phatexels.frag',
-        'estimate_irradiance.frag',
-        'filter_irradiance.frag',
-    ],
-    'phat:probe-shaders': ['lib/probe_light.glsl'],
-};
+// Those that only light_updates.js needs beside these, and only added.js, which few rooms load.
+const laterRoots = [
+    'cover_texels.frag',
+    'trace_probes.frag',
+    'pack_probes.frag',
+    'gather_guides.frag',
+    'tabulate_guides.frag',
+    'trace_texels.frag',
+    'light_texels.frag',
+    'pack_phatexels.frag',
+    'estimate_irradiance.frag',
+    'filter_irradiance.frag',
+];
+const probeRoots = ['lib/probe_light.glsl'];
 
 // Neither comments nor spaces are worth sending, but in directives, whose spaces count; nor zeros that say nothing.
 function strip(text) {
@@ -85,8 +86,14 @@ const shaderPlugin = {
         build.onResolve({ filter: /^phat:/ }, ({ path }) => ({ path, namespace: 'phat' }));
         build.onLoad({ filter: /.*/, namespace: 'phat' }, async ({ path }) => {
             const first = await shaderFiles(roots),
-                files = path in laterRoots ? await shaderFiles(laterRoots[path], first) : first;
-            return { contents: `export default ${JSON.stringify(files)}` };
+                ofRays = await shaderFiles(rayRoots, first),
+                files = {
+                    'phat:shaders': first,
+                    'phat:ray-shaders': ofRays,
+                    'phat:later-shaders': await shaderFiles(laterRoots, { ...first, ...ofRays }),
+                    'phat:probe-shaders': await shaderFiles(probeRoots, first),
+                };
+            return { contents: `export default ${JSON.stringify(files[path])}` };
         });
     },
 };

@@ -3,6 +3,9 @@
 // try, and takes what it finds.
 #include "lib/sharpness.glsl"
 
+// Of groups that are searched by direction alone, 2^bits texels a side. twin: kNearBits in lib/lookup.glsl.
+const int kAloneBits = 3;
+
 // A point whose reflected light is looked up.
 struct HitLookup {
     vec3 position;
@@ -26,11 +29,10 @@ const int kGroups = 4;
 const int kGroups = 1;
 #endif
 
-// A PHATexel of the group at `corner` toward `place`: its radiance, and the inverse of its density; none: zeros.
-vec4 phatexelOfGroup(HitLookup at, vec3 place, ivec2 corner, int bits, int layer) {
+// A PHATexel of the group at `corner` toward `direction` (world): its radiance, and the inverse of its density; none: zeros.
+vec4 phatexelOfGroup(HitLookup at, vec3 direction, ivec2 corner, int bits, int layer) {
     LookupTile tile = at.tile;
-    vec3 center = positionOnPatch(tile.tilePatch, vec2(corner) + 0.5 * float(1 << bits) - tile.middle);
-    vec3 directionBlock = normalize(place - center) * tile.tilePatch.worldFromBlock;
+    vec3 directionBlock = direction * tile.tilePatch.worldFromBlock;
     if (directionBlock.z <= 0.0) return vec4(0.0);
     vec2 scaled = hemisphereToSquare(directionBlock) * float(kGuideSize);
     ivec2 cellAt = clamp(ivec2(scaled), 0, kGuideSize - 1);
@@ -48,6 +50,7 @@ vec4 phatexelOfGroup(HitLookup at, vec3 place, ivec2 corner, int bits, int layer
 // The radiance of PHATexels of `layer` toward `direction`; negative where there are none. A PHATexel may look anywhere in
 // the cell that it is found by, where it is as dense as light is bright: if one alone stood for the cell, a lamp that fills
 // a part of it would shine from all of it. The mean of several over their densities is that over the cell's solid angle.
+// At contacts a group may be beyond what is near: then the direction alone says which PHATexel.
 // twin: sampleAtCursor in lib/lookup.glsl, which checks where the PHATexel's light comes from.
 vec3 phatexelToward(inout HitLookup at, vec3 direction, int layer) {
     float distance = distanceAlong(at.probe, direction, vec2(0.0));
@@ -57,9 +60,17 @@ vec3 phatexelToward(inout HitLookup at, vec3 direction, int layer) {
     ivec2 inward = side * (1 - 2 * ivec2(greaterThanEqual(2 * (corner - at.tile.blockCorner), ivec2(kBlockSize))));
     int groups = bits == kBlockBits ? 1 : kGroups;
     vec4 sum = vec4(0.0);
-    for (int i = 0; i < groups; ++i) {
+    for (int i = 0; i <= groups; ++i) {
         ivec2 other = corner + inward * ivec2(i & 1, i >> 1);
-        vec4 found = phatexelOfGroup(at, at.position + direction * distance, other, bits, layer);
+        vec3 center = positionOnPatch(at.tile.tilePatch, vec2(other) + 0.5 * float(side) - at.tile.middle);
+        vec3 toward = normalize(at.position + direction * distance - center);
+        if (i == groups) {
+            if (sum.a > 0.0) break;
+            toward = direction;
+            bits = kAloneBits;
+            other = groupCorner(at.tile, at.texel, bits);
+        }
+        vec4 found = phatexelOfGroup(at, toward, other, bits, layer);
         sum += found.a * vec4(found.rgb, 1.0);
     }
     return sum.a > 0.0 ? sum.rgb / sum.a : vec3(-1.0);

@@ -12,7 +12,7 @@ uniform int emitterCount;
 uniform sampler2DArray hitColors;     // sRGB: base colours and emission
 uniform sampler2DArray hitRoughness;  // G roughness, B metallic
 
-const int kHitMaterialTexels = 4;
+const int kHitMaterialTexels = 5;
 const int kHitTriangleTexels = 6;
 const int kHitEmitterTexels = 4;
 // Flags of a material.
@@ -23,6 +23,10 @@ const uint kHitMirroredU = 16u;
 const uint kHitClampedU = 32u;
 const uint kHitMirroredV = 64u;
 const uint kHitClampedV = 128u;
+// Of a triangle, beside its material's number.
+const uint kHitGlass = 0x80000000u;
+const uint kHitVolume = 0x40000000u;  // glass that light is refracted into
+const uint kHitMaterial = 0x3fffffffu;
 const uint kNoLayer = 255u;
 const uint kHitNoChart = 0xffffffffu;
 
@@ -43,6 +47,10 @@ uvec4 hitTexel(int index) {
     return texelFetch(hitTable, tableTexel(index), 0);
 }
 
+bool isGlass(int triangle) {
+    return hitTexel(hitFirstTriangle + kHitTriangleTexels * triangle + 2).w >= kHitGlass;
+}
+
 // Of a vertex, 8 bits a channel.
 vec3 colorOf(uint bits) {
     return vec3(float(bits & 255u), float((bits >> 8) & 255u), float((bits >> 16) & 255u)) / 255.0;
@@ -60,8 +68,9 @@ vec3 hitNormal(uvec3 corners, vec3 w) {
            w.z * octahedralToDirection(unpackSnorm2x16(corners.z));
 }
 
-// `width`: metres, of what the ray stands for, across it.
-HitSurface hitSurface(int triangle, vec2 barycentric, bool back, vec3 towardEye, float width) {
+// `blackBack`: whether the back of a single-sided material is black; else it is as the front, which glass lets light
+// through by. `width`: metres, of what the ray stands for, across it.
+HitSurface hitSide(int triangle, vec2 barycentric, bool back, bool blackBack, vec3 towardEye, float width) {
     HitSurface s;
     int first = hitFirstTriangle + kHitTriangleTexels * triangle;
     uvec4 t0 = hitTexel(first), t1 = hitTexel(first + 1), t2 = hitTexel(first + 2), t4 = hitTexel(first + 4);
@@ -69,14 +78,14 @@ HitSurface hitSurface(int triangle, vec2 barycentric, bool back, vec3 towardEye,
     s.texel = w.x * uintBitsToFloat(t0.xy) + w.y * uintBitsToFloat(t0.zw) + w.z * uintBitsToFloat(t1.xy);
     s.chart = back ? t1.w : t1.z;
     if (back) s.texel += vec2(ivec2(int(t4.z << 16) >> 16, int(t4.z) >> 16));
-    int row = kHitMaterialTexels * int(t2.w);
+    int row = kHitMaterialTexels * int(t2.w & kHitMaterial);
     uvec4 m0 = hitTexel(row), m1 = hitTexel(row + 1), m2 = hitTexel(row + 2), m3 = hitTexel(row + 3);
     uint flags = m3.z;
     s.emitter = 0u;
     s.brdf = Brdf(vec3(0.0), vec3(0.0), 0.0, 1.0, 0.0, kMinAlpha, vec3(0.0, 0.0, 1.0), 0.0, vec3(0.0));
     s.emission = vec3(0.0);
     s.normal = normalize((back ? -1.0 : 1.0) * hitNormal(t2.xyz, w));
-    if (back && (flags & kHitDoubleSided) == 0u) return s;
+    if (back && blackBack && (flags & kHitDoubleSided) == 0u) return s;
     float cosine = dot(s.normal, towardEye);
     if (cosine < 1e-3) s.normal = normalize(s.normal + (1e-3 - cosine) * towardEye);
 
@@ -118,7 +127,13 @@ HitSurface hitSurface(int triangle, vec2 barycentric, bool back, vec3 towardEye,
     s.brdf.alpha = max(roughness * roughness, kMinAlpha);
     s.brdf.clearcoat = coat.x;
     s.brdf.clearcoatAlpha = max(coat.y * coat.y, kMinAlpha);
+    s.brdf.transmission = transmission;
+    s.brdf.transmissionColor = transmission * (1.0 - metallic) * base;
     return s;
+}
+
+HitSurface hitSurface(int triangle, vec2 barycentric, bool back, vec3 towardEye, float width) {
+    return hitSide(triangle, barycentric, back, true, towardEye, width);
 }
 
 // A triangle that shines, as a light to be sampled.

@@ -28,9 +28,9 @@ Method methodOf(const RenderOptions& options) {
 }
 
 // pre: a context is current.
-bool tracesOnGpu(const RenderOptions& options, const Scene& scene) {
+bool tracesOnGpu(const RenderOptions& options) {
     if (options.tracer != Tracer::automatic) return options.tracer == Tracer::gpu;
-    return prefersGpuRays(scene);
+    return prefersGpuRays();
 }
 
 // What traced reflections read.
@@ -78,7 +78,7 @@ std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) 
     std::optional<RayTracing> tracing;
     const SceneBvh* bvh = nullptr;
     if (method == Method::phat && options.reflections != Reflections::lookup) {
-        if (tracesOnGpu(options, scene)) bvh = bvhOf(scene, baked.bvh);
+        if (tracesOnGpu(options)) bvh = bvhOf(scene, baked.bvh);
         if (!bvh) tracing.emplace(baked, options.reflections, progress);
     }
     Renderer renderer({scene, baked.atlas, baked.points, baked.phatexture, bvh, things.get()},

@@ -122,8 +122,7 @@ void declareMethods(const DeclareOption& declare, RenderOptions& options) {
         "--reflections", kReflectionNames, options.reflections,
         "phat: auto traces rays for what PHATexels are too coarse for; rays for all; lookup for none");
     declare.choice("--trace", kTracerNames, options.tracer,
-                   "phat: which processor traces them; auto is gpu, unless OpenGL is drawn in software or "
-                   "there is glass");
+                   "phat: which processor traces them; auto is gpu, unless OpenGL is drawn in software");
     declare.choice("--component", kComponentNames, options.component,
                    "all, direct, indirect, glossy-indirect or diffuse-indirect");
     declare.choice("--quality", kQualityNames, options.quality, "phat: fast, default or high");

@@ -88,14 +88,28 @@ RayFrame rayFrameOf(const DisplayInput& input, const CameraMatrices& camera, con
             settings.followsLast};
 }
 
-// Glossy light by reflection rays: of all lobes.
+OpaquePicture opaquePictureOf(const FrameTargets& targets) {
+    return {targets.size, targets.picture, targets.depth, targets.pictureTarget};
+}
+
+bool tracesPanesByGpu(const DisplayInput& input) {
+    return input.rayPass && !input.materials.glass.empty() && input.display->glass.textures;
+}
+
+// Glossy light by reflection rays: of all lobes, then of those of the nearest glass.
 void traceRays(const DisplayInput& input, const CameraMatrices& camera, const FrameTargets& targets,
                const PendingSample& sample) {
-    const RayFrame rays = rayFrameOf(input, camera, targets, sample);
+    RayFrame rays = rayFrameOf(input, camera, targets, sample);
     const ShaderProgram& program = input.rayPass->lobes;
     beginTracedLobes(*input.rayPass, targets.rays, rays);
     bindCamera(program, camera, sample.settings.camera);
     drawOpaque(program, input);
+    input.clock.ended(Pass::lobes);
+    traceLobes(*input.rayPass, targets.rays, rays);
+    if (!tracesPanesByGpu(input)) return;
+    rays.ofPanes = true;
+    beginTracedLobes(*input.rayPass, targets.rays, rays);
+    drawPanes(program, input, opaquePictureOf(targets), targets.glass);
     input.clock.ended(Pass::lobes);
     traceLobes(*input.rayPass, targets.rays, rays);
 }
@@ -116,10 +130,6 @@ void lookUp(const DisplayInput& input, const CameraMatrices& camera, const Frame
     input.clock.ended(Pass::lookup);
     poolSums(*input.lookupPass, targets.lookup);
     input.clock.ended(Pass::pool);
-}
-
-OpaquePicture opaquePictureOf(const FrameTargets& targets) {
-    return {targets.size, targets.picture, targets.depth, targets.pictureTarget};
 }
 
 // Draws and reads the surfaces whose lobes are traced.
@@ -252,8 +262,8 @@ void displaySample(const CommonPass& pass, const DisplayInput& input, const Fram
         bindShared(program, input, camera, settings, looked, traced || input.rayPass);
         drawOpaque(program, input);
         if (input.added) drawAddedOpaque(input, camera, settings);
-        drawBlended({display.displayProgram, display.glass, targets.glass}, input, camera,
-                    opaquePictureOf(targets), sample);
+        drawBlended({display.displayProgram, display.glass, targets.glass, tracesPanesByGpu(input)}, input,
+                    camera, opaquePictureOf(targets), sample);
         if (input.added) drawAddedBlended(input, camera, settings);
     }
     glDepthMask(GL_TRUE);

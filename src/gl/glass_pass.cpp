@@ -18,20 +18,6 @@ bool isRough(const Material& material) {
     return square(material.roughness) > kMinAlpha;
 }
 
-void drawPanes(const ShaderProgram& program, const DisplayInput& input) {
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_GREATER);
-    glDepthMask(GL_TRUE);
-    glBindVertexArray(input.scene.vertexArray.name());
-    program.use();
-    for (const DrawRange& draw : input.scene.drawRanges) {
-        if (input.materials.glassOf(draw) == Glass::none) continue;
-        setCulling(input.materials.of(draw));
-        drawSurface(program, input, draw);
-    }
-    glDepthMask(GL_FALSE);
-}
-
 // Which of the surfaces to be drawn need a new picture of what is behind them.
 std::vector<bool> picturesBefore(const std::vector<uint32_t>& order, const DisplayInput& input) {
     std::vector<size_t> rough;
@@ -71,31 +57,32 @@ void takePictureBehind(const BlendedDrawing& drawing, const CameraMatrices& matr
 
 void bindGlass(const BlendedDrawing& drawing, const PendingSample& sample, bool scatters) {
     const ShaderProgram& program = drawing.glass.display;
-    program.set("tracesPanes", int(!sample.panes.empty()));
+    program.set("tracesPanes", int(!sample.panes.empty() || drawing.tracedByGpu));
     program.set("scatters", int(scatters));
     // The R2 sequence [Roberts 2018].
     program.set("turn", glm::fract(float(sample.view.frame) * glm::vec2(0.7548777f, 0.5698403f)));
     // Also where they are empty: samplers of several kinds must not share a unit.
-    program.bind("panes", kPanesUnit, drawing.targets.panes.surface.name());
+    program.bind("panes", kPanesUnit, drawing.targets.depth.name());
     program.bind("paneLight", kPaneLightUnit, drawing.targets.paneLight.name());
     program.bind("behind", kBehindUnit, drawing.targets.behind.name());
 }
 
 }  // namespace
 
-GlassNeeds glassNeeds(const DrawnMaterials& materials, bool traced) {
+GlassNeeds glassNeeds(const DrawnMaterials& materials, bool tracedByCpu, bool tracedByGpu) {
     if (materials.glass.empty()) return {};
     const bool rough = std::any_of(materials.materials.begin(), materials.materials.end(),
                                    [](const Material& m) { return isGlass(m) && isRough(m); });
-    return {traced, rough};
+    return {tracedByCpu || tracedByGpu, tracedByCpu, rough};
 }
 
 void completeGlassTargets(GlassTargets& targets, glm::uvec2 size, const GlassNeeds& needs, bool clearcoat) {
     if (needs.panes && !targets.depth) {
         targets.depth = createTexture2D(GL_DEPTH_COMPONENT32F, size);
-        targets.panes = createReflectionTargets(size, targets.depth.name());
         targets.paneLight = createTextureArray(GL_RGBA32UI, size, clearcoat ? 4 : 2);
     }
+    if (needs.byCpu && !targets.panes.target)
+        targets.panes = createReflectionTargets(size, targets.depth.name());
     if (needs.behind && !targets.behind) {
         targets.behind = createTexture2D(GL_RGBA32F, size, int(std::bit_width(std::max(size.x, size.y))));
         glTextureParameteri(targets.behind.name(), GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
@@ -115,15 +102,30 @@ GlassPass createGlassPass(const std::string& folder, std::vector<std::string> de
     return pass;
 }
 
-void findPanes(const DisplayInput& input, const CameraMatrices& matrices, const OpaquePicture& opaque,
-               const GlassTargets& targets, PendingSample& sample) {
+void drawPanes(const ShaderProgram& program, const DisplayInput& input, const OpaquePicture& opaque,
+               const GlassTargets& targets) {
     glCopyImageSubData(opaque.depth.name(), GL_TEXTURE_2D, 0, 0, 0, 0, targets.depth.name(), GL_TEXTURE_2D, 0,
                        0, 0, 0, GLsizei(opaque.size.x), GLsizei(opaque.size.y), 1);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    glDepthMask(GL_TRUE);
+    glBindVertexArray(input.scene.vertexArray.name());
+    program.use();
+    for (const DrawRange& draw : input.scene.drawRanges) {
+        if (input.materials.glassOf(draw) == Glass::none) continue;
+        setCulling(input.materials.of(draw));
+        drawSurface(program, input, draw);
+    }
+    glDepthMask(GL_FALSE);
+}
+
+void findPanes(const DisplayInput& input, const CameraMatrices& matrices, const OpaquePicture& opaque,
+               const GlassTargets& targets, PendingSample& sample) {
     const ShaderProgram& program = input.reflectionPass->program;
     beginReflections(*input.reflectionPass, input.atlas, input.lookup, targets.panes, sample.reflections,
                      sample.view.frame);
     bindCamera(program, matrices, sample.settings.camera);
-    drawPanes(program, input);
+    drawPanes(program, input, opaque, targets);
     sample.panes = readTracedSurfaces(targets.panes, sample.jitter);
 }
 

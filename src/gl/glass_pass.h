@@ -10,7 +10,7 @@ namespace phat {
 /// Of the frame's size; empty where nothing needs them.
 struct GlassTargets {
     GlTexture depth;          // of the nearest surface, opaque or glass
-    ReflectionTargets panes;  // the nearest glass
+    ReflectionTargets panes;  // the nearest glass; empty when the CPU traces nothing
     GlTexture paneLight;      // what rays brought to it, see display.frag
     GlTexture behind;         // of behind.frag, with its smaller levels
     GlFramebuffer behindTarget;
@@ -19,9 +19,10 @@ struct GlassTargets {
 /// What glass needs for a frame.
 struct GlassNeeds {
     bool panes = false;   // its reflections are traced
+    bool byCpu = false;   // and by the CPU
     bool behind = false;  // some is rough
 };
-GlassNeeds glassNeeds(const DrawnMaterials& materials, bool traced);
+GlassNeeds glassNeeds(const DrawnMaterials& materials, bool tracedByCpu, bool tracedByGpu);
 /// Creates what is missing.
 void completeGlassTargets(GlassTargets& targets, glm::uvec2 size, const GlassNeeds& needs, bool clearcoat);
 
@@ -41,7 +42,10 @@ struct OpaquePicture {
     const GlFramebuffer& target;
 };
 
-/// Draws the nearest glass before the opaque surfaces and reads what is to be traced of it: `sample.panes`.
+/// Draws the nearest glass before the opaque surfaces, to the bound target, whose depth is `targets.depth`.
+void drawPanes(const ShaderProgram& program, const DisplayInput& input, const OpaquePicture& opaque,
+               const GlassTargets& targets);
+/// The same, and reads what the CPU is to trace of it: `sample.panes`.
 void findPanes(const DisplayInput& input, const CameraMatrices& matrices, const OpaquePicture& opaque,
                const GlassTargets& targets, PendingSample& sample);
 /// Makes what rays brought to sample.panes readable for drawBlended.
@@ -53,6 +57,7 @@ struct BlendedDrawing {
     const ShaderProgram& blended;
     const GlassPass& glass;
     const GlassTargets& targets;
+    bool tracedByGpu = false;  // whether rays have brought GlassTargets::paneLight
 };
 /// Blended surfaces and glass over what was drawn already: back to front; a surface's own back before its
 /// front. Glass multiplies what is behind it by its transmittance in colour; rough glass blurs it, too. Of a

@@ -14,9 +14,12 @@
 namespace phat {
 namespace {
 
-constexpr uint32_t kMaterialTexels = 4, kTriangleTexels = 6, kEmitterTexels = 4;
+constexpr uint32_t kMaterialTexels = 5, kTriangleTexels = 6, kEmitterTexels = 4;
 constexpr uint32_t kUnlit = 1, kDoubleSided = 2, kReadsColors = 4, kMirroredU = 16, kClampedU = 32,
                    kMirroredV = 64, kClampedV = 128;
+
+// Of a triangle, beside its material's number.
+constexpr uint32_t kHitGlass = 0x80000000u, kHitVolume = 0x40000000u;
 
 uint32_t bitsOf(float x) {
     return std::bit_cast<uint32_t>(x);
@@ -60,6 +63,11 @@ bool anyColored(const Scene& scene) {
                        [](glm::vec4 c) { return glm::vec3(c) != glm::vec3(1); });
 }
 
+// 1/m: Beer's law.
+glm::vec3 absorptionOf(const Material& m) {
+    return -glm::log(glm::max(m.attenuationColor, glm::vec3(1e-6f))) / m.attenuationDistance;
+}
+
 void addMaterial(std::vector<glm::uvec4>& texels, const Scene& scene, const Material& m,
                  const HitImages& images, bool colored) {
     const TextureSlot& placed = placedSlot(m);
@@ -90,6 +98,7 @@ void addMaterial(std::vector<glm::uvec4>& texels, const Scene& scene, const Mate
     texels.push_back({glm::packHalf2x16({m.clearcoat * mean(m.clearcoatTexture, false).r,
                                          m.clearcoatRoughness * mean(m.clearcoatRoughnessTexture, false).g}),
                       glm::packHalf2x16({transmission, 0}), flags, color | emission << 8 | roughness << 16});
+    texels.push_back(bitsOf(absorptionOf(m), m.ior));
 }
 
 // Lengths of texture coordinates over those of the surface, 1/m.
@@ -104,15 +113,25 @@ uint32_t packColor(glm::vec4 color) {
     return bytes.x | bytes.y << 8 | bytes.z << 16;
 }
 
+// Metres, of a pane.
+float thicknessOf(const Scene& scene, const Surface& surface) {
+    const Material& m = scene.materials[surface.material];
+    return m.thickness * surface.metersPerUnit * meanTexel(scene, m.thicknessTexture, false).g;
+}
+
 void addTriangle(std::vector<glm::uvec4>& texels, const Scene& scene, const Atlas& atlas, uint32_t triangle,
-                 uint32_t emitter) {
-    const uint32_t material = scene.surfaces[scene.triangleSurface[triangle]].material;
-    const TextureSlot& slot = placedSlot(scene.materials[material]);
+                 uint32_t emitter, Glass glass) {
+    const Surface& surface = scene.surfaces[scene.triangleSurface[triangle]];
+    const TextureSlot& slot = placedSlot(scene.materials[surface.material]);
     const auto& uvSet = slot.uvSet == 0 ? scene.uv0 : scene.uv1;
     const AtlasSides sides = atlasSidesOf(atlas, triangle);
     std::array<glm::vec2, 3> texel, uvs;
     std::array<glm::vec3, 3> corners;
-    glm::uvec4 normals(0, 0, 0, material), colors(0, 0, 0, emitter);
+    const uint32_t kind = glass == Glass::none     ? 0
+                          : glass == Glass::volume ? kHitGlass | kHitVolume
+                                                   : kHitGlass;
+    const float thickness = glass == Glass::thin ? thicknessOf(scene, surface) : 0.0f;
+    glm::uvec4 normals(0, 0, 0, surface.material | kind), colors(0, 0, 0, emitter);
     for (int i = 0; i < 3; ++i) {
         const uint32_t v = scene.triangles[triangle][i];
         texel[size_t(i)] = atlas.triangleTexels[triangle][i] + sides.frontOffset;
@@ -126,9 +145,9 @@ void addTriangle(std::vector<glm::uvec4>& texels, const Scene& scene, const Atla
     texels.push_back({bitsOf(texel[2].x), bitsOf(texel[2].y), sides.charts.x, sides.charts.y});
     texels.push_back(normals);
     texels.push_back(bitsOf(uvs[0], uvs[1]));
-    texels.push_back({bitsOf(uvs[2].x), bitsOf(uvs[2].y),
-                      uint32_t(toBack.x & 0xffff) | uint32_t(toBack.y) << 16,
-                      glm::packHalf2x16({std::min(uvPerMeter(corners, uvs), 6e4f), 0})});
+    texels.push_back(
+        {bitsOf(uvs[2].x), bitsOf(uvs[2].y), uint32_t(toBack.x & 0xffff) | uint32_t(toBack.y) << 16,
+         glm::packHalf2x16({std::min(uvPerMeter(corners, uvs), 6e4f), std::min(thickness, 6e4f)})});
     texels.push_back(colors);
 }
 
@@ -208,8 +227,10 @@ void updateHits(GpuHits& gpu, const Scene& scene, const Atlas& atlas, const Scen
     for (const Material& material : scene.materials)
         addMaterial(texels, scene, material, gpu.images, colored);
     gpu.firstTriangle = uint32_t(texels.size());
+    const std::vector<Glass> glass = glassOfSurfaces(scene, scene.materials);
     for (const uint32_t triangle : bvh.order)
-        addTriangle(texels, scene, atlas, triangle, emitterOf[triangle]);
+        addTriangle(texels, scene, atlas, triangle, emitterOf[triangle],
+                    glass.empty() ? Glass::none : glass[scene.triangleSurface[triangle]]);
     gpu.firstEmitter = uint32_t(texels.size());
     gpu.emitterCount = int(emitters.size());
     addEmitters(texels, scene, emitters);

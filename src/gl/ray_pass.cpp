@@ -34,8 +34,12 @@ const RayTargets::Frame& frameOf(const RayTargets& targets, uint32_t number, int
     return targets.frames[number % 2][size_t(lobe)];
 }
 
+const RayTargets::Frame& nowOf(const RayTargets& targets, const RayFrame& frame, int lobe) {
+    return frame.ofPanes ? targets.panes[size_t(lobe)] : frameOf(targets, frame.history.frames, lobe);
+}
+
 const GlTexture& guidesOf(const RayTargets& targets, const RayFrame& frame, int lobe) {
-    return frameOf(targets, frame.history.frames, lobe).guides;
+    return nowOf(targets, frame, lobe).guides;
 }
 
 // Over the pixels that trace more than `ray` rays.
@@ -57,8 +61,7 @@ void makeGuides(const RayPass& pass, const RayTargets& targets, const RayFrame& 
     program.set("lobe", lobe);
     program.set("raysPerNeighborhood", frame.budget.perNeighborhood);
     program.set("maxRays", frame.budget.maxPerPixel);
-    pass.guides.drawDepth(frameOf(targets, frame.history.frames, lobe).guidesTarget,
-                          frame.lookupTargets.size);
+    pass.guides.drawDepth(nowOf(targets, frame, lobe).guidesTarget, frame.lookupTargets.size);
 }
 
 void bindTrace(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
@@ -67,6 +70,10 @@ void bindTrace(const RayPass& pass, const RayTargets& targets, const RayFrame& f
     program.bind("points", kPointsUnit, targets.points.name());
     program.bind("guides", kGuidesUnit, guidesOf(targets, frame, lobe).name());
     bindBvh(frame.scene.bvh, program, kBvhUnit);
+    if (pass.glass) {
+        bindHits(frame.scene.hits, program, kAfterBvh);
+        program.bind("splitSumTable", kAfterBvh + kHitUnits, frame.surfaces.splitSum.name());
+    }
     bindEye(program, frame);
     program.set("lobe", lobe);
 }
@@ -125,7 +132,7 @@ void poolLight(const RayPass& pass, const RayTargets& targets, const RayFrame& f
 }
 
 void reproject(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
-    const RayTargets::Frame& now = frameOf(targets, frame.history.frames, lobe);
+    const RayTargets::Frame& now = nowOf(targets, frame, lobe);
     const RayTargets::Frame& last = frameOf(targets, frame.history.frames + 1, lobe);
     const ShaderProgram& program = pass.reproject.program;
     program.bind("lights", 0, targets.means.name());
@@ -138,7 +145,8 @@ void reproject(const RayPass& pass, const RayTargets& targets, const RayFrame& f
     program.set("lastClipFromWorld", history.clipFromWorld);
     program.set("lastWorldFromClip", glm::inverse(history.clipFromWorld));
     program.set("lastEye", history.eye.position);
-    const bool follows = frame.follows && history.valid && history.eye.atInfinity == frame.eye.atInfinity;
+    const bool follows =
+        frame.follows && !frame.ofPanes && history.valid && history.eye.atInfinity == frame.eye.atInfinity;
     program.set("follows", int(follows));
     program.set("lobe", lobe);
     glBindFramebuffer(GL_FRAMEBUFFER, now.target.name());
@@ -203,21 +211,23 @@ void bindHitShading(const ShaderProgram& program, const LitWorld& world, const G
 }
 
 RayPass createRayPass(const std::string& folder, const LookupPass& lookup, const GpuLookup& tables,
-                      const std::vector<std::string>& bvhDefines, bool counts) {
+                      const RayFeatures& features) {
     RayPass pass;
     pass.clearcoat = lookup.clearcoat;
+    pass.glass = features.glass;
     std::vector<std::string> defines = phatexelDefines(tables);
     if (lookup.clearcoat) defines.push_back("CLEARCOAT");
-    if (counts) defines.push_back("COUNT_FETCHES");
+    if (features.glass) defines.push_back("GLASS");
+    if (features.counts) defines.push_back("COUNT_FETCHES");
     const auto with = [&](std::vector<std::string> more) {
         more.insert(more.end(), defines.begin(), defines.end());
         return more;
     };
     pass.lobes = ShaderProgram(folder, "surface.vert", "lobes.frag", with({"TRACED", "COUNT_ONLY_READS"}));
     pass.guides = FullscreenProgram(folder, "reflection_guides.frag", with({"WRITES_DEPTH"}));
-    pass.trace = FullscreenProgram(folder, "trace_reflections.frag", with(bvhDefines));
+    pass.trace = FullscreenProgram(folder, "trace_reflections.frag", with(features.bvhDefines));
     pass.shade = FullscreenProgram(folder, "shade_reflections.frag", defines);
-    pass.lights = FullscreenProgram(folder, "trace_lights.frag", with(bvhDefines));
+    pass.lights = FullscreenProgram(folder, "trace_lights.frag", with(features.bvhDefines));
     pass.mean = FullscreenProgram(folder, "mean_reflections.frag", defines);
     pass.pool = FullscreenProgram(folder, "pool_reflections.frag", defines);
     pass.reproject = FullscreenProgram(folder, "reproject_reflections.frag", defines);
@@ -230,6 +240,28 @@ bool isReady(const RayPass& pass) {
            ready(pass.lights) && ready(pass.mean) && ready(pass.pool) && ready(pass.reproject);
 }
 
+namespace {
+
+RayTargets::Frame createRayFrame(const LookupTargets& lookup, const GlTexture& counts, const GlTexture& light,
+                                 int layer) {
+    RayTargets::Frame frame;
+    frame.guides = createTexture2D(GL_RGBA32UI, lookup.size);
+    frame.light = createTexture2D(GL_RGBA32UI, lookup.size);
+    frame.guidesTarget = createFramebuffer({{frame.guides.name()}}, counts.name());
+    frame.target = createFramebuffer(
+        {{light.name(), 0, layer}, {light.name(), 0, layer + 1}, {frame.light.name()}}, counts.name());
+    return frame;
+}
+
+GlFramebuffer createLobesTarget(const RayTargets& targets, const LookupTargets& lookup, GLuint depth) {
+    std::vector<Attachment> lobes = {{lookup.reflectances.name()}, {lookup.baseLobes.name()}};
+    if (lookup.coatLobes) lobes.push_back({lookup.coatLobes.name()});
+    lobes.push_back({targets.points.name()});
+    return createFramebuffer(lobes, depth);
+}
+
+}  // namespace
+
 RayTargets createRayTargets(const LookupPass& pass, const LookupTargets& lookup, GLuint depth) {
     RayTargets t;
     const glm::uvec2 size = lookup.size;
@@ -237,10 +269,7 @@ RayTargets createRayTargets(const LookupPass& pass, const LookupTargets& lookup,
         *words = createTexture2D(GL_RGBA32UI, size);
     t.indirectSums = createTexture2D(GL_RGBA16F, size);
     t.areaSums = createTexture2D(GL_RGBA16F, size);
-    std::vector<Attachment> lobes = {{lookup.reflectances.name()}, {lookup.baseLobes.name()}};
-    if (lookup.coatLobes) lobes.push_back({lookup.coatLobes.name()});
-    lobes.push_back({t.points.name()});
-    t.lobesTarget = createFramebuffer(lobes, depth);
+    t.lobesTarget = createLobesTarget(t, lookup, depth);
     t.counts = createTexture2D(GL_DEPTH_COMPONENT16, size);
     const GLuint counts = t.counts.name();
     t.raysTarget = createFramebuffer({{t.hits.name()}, {t.places.name()}}, counts);
@@ -250,22 +279,24 @@ RayTargets createRayTargets(const LookupPass& pass, const LookupTargets& lookup,
     t.pooledTarget = createFramebuffer({{t.pooled.name()}}, counts);
     for (int i = 0; i < 2 * (pass.clearcoat ? 2 : 1); ++i) {
         const int lobe = i / 2, layer = lookedUpLayers(pass) + 2 * lobe;
-        RayTargets::Frame& frame = t.frames[size_t(i % 2)].emplace_back();
-        frame.guides = createTexture2D(GL_RGBA32UI, size);
-        frame.light = createTexture2D(GL_RGBA32UI, size);
-        frame.guidesTarget = createFramebuffer({{frame.guides.name()}}, counts);
-        frame.target = createFramebuffer({{lookup.incident.name(), 0, layer},
-                                          {lookup.incident.name(), 0, layer + 1},
-                                          {frame.light.name()}},
-                                         counts);
+        t.frames[size_t(i % 2)].push_back(createRayFrame(lookup, t.counts, lookup.incident, layer));
     }
     checkGl("creating the rays' targets");
     return t;
 }
 
+void addPaneTargets(RayTargets& targets, const LookupTargets& lookup, GLuint depth, const GlTexture& light) {
+    if (targets.paneLobesTarget) return;
+    targets.paneLobesTarget = createLobesTarget(targets, lookup, depth);
+    for (size_t lobe = 0; lobe < targets.frames[0].size(); ++lobe)
+        targets.panes.push_back(createRayFrame(lookup, targets.counts, light, 2 * int(lobe)));
+    checkGl("creating the targets of rays from glass");
+}
+
 void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame) {
-    clearSums(frame.lookupTargets);
-    glBindFramebuffer(GL_FRAMEBUFFER, targets.lobesTarget.name());
+    if (!frame.ofPanes) clearSums(frame.lookupTargets);
+    const GlFramebuffer& target = frame.ofPanes ? targets.paneLobesTarget : targets.lobesTarget;
+    glBindFramebuffer(GL_FRAMEBUFFER, target.name());
     const GLuint noSurface[4] = {0, 0, 0, 0};
     glClearBufferuiv(GL_COLOR, 0, noSurface);
     pass.lobes.bind("tilePatches", 0, frame.atlas.tilePatches.name());
@@ -277,6 +308,7 @@ void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayF
 
 void traceLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame) {
     for (int lobe = 0; lobe < (pass.clearcoat ? 2 : 1); ++lobe) traceLobe(pass, targets, frame, lobe);
+    if (frame.ofPanes) return;
     frame.history = {frame.clipFromWorld, frame.eye, frame.history.frames + 1, true};
 }
 

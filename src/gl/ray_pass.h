@@ -23,15 +23,23 @@ struct GpuRayScene {
     glm::vec3 brightest{0};  // brightestRadiance() of the scene
 };
 
+/// What the programs of a RayPass can do.
+struct RayFeatures {
+    std::vector<std::string> bvhDefines;  // of the trees
+    bool glass = false;                   // whether there is any
+    bool counts = false;                  // with shaders/lib/count_fetches.glsl
+};
+
 struct RayPass {
     ShaderProgram lobes;
     FullscreenProgram guides, trace, shade, lights, mean, pool, reproject;
     bool clearcoat = false;
+    bool glass = false;
 };
 
-/// `bvhDefines`: of the trees; `counts`: with shaders/lib/count_fetches.glsl. Throws GlError.
+/// Throws GlError.
 RayPass createRayPass(const std::string& shaderFolder, const LookupPass& lookup, const GpuLookup& tables,
-                      const std::vector<std::string>& bvhDefines, bool counts);
+                      const RayFeatures& features);
 bool isReady(const RayPass& pass);
 
 /// Pictures between the passes, of the frame's size.
@@ -49,9 +57,14 @@ struct RayTargets {
     GlTexture counts;                  // DEPTH_COMPONENT16: see reflection_guides.frag
     GlFramebuffer lobesTarget, raysTarget, sumsTarget, areaTarget, meansTarget, pooledTarget;
     std::array<std::vector<Frame>, 2> frames;  // [frame % 2][lobe]
+    // Of the nearest glass, which is traced after the opaque surfaces; empty where there is none.
+    GlFramebuffer paneLobesTarget;
+    std::vector<Frame> panes;  // [lobe]
 };
 /// `lookup`: with layers for traced radiance.
 RayTargets createRayTargets(const LookupPass& pass, const LookupTargets& lookup, GLuint depth);
+/// Adds those of the nearest glass, whose depth is `depth`, to `targets`; `light` has two layers a lobe.
+void addPaneTargets(RayTargets& targets, const LookupTargets& lookup, GLuint depth, const GlTexture& light);
 
 /// What the rays meet, as it is now.
 struct LitWorld {
@@ -93,13 +106,14 @@ struct RayFrame {
     RayCounter& counter;
     PassClock& clock;
     bool follows = false;  // whether the last frame's rays count
+    bool ofPanes = false;  // whether the surfaces are the nearest glass
 };
 
-/// Clears the lookup's sums and binds the cleared targets of the lobes; the caller draws its opaque surfaces
-/// with RayPass::lobes.
+/// Clears the lookup's sums and binds the cleared targets of the lobes; the caller draws its opaque surfaces,
+/// or the nearest glass, with RayPass::lobes.
 void beginTracedLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame);
 /// Then: writes to the layers of LookupTargets::incident that follow the lookup's own, and makes the frame
-/// the last one.
+/// the last one; or to the light of addPaneTargets().
 void traceLobes(const RayPass& pass, const RayTargets& targets, const RayFrame& frame);
 
 }  // namespace phat

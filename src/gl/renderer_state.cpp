@@ -45,8 +45,10 @@ Renderer::State::Prepared Renderer::State::prepare(const FrameSettings& settings
         rayHistory.valid = false;
     }
     if (!preview)
-        completeGlassTargets(targets.glass, size, glassNeeds({materials, glass}, traced),
+        completeGlassTargets(targets.glass, size, glassNeeds({materials, glass}, traced, rays),
                              anyClearcoat(materials));
+    if (rays && !glass.empty())
+        addPaneTargets(targets.rays, targets.lookup, targets.glass.depth.name(), targets.glass.paneLight);
 
     // A query needs a complete framebuffer; a context without a window has none of its own.
     glBindFramebuffer(GL_FRAMEBUFFER, targets.pictureTarget.name());
@@ -215,8 +217,10 @@ const GpuRayScene& Renderer::State::currentRayScene() {
 
 const RayPass& Renderer::State::rayTracing() {
     std::optional<RayPass>& made = countsFetches ? countingRayPass : rayPass;
-    if (!made)
-        made = createRayPass(shaderFolder, lookupFor(false), lookup, bvhDefines(*restBvh), countsFetches);
+    const bool glassAppears = made && !glass.empty() && !made->glass;
+    if (!made || glassAppears)
+        made = createRayPass(shaderFolder, lookupFor(false), lookup,
+                             {bvhDefines(*restBvh), !glass.empty(), countsFetches});
     return *made;
 }
 

@@ -3,13 +3,12 @@
 #include <algorithm>
 
 #include "core/base/stopwatch.h"
-#include "core/scene/transparency.h"
 #include "gl/gl_context.h"
 
 namespace phat {
 
-bool prefersGpuRays(const Scene& scene) {
-    return !drawsInSoftware() && std::none_of(scene.materials.begin(), scene.materials.end(), isGlass);
+bool prefersGpuRays() {
+    return !drawsInSoftware();
 }
 
 ReflectionCost drawFrame(Renderer& renderer, const FrameSettings& settings, const TracedReflections* traced,

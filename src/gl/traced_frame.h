@@ -16,9 +16,8 @@ struct TracedReflections {
 };
 
 /// Whether still pictures are traced by the GPU unless somebody asks for the CPU: where OpenGL is not drawn
-/// in software, and where nothing is glass, through which the GPU's rays do not see and whose own reflections
-/// they do not trace. pre: a context is current.
-bool prefersGpuRays(const Scene& scene);
+/// in software. pre: a context is current.
+bool prefersGpuRays();
 
 /// Cost of a frame's rays.
 struct ReflectionCost {

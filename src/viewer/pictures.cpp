@@ -110,7 +110,7 @@ void Pictures::draw(ViewerState& state, Side& side, PictureSum& sum, glm::uvec2 
     settings.samplesPerPixel = samplesPerPixel;
     settings.samplesPerDraw = 1;
     settings.mayPreview = true;
-    const bool byGpu = !rays || prefersGpuRays(state.document->shown());
+    const bool byGpu = !rays || prefersGpuRays();
     if (byGpu) traceOnGpu(state, side, rays, settings);
     const TracedReflections* traced =
         byGpu ? nullptr : &reflections(state, sum.samples == 0 ? kRaySeconds : 0);

@@ -26,6 +26,7 @@ struct PaneUnderCeiling {
         world = worldOfQuads(std::move(scene), 4);
         fillWithLookups(world, 3, 2);
         traceable.emplace(world);
+        bvh = buildSceneBvh(world.scene);
         settings.width = 64;
         settings.height = 48;
         settings.camera = lookAtCamera({0.3f, 1, 1}, {-0.2f, 0, 0}, 40);
@@ -39,6 +40,13 @@ struct PaneUnderCeiling {
         PictureSum sum;
         drawFrame(renderer, settings, &traced, sum);
         return readMean(sum);
+    }
+
+    Image drawByGpu() {
+        Renderer renderer({world.scene, world.atlas, world.points, world.phatexture, &bvh}, kShaderFolder);
+        FrameSettings traced = settings;
+        traced.tracedByGpu = Reflections::automatic;
+        return renderer.render(traced);
     }
 
     // Radiance of the ceiling that a pixel's mirror direction leads to, and its cosine; 0 near an edge.
@@ -56,14 +64,17 @@ struct PaneUnderCeiling {
 
     RendererWorld world;
     std::optional<WorldOfRays> traceable;
+    SceneBvh bvh;
     FrameSettings settings;
 };
+
+const Reflections kKinds[] = {Reflections::automatic, Reflections::rays};
 
 TEST(TracedGlass, MirrorsWhatTheReflectedRayMeets) {
     const HeadlessContext context;
     PaneUnderCeiling pane(1);
-    for (const Reflections reflections : {Reflections::automatic, Reflections::rays}) {
-        const Image image = pane.draw(reflections);
+    for (int kind = 0; kind < 3; ++kind) {
+        const Image image = kind == 2 ? pane.drawByGpu() : pane.draw(kKinds[kind]);
         int dark = 0, bright = 0, wrong = 0;
         for (int y = 0; y < image.height; ++y) {
             for (int x = 0; x < image.width; ++x) {
@@ -86,20 +97,22 @@ TEST(TracedGlass, MirrorsWhatTheReflectedRayMeets) {
 TEST(TracedGlass, RaysAreOfTheNearestPaneAlone) {
     const HeadlessContext context;
     PaneUnderCeiling panes(2);
-    const Image traced = panes.draw(Reflections::automatic), lookedUp = panes.draw(Reflections::lookup);
-    int compared = 0, wrong = 0;
-    for (int y = 0; y < traced.height; ++y) {
-        for (int x = 0; x < traced.width; ++x) {
-            const auto [radiance, cosine] = panes.mirrored(x, y);
-            if (radiance == 0) continue;
-            const float r = specularAlbedo(glm::vec3(kF0), 1, kMinAlpha, cosine).x, t = 1 - r;
-            const float pyramid = (lookedUp.at(x, y).x - t * t * kBelow) / (r + t * r);
-            wrong += std::abs(traced.at(x, y).x - lookedUp.at(x, y).x - r * (radiance - pyramid)) > 0.05f;
-            ++compared;
+    const Image lookedUp = panes.draw(Reflections::lookup);
+    for (const Image& traced : {panes.draw(Reflections::automatic), panes.drawByGpu()}) {
+        int compared = 0, wrong = 0;
+        for (int y = 0; y < traced.height; ++y) {
+            for (int x = 0; x < traced.width; ++x) {
+                const auto [radiance, cosine] = panes.mirrored(x, y);
+                if (radiance == 0) continue;
+                const float r = specularAlbedo(glm::vec3(kF0), 1, kMinAlpha, cosine).x, t = 1 - r;
+                const float pyramid = (lookedUp.at(x, y).x - t * t * kBelow) / (r + t * r);
+                wrong += std::abs(traced.at(x, y).x - lookedUp.at(x, y).x - r * (radiance - pyramid)) > 0.05f;
+                ++compared;
+            }
         }
+        EXPECT_GT(compared, 400);
+        EXPECT_LT(wrong, 0.01 * compared);
     }
-    EXPECT_GT(compared, 400);
-    EXPECT_LT(wrong, 0.01 * compared);
 }
 
 TEST(TracedGlass, NothingIsTracedWithoutGlassInView) {

@@ -20,7 +20,6 @@ import { lackOf } from './gl.js';
 import { chainHook } from './hooks.js';
 import { Rendering } from './rendering.js';
 import { gatherSurfaces, surfaceMeshes, triangleCount } from './surfaces.js';
-import { readTrees } from './trees.js';
 
 // loader.register((parser) => new PhatexturesExtension(parser))
 export class PhatexturesExtension {
@@ -81,7 +80,6 @@ export class BakedLight {
         this.ready.catch(() => {}); // whoever awaits it is told
         this.canTrace = Boolean(description.bvh);
         this.file = [parser, description];
-        this.readTrees = () => readTrees(...this.file, bake.surfaces);
         this.toAdd = new Set();
         this.environment = null;
     }
@@ -172,8 +170,9 @@ export class BakedLight {
 
     async beginTrees() {
         try {
-            const trees = await this.readTrees();
-            if (!this.disposed) this.bake = { ...this.bake, trees };
+            const tracing = await import('./ray_tracing.js'),
+                trees = await tracing.readTrees(...this.file, this.bake.surfaces);
+            if (!this.disposed) this.bake = { ...this.bake, tracing, trees };
         } catch (error) {
             this.canTrace = false;
             console.warn(error.message);

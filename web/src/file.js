@@ -1,4 +1,5 @@
 // The extension PHAT_photon_accumulation_texture of a baked file (docs/format.md).
+import { DataUtils } from 'three';
 
 export const kName = 'PHAT_photon_accumulation_texture';
 // 5: charts of several surfaces, which are drawn as those of one. 4 is of files in the paper's storage.
@@ -161,4 +162,24 @@ export async function readEnvironment(parser, description) {
         pixels[at + 3] = 1;
     }
     return { width, height, pixels };
+}
+
+export function half(x) {
+    return DataUtils.toHalfFloat(Math.min(Math.max(x, -65504), 65504));
+}
+
+export const luminance = ([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
+
+export function octahedral([x, y, z]) {
+    const sum = Math.abs(x) + Math.abs(y) + Math.abs(z) || 1,
+        [u, v] = [x / sum, y / sum],
+        fold = (a, b) => (1 - Math.abs(b)) * (a >= 0 ? 1 : -1);
+    return z < 0 ? [fold(u, v), fold(v, u)] : [u, v];
+}
+
+// As octahedral code, twice 16 bits.
+export function packDirection(direction) {
+    const [x, y] = octahedral(direction),
+        code = (t) => Math.round(Math.min(Math.max(t, -1), 1) * 32767) & 0xffff;
+    return (code(x) | (code(y) << 16)) >>> 0;
 }

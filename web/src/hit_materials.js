@@ -1,12 +1,13 @@
 // Materials as rays read them at what they hit.
 // twin: addMaterial in src/gl/hit_tables.cpp, shaders/lib/hit_surface.glsl.
-import { ClampToEdgeWrapping, DataUtils, DoubleSide, MirroredRepeatWrapping } from 'three';
+import { ClampToEdgeWrapping, DoubleSide, MirroredRepeatWrapping } from 'three';
+import { half } from './file.js';
 import { emissionMap, emissionOf, isGlass, isUnlit, metallicRoughnessMap } from './material.js';
 
 export const kNoLayer = 255; // twin: shaders/lib/hit_surface.glsl
 // Side of the grid of means that stands for a picture where one number or a few are taken of it (HitImages.meansOf).
 export const kMeansSide = 64;
-export const kMaterialWords = 16;
+export const kMaterialWords = 20;
 const kUnlit = 1,
     kDoubleSided = 2,
     kReadsColors = 4,
@@ -14,10 +15,6 @@ const kUnlit = 1,
     kClampedU = 32,
     kMirroredV = 64,
     kClampedV = 128;
-
-export function half(x) {
-    return DataUtils.toHalfFloat(Math.min(Math.max(x, -65504), 65504));
-}
 
 export function matrixOf(texture) {
     if (!texture) return [1, 0, 0, 0, 1, 0, 0, 0, 1];
@@ -47,6 +44,12 @@ function wrapFlags(texture) {
 const words = new Uint32Array(kMaterialWords),
     floats = new Float32Array(words.buffer);
 
+// 1/m: Beer's law.
+function absorptionOf(m) {
+    const left = m.attenuationColor?.toArray() ?? [1, 1, 1];
+    return left.map((x) => -Math.log(Math.max(x, 1e-6)) / (m.attenuationDistance ?? Infinity));
+}
+
 // f0 and f90 of what is no metal. source: KHR_materials_specular and KHR_materials_ior.
 function dielectric(m, images) {
     const specular = (m.specularIntensity ?? 1) * images.meanOf(m.specularIntensityMap)[3],
@@ -58,7 +61,7 @@ function dielectric(m, images) {
     return [...f0, specular * Math.min(Math.max(...f0) / 0.02, 1)];
 }
 
-// Sixteen words, which the next call writes over. `colored`: whether any vertex of the room has a colour.
+// Words that the next call writes over. `colored`: whether any vertex of the room has a colour.
 export function packHitMaterial(m, images, colored) {
     const placed = placedMap(m);
     const layerOf = (texture, layers) =>
@@ -87,6 +90,7 @@ export function packHitMaterial(m, images, colored) {
         (colored || shines ? kReadsColors : 0) |
         wrapFlags(placed);
     words[15] = color | (emission << 8) | (roughness << 16);
+    floats.set([...absorptionOf(m), m.ior ?? 1.5], 16);
     return words;
 }
 
@@ -101,8 +105,9 @@ export function structureOf(m) {
         m.clearcoatMap,
         m.clearcoatRoughnessMap,
         m.transmissionMap,
+        m.thicknessMap,
     ];
     const place = (t) => (t ? [t.uuid, t.version, t.channel, t.wrapS, t.wrapT, ...matrixOf(t)] : 0);
     const shines = emissionOf(m).some((x) => x > 0);
-    return `${shines} ${m.side} ${m.transparent} ${m.opacity} ${m.alphaTest} ${maps.map(place)}`;
+    return `${shines} ${isGlass(m) && m.thickness} ${m.side} ${m.transparent} ${m.opacity} ${m.alphaTest} ${maps.map(place)}`;
 }

@@ -1,16 +1,17 @@
 // The table that shaders/lib/hit_surface.glsl reads: materials, triangles in the order of the leaves, emitters.
 // twin: src/gl/hit_tables.cpp, findEmissiveTriangles in src/core/scene/light_emitters.cpp.
 import { DoubleSide } from 'three';
+import { half, luminance, packDirection } from './file.js';
 import { kChartsOffset, kVertexWords } from './surfaces.js';
 import { emissionMap, emissionOf, isUnlit } from './material.js';
-import { half, kMaterialWords, kMeansSide, matrixOf, packHitMaterial, placedMap } from './hit_materials.js';
+import { glassOfSurfaces } from './hit_glass.js';
+import { kMaterialWords, kMeansSide, matrixOf, packHitMaterial, placedMap } from './hit_materials.js';
 
 export const kTriangleWords = 24;
 export const kEmitterWords = 16;
 // Points of a triangle at which a picture of what shines is read.
 const kEmissionSamples = 64;
 
-export const luminance = ([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 const minus = (a, b) => a.map((x, i) => x - b[i]);
 const length = (v) => Math.hypot(...v);
 const cross = ([a, b, c], [d, e, f]) => [b * f - c * e, c * d - a * f, a * e - b * d];
@@ -40,20 +41,6 @@ class Corners {
     }
 }
 
-export function octahedral([x, y, z]) {
-    const sum = Math.abs(x) + Math.abs(y) + Math.abs(z) || 1,
-        [u, v] = [x / sum, y / sum],
-        fold = (a, b) => (1 - Math.abs(b)) * (a >= 0 ? 1 : -1);
-    return z < 0 ? [fold(u, v), fold(v, u)] : [u, v];
-}
-
-// As octahedral code, twice 16 bits.
-export function packDirection(direction) {
-    const [x, y] = octahedral(direction),
-        code = (t) => Math.round(Math.min(Math.max(t, -1), 1) * 32767) & 0xffff;
-    return (code(x) | (code(y) << 16)) >>> 0;
-}
-
 function packColor(rgb) {
     const [r, g, b] = [...rgb].map((x) => Math.floor(Math.min(Math.max(x, 0), 1) * 255 + 0.5));
     return r | (g << 8) | (b << 16);
@@ -67,7 +54,7 @@ function uvPerMeter(positions, uvs) {
     return area > 0 ? Math.sqrt(Math.abs(a[0] * b[1] - a[1] * b[0]) / area) : 0;
 }
 
-function writeTriangle(table, at, corners, triangle, { material, map, emitter }) {
+function writeTriangle(table, at, corners, triangle, { material, map, glass, emitter }) {
     const { words, floats } = corners,
         out = new Float32Array(table.buffer),
         places = corners.of(triangle),
@@ -81,10 +68,11 @@ function writeTriangle(table, at, corners, triangle, { material, map, emitter })
         table[at + 20 + i] = packColor(floats.subarray(place + 14, place + 17));
     });
     table.set(words.subarray(first + kChartsOffset, first + kChartsOffset + 2), at + 6);
-    table[at + 11] = material;
+    table[at + 11] = material + glass.bits;
     const [x, y] = [0, 1].map((axis) => Math.round(floats[first + 20 + axis] - floats[first + 18 + axis]));
     table[at + 18] = ((x & 0xffff) | (y << 16)) >>> 0;
-    table[at + 19] = half(uvPerMeter(places.map((place) => corners.position(place)), uvs));
+    const density = uvPerMeter(places.map((place) => corners.position(place)), uvs);
+    table[at + 19] = (half(density) | (half(glass.thickness) << 16)) >>> 0;
     table[at + 23] = emitter;
 }
 
@@ -181,7 +169,9 @@ export function surfaceRows({ surfaces, trees, materials, images }) {
     const emitters = findEmitters(corners, drawRanges, images),
         emitterOf = new Map(emitters.map(({ triangle }, i) => [triangle, i + 1])),
         numbers = new Map(materials.map((m, i) => [m, i]));
-    const surfaceMaterials = drawRanges.map(({ mesh }) => ({
+    const glass = glassOfSurfaces(surfaces, images, (vertex) => corners.position(kVertexWords * vertex));
+    const surfaceMaterials = drawRanges.map(({ mesh }, i) => ({
+        glass: glass[i],
         material: numbers.get(mesh.material),
         map: placedMap(mesh.material),
     }));

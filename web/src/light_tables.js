@@ -1,8 +1,6 @@
 // What the passes that update light read, as numbers.
 // twin: src/gl/light_update_pass.cpp.
-import { unpackRgb9e5 } from './file.js';
-import { half } from './hit_materials.js';
-import { luminance } from './hit_tables.js';
+import { half, luminance, unpackRgb9e5 } from './file.js';
 import { hashOf } from './sample_numbers.js';
 
 // The bake's irradiance, as if by so many samples; texel size over the distance of what is around: not known to the bake.

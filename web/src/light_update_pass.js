@@ -5,8 +5,8 @@ import { ShaderProgram, addShaders, createFramebuffer, createTexture2D, createTe
 import { prepareUploads, resetState } from './fixed.js';
 import { GuidePass } from './guide_pass.js';
 import { bakedEstimates, kLights, kRays, layoutOf } from './light_tables.js';
-import { ProgramSet, bindHitLights, shadeHits } from './ray_pass.js';
 import { ProbePass } from './probe_pass.js';
+import { ProgramSet } from './programs.js';
 import { hashOf } from './sample_numbers.js';
 import { createTable } from './tables.js';
 import { TexelBatch, batchTarget, kBatchBlocks } from './texel_batch.js';
@@ -191,10 +191,11 @@ export class LightUpdatePass {
 
     shade() {
         const { shade: program, hitLights } = this.programs,
-            { light } = this.targets;
-        shadeHits(program, this.world, this, { spread: 0, regularized: 0 }, () => this.draw(light));
+            { light } = this.targets,
+            { tracing } = this.world.scene;
+        tracing.shadeHits(program, this.world, this, { spread: 0, regularized: 0 }, () => this.draw(light));
         if (this.world.scene.lightCount === 0) return;
-        bindHitLights(hitLights, this.world, this, 0);
+        tracing.bindHitLights(hitLights, this.world, this, 0);
         this.drawAdded(this.targets.indirect);
     }
 

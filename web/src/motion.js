@@ -3,7 +3,6 @@
 // src/core/dynamic/dynamic_scene.cpp.
 import { Matrix3, Matrix4, Vector3 } from 'three';
 import { prepareUploads } from './fixed.js';
-import { poseScene } from './posed_trees.js';
 import { movedTile } from './tile_patch.js';
 import { kVertexWords } from './surfaces.js';
 
@@ -158,6 +157,6 @@ export class MovedSurfaces {
         const { motion, posed } = this;
         if (posed === motion.revision) return;
         this.posed = motion.revision;
-        poseScene(scene, motion, posed);
+        scene.tracing.poseScene(scene, motion, posed);
     }
 }

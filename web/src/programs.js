@@ -71,3 +71,19 @@ export class Programs {
         for (const name of ['depth', 'preview', 'lobes', 'lookup', 'pool', 'display']) this[name]?.dispose();
     }
 }
+
+// Programs that are compiled together.
+export class ProgramSet {
+    // `all`: the programs by their names.
+    constructor(all) {
+        this.all = all;
+    }
+
+    isReady() {
+        return Object.values(this.all).every((program) => program.isReady());
+    }
+
+    dispose() {
+        Object.values(this.all).forEach((program) => program.dispose());
+    }
+}

@@ -2,6 +2,7 @@
 // of its own here, because three.js's shadow maps are not those of the shaders.
 // twin: src/gl/ray_pass.cpp.
 import { ShaderProgram } from './gl.js';
+import { ProgramSet } from './programs.js';
 import { placeNumbers, sampleNumberTables } from './sample_numbers.js';
 
 // Texture units; those of a pixel's lobes come first.
@@ -16,27 +17,12 @@ const kRegularized = 0.5;
 // twin: kCountedRays in shaders/reflection_guides.frag.
 const kCountedRays = 64;
 
-// Programs that are compiled together.
-export class ProgramSet {
-    // `all`: the programs by their names.
-    constructor(all) {
-        this.all = all;
-    }
-
-    isReady() {
-        return Object.values(this.all).every((program) => program.isReady());
-    }
-
-    dispose() {
-        Object.values(this.all).forEach((program) => program.dispose());
-    }
-}
-
 export class RayPrograms extends ProgramSet {
-    // `defines`: of all passes; `hasOpacity`: whether rays pass some surfaces.
-    constructor(gl, { defines, scrambles, hasOpacity }) {
-        const ofLookup = scrambles ? [...defines, 'SCRAMBLES'] : defines,
-            ofTrees = hasOpacity ? [...defines, 'BVH_OPACITY'] : defines;
+    // `defines`: of all passes; `hasOpacity`: whether rays pass some surfaces; `hasGlass`: whether any is glass.
+    constructor(gl, { defines, scrambles, hasOpacity, hasGlass }) {
+        const all = hasGlass ? [...defines, 'GLASS'] : defines,
+            ofLookup = scrambles ? [...all, 'SCRAMBLES'] : all,
+            ofTrees = hasOpacity ? [...all, 'BVH_OPACITY'] : all;
         const fullscreen = (file, more) => new ShaderProgram(gl, 'fullscreen.vert', file, more);
         super({
             lobes: new ShaderProgram(gl, 'surface.vert', 'lobes.frag', [...defines, 'TRACED']),
@@ -218,6 +204,13 @@ export class RayPass {
         program.bind('guides', kGuidesUnit, gl.TEXTURE_2D, targets.guides);
     }
 
+    // What rays meet, in the units after the trees'.
+    bindSurfaces(program) {
+        const { gl, scene, passes } = this;
+        scene.bindHits(program, kAfterTrees);
+        program.bind('splitSumTable', kAfterTrees + kHitUnits, gl.TEXTURE_2D, passes.splitSum);
+    }
+
     setNumbers(program, tables = this.numbers) {
         for (const [name, numbers] of Object.entries(tables)) program.set(name, numbers);
     }
@@ -240,6 +233,7 @@ export class RayPass {
         this.bindLobes(program, lobe);
         this.bindPixels(program);
         this.scene.bindTrees(program, kTreesUnit);
+        if (this.scene.hasGlass) this.bindSurfaces(program);
         this.bindEye(program);
         this.setNumbers(program);
         program.set('ray', ray);
@@ -267,15 +261,14 @@ export class RayPass {
     }
 
     traceLights(lobe) {
-        const { gl, targets, scene, passes } = this,
+        const { gl, targets, scene } = this,
             { lights: program } = this.programs,
             { lightSamples } = this.rays;
         program.use();
         this.bindLobes(program, lobe);
         this.bindPixels(program);
         scene.bindTrees(program, kTreesUnit);
-        scene.bindHits(program, kAfterTrees);
-        program.bind('splitSumTable', kAfterTrees + kHitUnits, gl.TEXTURE_2D, passes.splitSum);
+        this.bindSurfaces(program);
         program.bind('rayWeights', kAfterTrees + kHitUnits + 1, gl.TEXTURE_2D, targets.indirectSums);
         this.bindEye(program);
         program.set('brightest', scene.brightest);

@@ -16,8 +16,8 @@ const kMaxRadiance = 65504;
 
 export class RayScene {
     constructor(gl, renderer, bake, noVertices) {
-        const { trees, surfaces } = bake;
-        Object.assign(this, { gl, renderer, trees, surfaces, noVertices });
+        const { trees, surfaces, tracing } = bake; // the last is ray_tracing.js, for what is loaded elsewhere
+        Object.assign(this, { gl, renderer, trees, surfaces, tracing, noVertices });
         prepareUploads(gl);
         this.nodes = createTable(gl, gl.RGBA32UI, trees.nodes);
         this.root = trees.root;

@@ -1,7 +1,6 @@
 // Whether a picture's reflections are traced, by how many rays, and what that takes.
 import { PassTimer } from './pass_timer.js';
-import { RayPass, RayPrograms } from './ray_pass.js';
-import { RayScene } from './ray_scene.js';
+import { isGlass } from './material.js';
 import { costAfter, costFromLookup, kMaxLevel, levelFor, raysOf } from './ray_budget.js';
 
 export class Rays {
@@ -47,13 +46,16 @@ export class Rays {
 
     // Whether all is there; begins to load and to compile what is not.
     prepare(light, features, mayWait) {
-        const { trees } = light.bake;
+        const { trees, tracing, surfaces } = light.bake;
         if (!trees) {
             light.loadTrees();
             return false;
         }
-        const hasOpacity = trees.firstTransparent < trees.order.length;
-        this.programs ??= new RayPrograms(this.gl, { ...features, hasOpacity });
+        const hasOpacity = trees.firstTransparent < trees.order.length,
+            hasGlass = surfaces.drawRanges.some(({ mesh }) => isGlass(mesh.material));
+        if (hasGlass !== this.hasGlass) this.dropPrograms();
+        this.hasGlass = hasGlass;
+        this.programs ??= new tracing.RayPrograms(this.gl, { ...features, hasOpacity, hasGlass });
         return (mayWait && light.waitsForPrograms) || this.programs.isReady();
     }
 
@@ -68,7 +70,7 @@ export class Rays {
 
     // pre: the level is above 0. `frame`: see RayPass.
     passOf(light, frame) {
-        return new RayPass({
+        return new light.bake.tracing.RayPass({
             gl: this.gl,
             noVertices: this.noVertices,
             programs: this.programs,
@@ -81,7 +83,7 @@ export class Rays {
 
     // What rays meet, as it is now. pre: the trees are there.
     sceneOf(light) {
-        this.scene ??= new RayScene(this.gl, this.renderer, light.bake, this.noVertices);
+        this.scene ??= new light.bake.tracing.RayScene(this.gl, this.renderer, light.bake, this.noVertices);
         this.scene.update(light);
         return this.scene;
     }

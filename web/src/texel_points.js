@@ -1,7 +1,6 @@
 // Where the texels of the atlas are in the room, from which their rays begin.
 // twin: src/core/atlas/texel_points.cpp, src/core/atlas/atlas_raster.h, src/gl/texel_points.cpp.
-import { kNoChart } from './file.js';
-import { packDirection } from './hit_tables.js';
+import { kNoChart, packDirection } from './file.js';
 import { kVertexWords } from './surfaces.js';
 
 const kGutterReach = 8; // texels

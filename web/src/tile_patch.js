@@ -2,7 +2,7 @@
 // twin: shaders/lib/tile_patch.glsl, src/core/phatexel/tile_patch.cpp; the frame: shaders/lib/frame.glsl; the normal:
 // packOctahedral24 in src/core/phatexel/phatexture.cpp.
 import { Vector3 } from 'three';
-import { octahedral } from './hit_tables.js';
+import { octahedral } from './file.js';
 
 const kMaxCode = 4095;
 const kAngles = 4096;
