@@ -198,7 +198,8 @@ void addWebCommand(CLI::App& app) {
     declareExposure(*command, *exposure);
     CLI::Option* quiet = command->add_flag("--quiet")->description("Say nothing");
     command->footer(
-        "The folder is complete: no other site is asked for anything. Browsers load it from a web server\n"
+        "The folder is complete: no other site is asked for anything. One with files of others is refused;\n"
+        "what is put beside a page later stays. Browsers load it from a web server\n"
         "only, e.g.: python3 -m http.server --directory room-site\n"
         "Example: phat web room.phat.glb -o room-site");
     command->callback([=] {

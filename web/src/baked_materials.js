@@ -14,8 +14,9 @@ export class BakedMaterials {
         this.all = new Map();
     }
 
+    // pre: a MeshStandardMaterial.
     adopt(material) {
-        if (!material.isMeshStandardMaterial || this.all.has(material)) return;
+        if (this.all.has(material)) return;
         const { uniforms, undo } = injectLight(material, this.corner);
         const undoDraw = chainHook(material, 'onBeforeRender', (own) => (renderer, scene, camera, ...rest) => {
             own.call(material, renderer, scene, camera, ...rest);

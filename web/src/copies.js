@@ -1,5 +1,5 @@
-// Meshes that share their geometry with surfaces of a bake: clones of a room or of its parts, and instances. They show the
-// light that their surface has in the bake, as if all of the room had moved along.
+// Meshes that share their geometry with surfaces of a bake: clones of a room or of its parts, and instances. They
+// show the light that their surface has in the bake, as if all of the room had moved along.
 import { Matrix4 } from 'three';
 
 const kNoMatrices = [null];
@@ -14,7 +14,8 @@ function instancesOf(mesh) {
     });
 }
 
-// Calls `found(mesh, range, worldFromRoot)` for each copy in a scene of a surface of `drawRanges`, which `range` numbers.
+// Calls `found(mesh, range, worldFromRoot)` for each copy in a scene of a surface of `drawRanges`, of which `range` is
+// the number.
 export function findCopies(scene, drawRanges, found) {
     const own = new Set(drawRanges.map(({ mesh }) => mesh)),
         byGeometry = new Map();

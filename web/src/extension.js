@@ -69,7 +69,7 @@ export class BakedLight {
         this.disposed = false; // whether the light will never be drawn again
         this.materials = new BakedMaterials((...picture) => this.draw(...picture));
         this.undo = bake.surfaces.drawRanges.map(({ mesh }) => {
-            this.adopt(mesh.material);
+            if (mesh.material.isMeshStandardMaterial) this.adopt(mesh.material);
             // Where materials are not asked, as by WebGPURenderer.
             return chainHook(mesh, 'onBeforeRender', (own) => (renderer, ...rest) => {
                 own.call(mesh, renderer, ...rest);
@@ -86,6 +86,8 @@ export class BakedLight {
 
     // Lets a material with which the page replaces one of the room show the light, too.
     adopt(material) {
+        if (!material.isMeshStandardMaterial)
+            throw new TypeError('only MeshStandardMaterial and MeshPhysicalMaterial show baked light');
         this.materials.adopt(material);
     }
 
@@ -192,8 +194,8 @@ export class BakedLight {
         return !lack;
     }
 
-    // Before a surface is drawn: the light of the picture that it is drawn in. Post-processing that draws with materials
-    // of its own shows none.
+    // Before a surface is drawn: the light of the picture that it is drawn in. Post-processing that draws with
+    // materials of its own shows none.
     draw(renderer, scene, camera) {
         if (!this.canDraw(renderer)) return;
         if (!this.renderings.has(renderer)) this.renderings.set(renderer, new Rendering(renderer));

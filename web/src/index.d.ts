@@ -98,7 +98,7 @@ export class BakedLight {
     remove(object: Object3D): void;
     /**
      * Lets a MeshStandardMaterial with which the page replaces one of the room's show the light. The file's own do so anyway,
-     * with hooks (`onBeforeCompile`) of the page's, too.
+     * with hooks (`onBeforeCompile`) of the page's, too. Throws where it is none.
      */
     adopt(material: Material): void;
     /** Frees what is on the GPU. As with all of three.js, what is drawn again is made again. */

@@ -55,8 +55,8 @@ function prepareShadow(light, meshes, box, unitMeters) {
     shadow.camera.updateProjectionMatrix();
 }
 
-// A surface is held against a shadow map from before it, along its normal. Files may leave normals out: then they are those
-// of the triangles.
+// A surface is looked up in a shadow map a little before it, along its normal. Files may leave normals out: then they
+// are those of the triangles.
 function completeNormals(mesh) {
     const { geometry } = mesh;
     if (geometry.attributes.normal) return;

@@ -9,8 +9,11 @@ const pages = new LightPages();
 before(() => pages.begin());
 after(() => pages.end());
 
-// Of the scripts and parts that the page has asked for.
-const names = (requests) => requests.map((url) => url.split('/').at(-1)).filter((name) => name.endsWith('.js'));
+// Of the scripts that the page has asked for, without their hashes.
+const names = (requests) =>
+    requests
+        .map((url) => url.split('/').at(-1).replace(/\.\w{8}(?=\.\w+$)/, ''))
+        .filter((name) => name.endsWith('.js'));
 
 test('a lamp that is dimmed by half leaves half of the light, and the untouched room is what it was', async (t) => {
     const page = await pages.open(t, await pages.bake('one', { ceiling: 8 })),

@@ -118,7 +118,7 @@ test('instances of a part show the light that it has', async () => {
 });
 
 test('a material in place of the baked one shows the light once it is adopted', async () => {
-    const { still, replaced, adopted } = await page.evaluate(async () => {
+    const { still, replaced, adopted, refusal } = await page.evaluate(async () => {
         const world = await load(true),
             result = { still: draw(world) };
         const copies = new Map();
@@ -129,11 +129,17 @@ test('a material in place of the baked one shows the light once it is adopted', 
         result.replaced = draw(world);
         copies.forEach((material) => world.light.adopt(material));
         result.adopted = draw(world);
+        try {
+            world.light.adopt(new THREE.MeshToonMaterial());
+        } catch ({ message }) {
+            result.refusal = message;
+        }
         world.light.detach();
         return result;
     });
     assert.ok(maeOverMean(replaced, still) > 0.2, 'by three.js alone');
     assert.ok(maeOverMean(adopted, still) < 1e-6, `${maeOverMean(adopted, still)}`);
+    assert.match(refusal, /only MeshStandardMaterial/);
 });
 
 test('hooks of the page and those of the bake live side by side', async () => {

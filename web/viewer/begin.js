@@ -16,7 +16,8 @@
     });
     if (location.protocol === 'file:')
         globalThis.sayFailure(
-            'Browsers do not load a room from a file. Open this page from a web server, e.g. that of: python3 -m http.server',
+            'Browsers do not load a room from a file. Open this page from a web server, ' +
+                'e.g. that of: python3 -m http.server',
         );
     // Scripts that are missing or not allowed, whose events do not bubble, and such as cannot be parsed.
     addEventListener(

@@ -15,7 +15,7 @@ function lackOfBrowser(context) {
     if (!context.getExtension('EXT_color_buffer_float'))
         return 'This room needs WebGL 2 with float render targets, which this browser or device does not offer.';
     if (typeof DecompressionStream === 'undefined')
-        return 'This room needs a newer browser, with DecompressionStream: Chrome 80, Firefox 113, Safari 16.4 or later.';
+        return 'This room needs a newer browser, with DecompressionStream (Chrome 80, Firefox 113, Safari 16.4).';
     return '';
 }
 

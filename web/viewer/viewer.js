@@ -42,14 +42,18 @@ function createRenderer(context) {
     return renderer;
 }
 
-// Four things that three.js does to punctual light, and glTF's appendix B, its spots and hence the bake do not: a highlight
-// is blunted where normals turn within a pixel (here many pictures are averaged), and brightened on rough metals for light
-// that would be reflected twice; a light nearer than 10 cm counts as that far; and spots have another profile.
+// Four things that three.js does to punctual light, and glTF and hence the bake do not: a highlight is blunted where
+// normals turn within a pixel (here many pictures are averaged), and brightened on rough metals for light that would
+// be reflected twice; a light nearer than 10 cm counts as that far; and spots have another profile.
 function keepToGltf(material) {
     const { onBeforeCompile, customProgramCacheKey } = material;
     const edits = [
         ['lights_physical_fragment', /.* \+= geometryRoughness;/g, ''],
-        ['lights_pars_begin', 'pow( lightDistance, decayExponent ), 0.01', 'pow( lightDistance, decayExponent ), 1e-30'],
+        [
+            'lights_pars_begin',
+            'pow( lightDistance, decayExponent ), 0.01',
+            'pow( lightDistance, decayExponent ), 1e-30',
+        ],
         [
             'lights_pars_begin',
             'smoothstep( coneCosine, penumbraCosine, angleCosine )',
