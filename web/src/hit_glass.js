@@ -6,8 +6,8 @@ import { isGlass } from './material.js';
 const kGlass = 0x80000000,
     kVolume = 0x40000000;
 
-// Finds out whether triangles close a volume: each edge is run through as often in one direction as in the other.
-// Vertices are one where they have the same position.
+// Finds out whether triangles close a volume: each edge is run through as often in one direction as in the
+// other. Vertices are one where they have the same position.
 function isClosed(ranges, { indices }, positionAt) {
     const balance = new Map();
     for (const { first, count } of ranges)
@@ -31,8 +31,8 @@ export function glassOfSurfaces(surfaces, images, positionAt) {
             { material: m } = mesh;
         if (!isGlass(m)) return { bits: 0, thickness: 0 };
         // The surfaces of one node are meshes of a group.
-        const ofNode = (other) =>
-            other === range || (mesh.parent?.isGroup && other.mesh.parent === mesh.parent && mayBoundVolume(other.mesh));
+        const isBeside = (other) => mesh.parent?.isGroup && other.parent === mesh.parent && mayBoundVolume(other),
+            ofNode = (other) => other === range || isBeside(other.mesh);
         const bounds = (ranges) => isClosed(ranges, surfaces, positionAt);
         if (mayBoundVolume(mesh) && (bounds([range]) || bounds(drawRanges.filter(ofNode))))
             return { bits: kGlass + kVolume, thickness: 0 };

@@ -109,5 +109,6 @@ export function structureOf(m) {
     ];
     const place = (t) => (t ? [t.uuid, t.version, t.channel, t.wrapS, t.wrapT, ...matrixOf(t)] : 0);
     const shines = emissionOf(m).some((x) => x > 0);
-    return `${shines} ${isGlass(m) && m.thickness} ${m.side} ${m.transparent} ${m.opacity} ${m.alphaTest} ${maps.map(place)}`;
+    const glass = isGlass(m) && m.thickness;
+    return `${shines} ${glass} ${m.side} ${m.transparent} ${m.opacity} ${m.alphaTest} ${maps.map(place)}`;
 }
