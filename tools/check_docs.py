@@ -22,7 +22,7 @@ DOCUMENTS = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "scene
 NOT_STORED = re.compile(r"(build|out)/|.*(room|/share/)|PREFIX/")
 # Flags of other programs that the documents mention.
 OTHER_FLAGS = {"--preset", "--build", "--target", "--test-dir", "--gtest_filter", "--benchmark_format", "--help", "--version",
-               "--install-links", "--exclude"}
+               "--install-links", "--exclude", "--install", "--prefix", "--rm"}
 
 LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
 CODE = re.compile(r"`([^`]+)`")
