@@ -55,8 +55,8 @@ double meanRadiance(const phat::PhatexelLayer& layer, const std::vector<phat::Gu
                     const phat::Atlas& atlas) {
     double sum = 0;
     uint64_t count = 0;
-    for (uint32_t y = 0; y < atlas.height; ++y)
-        for (uint32_t x = 0; x < atlas.width; ++x) {
+    for (uint32_t y = 0; y < atlas.sizeTexels.y; ++y)
+        for (uint32_t x = 0; x < atlas.sizeTexels.x; ++x) {
             const phat::Phatexel phatexel = phat::phatexelAt(layer, guides, atlas, {x, y});
             if (!phatexel.valid) continue;
             sum += phatexel.radiance.g;

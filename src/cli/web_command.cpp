@@ -160,9 +160,9 @@ void writeSite(const WebOptions& options) {
     const std::map<std::string, std::string> viewer = readViewer(siteFolder());
     std::set<std::string> names{kPage, kPoster};
     for (const auto& [name, text] : viewer) names.insert(name);
-    SiteFolder site(options.site, options.input, names);
-    std::string page = readPage(options);
     const WebParts parts = splitForWeb(source, kPartsStem);
+    std::string page = readPage(options);
+    SiteFolder site(options.site, options.input, names);
     catchInterrupts();
     ProgressBar progress(progressStyle(options.quiet), {});
     const Poster poster = drawPoster(options, site, progress);

@@ -31,7 +31,7 @@ const std::string kScene = PHAT_SOURCE_DIR "/scenes/tabletop.glb";
 std::vector<std::string> bakeArguments(const std::string& out, const std::string& resolution,
                                        const std::string& paths, const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"bake", kScene, "-o", out, "--photons", "2k", "--bounces", "3"};
-    arguments.insert(arguments.end(), {"--resolution", resolution, "--paths", paths});
+    arguments.insert(arguments.end(), {"--resolution", resolution, "--paths", paths, "--probes", "64"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
 }
@@ -123,11 +123,14 @@ TEST(ConductBake, SaysWhereAResolutionCannotBeKept) {
     const TemporaryFolder folder;
     const auto noteOf = [&](const Scene& scene, const std::vector<std::string>& more) {
         test::writeGltf(folder.file("a.gltf"), scene);
-        std::vector<std::string> arguments = {
-            "bake",    folder.file("a.gltf"), "-o", folder.file("a.phat.glb"),
-            "--json",  "--photons",           "1k", "--paths",
-            "1",       "--bounces",           "1",  "--sky",
-            "sun=0,60"};
+        std::vector<std::string> arguments = {"bake",     folder.file("a.gltf"),
+                                              "-o",       folder.file("a.phat.glb"),
+                                              "--json",   "--photons",
+                                              "1k",       "--paths",
+                                              "1",        "--bounces",
+                                              "1",        "--sky",
+                                              "sun=0,60", "--probes",
+                                              "none"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         const ProgramResult result = runPhat(arguments);
         EXPECT_EQ(result.exitCode, 0) << result.err;

@@ -118,7 +118,7 @@ TEST_F(CompareCommand, BadInputIsOneSentence) {
     expectFailure(runPhat({"compare", testPath, referencePath, "--mask", folder.file("small.exr")}),
                   folder.file("small.exr"), "is 8 x 12 pixels, but");
     expectFailure(runPhat({"compare", folder.file("missing.exr"), referencePath}), folder.file("missing.exr"),
-                  "No such file");
+                  "no such file");
     writeExr(folder.file("black.exr"), Image(16, 12));
     expectFailure(runPhat({"compare", testPath, referencePath, "--mask", folder.file("black.exr")}),
                   folder.file("black.exr"), "keeps no pixel");

@@ -29,7 +29,7 @@ ProgramResult bakeAndRender(const fs::path& input) {
     const TemporaryFolder folder;
     const std::string baked = folder.file("baked.glb"), picture = folder.file("picture.exr");
     const auto bake = runLimited({"bake", input, "-o", baked, "--resolution", "2k", "--photons", "2k",
-                                  "--paths", "1", "--bounces", "4", "--quiet"});
+                                  "--paths", "1", "--bounces", "4", "--probes", "64", "--quiet"});
     if (bake.exitCode != 0) {
         EXPECT_EQ(bake.exitCode, 1) << bake.err;
         const std::string start = "phat: " + input.string() + ": ";

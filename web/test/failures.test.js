@@ -47,7 +47,7 @@ test('says that a server cannot be reached, and shows the room when it can again
     const page = await openWith(t, { glob: '**/room.lamps.*', answer: (route) => route.abort('connectionrefused') });
     assert.match(await failureOf(page), /The server cannot be reached for room\.lamps\.\w+\.bin/);
     await page.unroute('**/room.lamps.*');
-    await page.click('#retry');
+    await Promise.all([page.waitForNavigation(), page.click('#retry')]);
     await loaded(page);
     assert.equal(await page.isVisible('#retry'), false);
 });

@@ -51,15 +51,17 @@ export async function rendered(file) {
     return (await readExr(picture)).pixels;
 }
 
-// Sets lamps by name, and draws until the light has settled. Returns how many pictures that took.
-export const settled = (page, settings) =>
-    page.evaluate(async (all) => {
-        const { light } = viewer;
+// Sets lamps by name, and draws until the light has settled, or each texel has had `rounds` rays. Returns how many pictures
+// that took.
+export const settled = (page, settings, rounds = Infinity) =>
+    page.evaluate(async ([all, most]) => {
+        const { light } = viewer,
+            isDone = () => light.isSettled || light.updates.last?.order.rounds.every((made) => made >= most);
         light.updateMilliseconds = Infinity;
         light.waitsForPrograms = true;
         for (const lamp of await light.lights) Object.assign(lamp, all[lamp.name]);
         let pictures = 0;
-        for (; !light.isSettled; ++pictures) {
+        for (; !isDone(); ++pictures) {
             viewer.changed();
             viewer.addSample('fast', 1);
             await new Promise((done) => {
@@ -67,6 +69,6 @@ export const settled = (page, settings) =>
             });
         }
         return pictures;
-    }, settings);
+    }, [settings, rounds]);
 
 export const errorOf = (page) => page.evaluate(() => viewer.renderer.getContext().getError());

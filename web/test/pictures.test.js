@@ -74,10 +74,10 @@ test('draws what phat render draws: gallery by both', async (t) => {
 
 // three.js's own light and its shadows have lengths, too.
 for (const factor of [1000, 0.001])
-    test(`draws what phat render draws: gallery ${factor} times as large`, async (t) => {
-        const { value: gallery, dispose } = await borrowRoom(`gallery x ${factor}`);
+    test(`draws what phat render draws: lamps ${factor} times as far away`, async (t) => {
+        const { value: lamps, dispose } = await borrowRoom(`lamps x ${factor}`);
         t.after(dispose);
-        await comparePictures(t, gallery, 'gl-egl', viewport);
+        await comparePictures(t, lamps, 'gl-egl', viewport);
     });
 
 // Light that three.js draws, with its shadows: the sun's patch on the floor, the cones of a shade and of a spot.

@@ -6,6 +6,7 @@ import { join } from 'node:path';
 import { promisify } from 'node:util';
 import { FloatType } from 'three';
 import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';
+import { lampRoom } from './lamp_room.js';
 import { shared } from './shared.js';
 
 const program = process.env.PHAT ?? new URL('../../build/dev/phat', import.meta.url).pathname;
@@ -17,9 +18,8 @@ export async function phat(...args) {
 
 // A scene with every length times `factor`. A lamp at a point needs the square of it, to be as bright from so much
 // farther away.
-async function scaledGlb(path, factor) {
-    const bytes = await readFile(path),
-        end = 20 + bytes.readUInt32LE(12),
+function scaledGlb(bytes, factor) {
+    const end = 20 + bytes.readUInt32LE(12),
         gltf = JSON.parse(bytes.subarray(20, end).toString());
     const scene = gltf.scenes[gltf.scene ?? 0];
     gltf.nodes.push({ scale: [factor, factor, factor], children: scene.nodes });
@@ -40,17 +40,15 @@ async function scaledGlb(path, factor) {
     return Buffer.concat([head, json, bytes.subarray(end)]);
 }
 
-// tabletop: area lights, a textured metal and diffuse things; gallery has a point light, too. Small, because
-// SwiftShader draws it. 'gallery x 1000' is a thousand times as large.
+// tabletop: area lights, a textured metal and diffuse things; gallery has a point light, too; lamps: both, and few texels.
+// Small, because SwiftShader draws it. 'lamps x 1000' is a thousand times as large.
 async function makeRoom(name) {
-    const [scene, factor] = name.split(' x ');
-    const folder = await mkdtemp(join(tmpdir(), 'phat-web-'));
-    let source = join(scenes, `${scene}.glb`);
-    if (factor) {
-        const scaled = await scaledGlb(source, Number(factor));
+    const [scene, factor = 1] = name.split(' x '),
+        isMade = scene === 'lamps',
+        bytes = isMade ? Buffer.from(lampRoom({ ceiling: 8, point: 6 })) : await readFile(join(scenes, `${scene}.glb`));
+    const folder = await mkdtemp(join(tmpdir(), 'phat-web-')),
         source = join(folder, `${scene}.glb`);
-        await writeFile(source, scaled);
-    }
+    await writeFile(source, factor === 1 ? bytes : scaledGlb(bytes, Number(factor)));
     const file = join(folder, `${scene}.phat.glb`),
         site = join(folder, 'site');
     await phat(
@@ -59,7 +57,7 @@ async function makeRoom(name) {
         '-o',
         file,
         '--resolution',
-        '200k',
+        isMade ? '8k' : '200k',
         '--photons',
         '100000',
         '--quiet',

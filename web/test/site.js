@@ -49,7 +49,7 @@ export async function open(browser, url, { prepare, size = viewport, query = '' 
 
 // Resolves when the reflections are there, too.
 export async function loaded(page) {
-    await page.waitForFunction(() => document.getElementById('loading').hidden);
+    await page.waitForFunction(() => document.getElementById('loading')?.hidden);
     assert.equal(await page.textContent('#message'), '');
     return page;
 }
