@@ -24,24 +24,31 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libembree-dev, libtbb-dev, libglm-dev, libnanoflann-dev, libstb-dev, pkg-config | pkgconf")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
 "Bakes the indirect light of a glTF scene into a texture that stores one
- sample of incident radiance per texel. From these samples glossy surfaces
- are drawn with reflections that follow the eye, in a window, in pictures,
- and on web pages; roughness, colour and view may change after the bake.")
+sample of incident radiance per texel. From these samples glossy surfaces
+are drawn with reflections that follow the eye, in a window, in pictures,
+and on web pages; roughness, colour and view may change after the bake.")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
 "The algorithms of phatextures as a static library with headers and a CMake
- package: charts, path tracing, photons, PHATexels, the bake.")
+package: charts, path tracing, photons, PHATexels, the bake.")
 
 # Policy asks for a changelog, compressed without a date.
 string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
-foreach(package phatextures libphatextures-dev)
+foreach(component program development)
+    string(TOUPPER ${component} upper)
+    set(package ${CPACK_DEBIAN_${upper}_PACKAGE_NAME})
     set(changelog ${binary}/debian/${package}/changelog.Debian)
-    file(CONFIGURE OUTPUT ${changelog} CONTENT [[
-@package@ (@PROJECT_VERSION@-1) stable; urgency=medium
+    file(CONFIGURE OUTPUT ${changelog} @ONLY CONTENT
+"@package@ (@PROJECT_VERSION@-@CPACK_DEBIAN_PACKAGE_RELEASE@) stable; urgency=medium
 
   * See CHANGELOG.md of the sources.
 
- -- The PHATextures authors <phatextures@users.noreply.github.com>  @date@
-]] @ONLY)
-    file(ARCHIVE_CREATE OUTPUT ${changelog}.gz PATHS ${changelog} FORMAT raw COMPRESSION GZip)
+ -- @CPACK_DEBIAN_PACKAGE_MAINTAINER@  @date@
+")
+    execute_process(COMMAND gzip -9nkf ${changelog} COMMAND_ERROR_IS_FATAL ANY)
+    # It is no package of Debian's archive, where a first upload closes a bug.
+    file(WRITE ${binary}/debian/${package}/overrides "${package}: initial-upload-closes-no-bugs\n")
+    install(FILES ${binary}/debian/${package}/overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides
+        RENAME ${package} COMPONENT ${component})
+    install(FILES ${changelog}.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package} COMPONENT ${component})
 endforeach()
 include(CPack)
