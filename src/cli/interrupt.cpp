@@ -25,8 +25,8 @@ void catchInterrupts() {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         struct sigaction before {};
         sigaction(signal, nullptr, &before);
-        if (before.sa_handler != SIG_IGN)
-            sigaction(signal, &action, nullptr);  // nohup, or a shell's background
+        // Else by nohup, or as a shell's job in the background.
+        if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);
     }
 }
 

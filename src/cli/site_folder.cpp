@@ -5,6 +5,7 @@
 
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
+#include "io/phat/phat_payload.h"
 
 namespace phat {
 namespace {
@@ -14,10 +15,6 @@ namespace fs = std::filesystem;
 constexpr const char* kList = "phat-web.txt";
 constexpr const char* kFirstLine =
     "Files that `phat web` wrote. It replaces and removes these, and no others:";
-
-std::span<const uint8_t> bytesOf(const std::string& text) {
-    return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
-}
 
 bool isFileName(const std::string& name) {
     return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos;
@@ -61,7 +58,7 @@ void SiteFolder::checkOwn(const std::string& input) const {
 void SiteFolder::writeList(const std::set<std::string>& names) const {
     std::string text = std::string(kFirstLine) + "\n";
     for (const std::string& name : names) text += name + "\n";
-    replaceFile(file(kList), bytesOf(text));
+    replaceFile(file(kList), bytesOf(std::span<const char>(text)));
 }
 
 void SiteFolder::write(const std::string& name, std::span<const uint8_t> bytes) {
@@ -75,7 +72,7 @@ void SiteFolder::write(const std::string& name, std::span<const uint8_t> bytes) 
 }
 
 void SiteFolder::write(const std::string& name, const std::string& text) {
-    write(name, bytesOf(text));
+    write(name, bytesOf(std::span<const char>(text)));
 }
 
 void SiteFolder::finish() {

@@ -160,16 +160,21 @@ export function emittersOf(surfaces, images) {
     return emitterRows(findEmitters(new Corners(surfaces), surfaces.drawRanges, images));
 }
 
+// How rays pass the surfaces, wherever they are moved: what surfaceRows takes for `glass`.
+export function glassRows(surfaces, images) {
+    const corners = new Corners(surfaces);
+    return glassOfSurfaces(surfaces, images, (vertex) => corners.position(kVertexWords * vertex));
+}
+
 // What a table has of the surfaces: { emitters, trianglesOf }, the second of which returns the rows of `count` triangles in the
 // order of the leaves, from the one at `first` on.
-export function surfaceRows({ surfaces, trees, materials, images }) {
+export function surfaceRows({ surfaces, trees, materials, images, glass }) {
     const corners = new Corners(surfaces),
         { drawRanges } = surfaces,
         { order, surfaceOf } = trees;
     const emitters = findEmitters(corners, drawRanges, images),
         emitterOf = new Map(emitters.map(({ triangle }, i) => [triangle, i + 1])),
         numbers = new Map(materials.map((m, i) => [m, i]));
-    const glass = glassOfSurfaces(surfaces, images, (vertex) => corners.position(kVertexWords * vertex));
     const surfaceMaterials = drawRanges.map(({ mesh }, i) => ({
         glass: glass[i],
         material: numbers.get(mesh.material),

@@ -5,7 +5,7 @@ import { prepareUploads } from './fixed.js';
 import { HitImages } from './hit_images.js';
 import { structureOf } from './hit_materials.js';
 import { createOpacity } from './hit_opacity.js';
-import { brightestRadiance, emittersOf, hasColors, hitTable, kEmitterWords, materialRows } from './hit_tables.js';
+import { brightestRadiance, emittersOf, glassRows, hasColors, hitTable, kEmitterWords, materialRows } from './hit_tables.js';
 import { lightTable } from './light_table.js';
 import { isGlass } from './material.js';
 import { createTable, kTableWidth } from './tables.js';
@@ -62,7 +62,8 @@ export class RayScene {
         ++this.revision;
         const images = (this.images = new HitImages(gl, renderer, materials, noVertices)),
             rows = (this.rows = materialRows(materials, images, this.colored)),
-            { table, ...hits } = hitTable({ surfaces, trees, materials, images, rows });
+            glass = (this.glass = glassRows(surfaces, images)),
+            { table, ...hits } = hitTable({ surfaces, trees, materials, images, glass, rows });
         this.hits = { ...hits, table: createTable(gl, gl.RGBA32UI, table) };
         if (trees.firstTransparent < trees.order.length)
             this.opacity = createOpacity(gl, renderer, { surfaces, trees, materials }, noVertices);

@@ -1,20 +1,13 @@
 // The plug-in in pages that draw otherwise than by one call of `renderer.render` to the canvas.
 import assert from 'node:assert/strict';
-import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { borrowBrowser, serve } from './browser.js';
-import { borrowRoom, maeOverMean, meanOf } from './room.js';
+import { maeOverMean, meanOf } from './room.js';
+import { openPluginRoom } from './site.js';
 
-const repository = new URL('../../', import.meta.url).pathname;
-let borrowed, browser, room, server, page;
+let page, close;
 
 before(async () => {
-    borrowed = await Promise.all([borrowBrowser('swiftshader'), borrowRoom('tabletop')]);
-    [browser, room] = borrowed.map(({ value }) => value);
-    server = await serve(join(repository, 'web'), '/', { 'test/room.phat.glb': room.file });
-    page = await browser.newPage();
-    await page.goto(`${server.url}test/plugin.html`);
-    await page.waitForFunction(() => globalThis.ready);
+    ({ page, close } = await openPluginRoom());
     await page.evaluate(async () => {
         const names = ['EffectComposer', 'RenderPass', 'UnrealBloomPass', 'GTAOPass', 'OutputPass'];
         for (const name of names)
@@ -31,11 +24,7 @@ before(async () => {
         globalThis.bloom = (strength) => new UnrealBloomPass(new THREE.Vector2(160, 90), strength, 0.5, 0.5);
     });
 });
-after(async () => {
-    await page?.close();
-    server?.close();
-    for (const { dispose } of borrowed ?? []) await dispose();
-});
+after(() => close?.());
 
 // Half floats between the passes round to 2^-11 of a value, bytes to half a step: two steps of 255 are
 // allowed.

@@ -5,31 +5,23 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import validator from 'gltf-validator';
-import { borrowBrowser, serve } from './browser.js';
 import { GlbBuilder } from './built_room.js';
-import { borrowRoom, maeOverMean, meanOf, partOf, phat, readExr } from './room.js';
+import { maeOverMean, meanOf, partOf, phat, readExr } from './room.js';
+import { openPluginRoom } from './site.js';
 
 const repository = new URL('../../', import.meta.url).pathname;
-let borrowed, browser, room, server, page, folder;
+let browser, room, server, page, folder, close;
 
 before(async () => {
-    borrowed = await Promise.all([borrowBrowser('swiftshader'), borrowRoom('tabletop')]);
-    [browser, room] = borrowed.map(({ value }) => value);
     folder = await mkdtemp(join(tmpdir(), 'phat-files-'));
-    server = await serve(join(repository, 'web'), '/', {
-        'test/room.phat.glb': room.file,
-        'examples/room.phat.glb': room.file,
+    ({ browser, room, server, page, close } = await openPluginRoom(({ file }) => ({
+        'examples/room.phat.glb': file,
         'test/baked.glb': join(folder, 'baked.glb'),
         'test/thing.glb': join(folder, 'thing.glb'),
-    });
-    page = await browser.newPage();
-    await page.goto(`${server.url}test/plugin.html`);
-    await page.waitForFunction(() => globalThis.ready);
+    })));
 });
 after(async () => {
-    await page?.close();
-    server?.close();
-    for (const { dispose } of borrowed ?? []) await dispose();
+    await close?.();
     if (folder) await rm(folder, { recursive: true });
 });
 

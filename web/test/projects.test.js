@@ -1,21 +1,14 @@
 // The plug-in in projects as they are: clones, instances, materials of their own, rooms that are unmounted and mounted again,
 // other renderers.
 import assert from 'node:assert/strict';
-import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { borrowBrowser, serve } from './browser.js';
-import { borrowRoom, maeOverMean, meanOf } from './room.js';
+import { maeOverMean, meanOf } from './room.js';
+import { openPluginRoom } from './site.js';
 
-const repository = new URL('../../', import.meta.url).pathname;
-let borrowed, browser, room, server, page;
+let page, close;
 
 before(async () => {
-    borrowed = await Promise.all([borrowBrowser('swiftshader'), borrowRoom('tabletop')]);
-    [browser, room] = borrowed.map(({ value }) => value);
-    server = await serve(join(repository, 'web'), '/', { 'test/room.phat.glb': room.file });
-    page = await browser.newPage();
-    await page.goto(`${server.url}test/plugin.html`);
-    await page.waitForFunction(() => globalThis.ready);
+    ({ page, close } = await openPluginRoom());
     await page.evaluate(async () => {
         globalThis.meshesOfRoom = ({ gltf }) => {
             const meshes = [];
@@ -39,11 +32,7 @@ before(async () => {
         };
     });
 });
-after(async () => {
-    await page?.close();
-    server?.close();
-    for (const { dispose } of borrowed ?? []) await dispose();
-});
+after(() => close?.());
 
 // Texels and noise hang on rounded places: single pixels differ where a room is elsewhere.
 const kMoved = 0.01;

@@ -17,17 +17,35 @@ export async function openRoom() {
     return { browser, room, server, close };
 }
 
+async function openPluginPage(browser, files) {
+    const server = await serve(new URL('..', import.meta.url).pathname, '/', files),
+        page = await browser.newPage();
+    await page.goto(`${server.url}test/plugin.html`);
+    await page.waitForFunction(() => globalThis.ready);
+    return { server, page };
+}
+
 // plugin.html with the baked `file` as its room, until the test `t` ends.
 export async function openPlugin(t, browser, file) {
-    const server = await serve(new URL('..', import.meta.url).pathname, '/', { 'test/room.phat.glb': file }),
-        page = await browser.newPage();
+    const { server, page } = await openPluginPage(browser, { 'test/room.phat.glb': file });
     t.after(async () => {
         await page.close();
         server.close();
     });
-    await page.goto(`${server.url}test/plugin.html`);
-    await page.waitForFunction(() => globalThis.ready);
     return page;
+}
+
+// The same with the tabletop, for all tests of a file, and `more` files, a function of the room.
+export async function openPluginRoom(more = () => ({})) {
+    const borrowed = await Promise.all([borrowBrowser('swiftshader'), borrowRoom('tabletop')]),
+        [browser, room] = borrowed.map(({ value }) => value),
+        { server, page } = await openPluginPage(browser, { 'test/room.phat.glb': room.file, ...more(room) });
+    const close = async () => {
+        await page.close();
+        server.close();
+        for (const { dispose } of borrowed) await dispose();
+    };
+    return { browser, room, server, page, close };
 }
 
 // A page of `url` that notes what must not be. `prepare` runs in it first.

@@ -2,6 +2,7 @@
 import { LinearSRGBColorSpace, PerspectiveCamera, Scene, ShaderChunk, Vector2, WebGLRenderer } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { PhatexturesExtension, isSupported, jitterOf, prepareLights } from '../src/index.js';
+import { chainShader } from '../src/hooks.js';
 import { kRelativeCost } from '../src/passes.js';
 import { Navigation, defaultCamera, sphereOf } from './navigation.js';
 import { createPanel } from './panel.js';
@@ -46,7 +47,6 @@ function createRenderer(context) {
 // normals turn within a pixel (here many pictures are averaged), and brightened on rough metals for light that would
 // be reflected twice; a light nearer than 10 cm counts as that far; and spots have another profile.
 function keepToGltf(material) {
-    const { onBeforeCompile, customProgramCacheKey } = material;
     const edits = [
         ['lights_physical_fragment', /.* \+= geometryRoughness;/g, ''],
         [
@@ -61,13 +61,11 @@ function keepToGltf(material) {
         ],
         ['lights_fragment_begin', /(multiScatteringCompensation =).*;/g, '$1 vec3(1.0);'],
     ];
-    material.onBeforeCompile = function (shader, renderer) {
-        onBeforeCompile.call(this, shader, renderer);
+    chainShader(material, 'keepToGltf', (shader) => {
         for (const [name] of edits)
             shader.fragmentShader = shader.fragmentShader.replace(`#include <${name}>`, ShaderChunk[name]);
         for (const [, pattern, by] of edits) shader.fragmentShader = shader.fragmentShader.replaceAll(pattern, by);
-    };
-    material.customProgramCacheKey = () => `keepToGltf ${customProgramCacheKey.call(material)}`;
+    });
 }
 
 function load(url, onProgress) {

@@ -63,7 +63,10 @@ struct RayScene::Bvh {
 
 std::shared_ptr<const RayScene::Bvh> RayScene::buildBvh(const Scene& scene) {
     auto bvh = std::make_shared<Bvh>();
-    if (!bvh->device) throwDeviceError(nullptr);
+    if (!bvh->device) {
+        throwDeviceError(nullptr);
+        throw std::runtime_error("Embree cannot start on this machine");
+    }
     bvh->unitMeters = lengthUnit(scene);
     bvh->scene = rtcNewScene(bvh->device);
     // Without the robust mode rays slip between adjacent triangles.

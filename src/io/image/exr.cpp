@@ -138,7 +138,7 @@ void writePlanes(const std::string& path, int width, int height, const std::vect
 }  // namespace
 
 Image readExr(const std::string& path) {
-    if (const std::string reason = whyNoPlainFile(path); !reason.empty()) throw FileError(path, reason);
+    requirePlainFile(path);
     std::error_code error;
     const uint64_t fileBytes = std::filesystem::file_size(path, error);
     if (error) throw FileError(path, "cannot be read: " + error.message());

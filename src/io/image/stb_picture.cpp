@@ -59,7 +59,7 @@ constexpr stbi_io_callbacks kCallbacks{readStream, skipStream, streamEnded};
 
 struct PictureFile {
     explicit PictureFile(const std::string& filePath) : path(filePath), file(nullptr, std::fclose) {
-        if (const std::string reason = whyNoPlainFile(path); !reason.empty()) throw FileError(path, reason);
+        requirePlainFile(path);
         file.reset(std::fopen(path.c_str(), "rb"));
         std::error_code error;
         bytes = std::filesystem::file_size(path, error);
@@ -67,11 +67,11 @@ struct PictureFile {
             throw FileError(path, fmt::format("cannot be read: {}",
                                               file ? error.message() : std::string(std::strerror(errno))));
         stream.file = file.get();
+        allowDecoding(kHeaderAllowance);
     }
 
     // Sets the size, checked, and goes back to the start.
     void readSize() {
-        allowDecoding(kHeaderAllowance);
         if (!stbi_info_from_callbacks(&kCallbacks, &stream, &width, &height, &channels))
             throw FileError(path, fmt::format("is not a picture: {}", stbi_failure_reason()));
         const uint64_t pixels = uint64_t(width) * uint64_t(height);
@@ -122,7 +122,6 @@ Image decodeSrgb(const Sample* samples, int width, int height) {
 
 Image readHdr(const std::string& path) {
     PictureFile file(path);
-    allowDecoding(kHeaderAllowance);
     if (!stbi_is_hdr_from_callbacks(&kCallbacks, &file.stream))
         throw FileError(path, "is not a Radiance picture");
     file.rewind();

@@ -104,7 +104,7 @@ void addGltf(Fingerprint& fingerprint, const GltfSource& source) {
 }
 
 void addFile(Fingerprint& fingerprint, const std::string& path) {
-    if (const std::string reason = whyNoPlainFile(path); !reason.empty()) throw FileError(path, reason);
+    requirePlainFile(path);
     std::ifstream file(path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     if (!file) throw FileError(path, "cannot be read");

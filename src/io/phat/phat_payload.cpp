@@ -10,6 +10,8 @@ namespace {
 
 // Large enough that zlib's set-up is nothing, small enough that a stop request is seen within milliseconds.
 constexpr size_t kPieceBytes = 256 << 10;
+// No deflate stream expands further: 258 bytes from 2 bits.
+constexpr size_t kMaxPayloadExpansion = 1032;
 
 struct Deflater {
     z_stream z{};

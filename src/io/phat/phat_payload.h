@@ -11,9 +11,6 @@
 
 namespace phat {
 
-/// No deflate stream expands further: 258 bytes from 2 bits.
-inline constexpr size_t kMaxPayloadExpansion = 1032;
-
 /// A zlib stream (RFC 1950), which a browser's DecompressionStream("deflate") undoes. No rearrangement
 /// before: bit fields of PHATexels do not end at bytes, and splitting bytes into planes made them larger
 /// (format.md). Throws Interrupted when `progress` was asked to stop.
