@@ -139,7 +139,7 @@ from 0, these times mean little.
 
 PHATexels updated to convergence while drawing, per second of processor time: {renewal['phatexelsPerSecond']:,.0f}, each counted once; a
 bake's photons and gathering on one thread reach {full['phatexelsPerSecond']:,.0f}: **{100 * renewal['phatexelsPerSecond'] / full['phatexelsPerSecond']:.0f} %**. With the first responses, which are
-updated again before convergence, {renewal['renewalsPerSecond']:,.0f}. No slice of work took more than {cost['longestPieceMs']:.0f} ms.
+updated again before convergence, {renewal['updatesPerSecond']:,.0f}. No slice of work took more than {cost['longestPieceMs']:.0f} ms.
 
 """
 

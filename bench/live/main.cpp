@@ -6,11 +6,14 @@
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <glm/gtc/matrix_transform.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "core/base/stopwatch.h"
 #include "core/dynamic/baker_thread.h"
@@ -27,6 +30,8 @@ namespace {
 
 // As the window's.
 constexpr double kUploadSeconds = 0.004;
+// Of an upload between the frames that are measured.
+constexpr double kDrainSeconds = 1;
 // Frames of either kind follow each other so closely that other work on the machine meets both.
 constexpr int kFramesATurn = 5;
 
@@ -103,11 +108,14 @@ nlohmann::json measure(const Options& options) {
         return posed.snapshot();
     };
     LightUpdate update;
-    const auto draw = [&] {
-        const Stopwatch start;
+    const auto receive = [&](double uploadSeconds) {
         if (update.empty())
             if (auto next = light.take()) update = std::move(*next);
-        if (!update.empty()) renderer.takeUpdate(update, kUploadSeconds);
+        if (!update.empty()) renderer.takeUpdate(update, uploadSeconds);
+    };
+    const auto draw = [&] {
+        const Stopwatch start;
+        receive(kUploadSeconds);
         renderer.draw(frame, sum);
         renderer.lastFrameTimes();  // waits
         return start.seconds();
@@ -119,7 +127,10 @@ nlohmann::json measure(const Options& options) {
         light.follow(snapshotOf(away), frame.camera, true);
         for (int i = 0; i < kFramesATurn && !light.report().converged; ++i) updating.push_back(draw());
         light.follow(snapshotOf(away), frame.camera, false);
-        while (!light.report().converged || !update.empty()) draw();  // what it still hands over
+        while (!light.report().converged || !update.empty()) {  // what it still hands over
+            receive(kDrainSeconds);
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
         for (int i = 0; i < kFramesATurn; ++i) idle.push_back(draw());
     }
     // From the untouched light to that of the other place, to the end.
