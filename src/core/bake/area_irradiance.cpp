@@ -80,9 +80,10 @@ ResumableTask filterAreaIrradiance(const std::vector<IrradianceEstimate>& estima
     const auto filter = [&](size_t i, glm::ivec2 texel) {
         glm::vec3 sum(0);
         float weights = 0;
+        const TexelPlane plane(atlas, points, i);
         forNeighbors(atlas, receives, texel, kReach, [&](glm::ivec2 offset, size_t j) {
             if (glm::dot(points.normal[i], points.normal[j]) < kMinFilterNormalCosine) return;
-            if (!lieTogether(atlas, points, i, j)) return;
+            if (!plane.has(j, offset)) return;
             const float difference = guide[i].luminance - guide[j].luminance;
             const float noise = square(kNoiseSigmas) * (guide[i].variance + guide[j].variance);
             const float tent = (kReach + 1 - std::abs(offset.x)) * (kReach + 1 - std::abs(offset.y));

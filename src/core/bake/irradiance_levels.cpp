@@ -44,6 +44,31 @@ PerNode<Value> makePerNode(const std::vector<IrradianceLevel>& levels) {
     return result;
 }
 
+/// The nodes around a texel of its piece of surface.
+class Neighborhood {
+  public:
+    struct Neighbor {
+        uint32_t level, node;
+        glm::vec2 texels;  // from the texel to the node
+        float alike;       // of the normals
+        bool split;        // there are finer nodes in the same group
+    };
+    void add(const Neighbor& neighbor) { all_.push_back(neighbor); }
+
+    /// Calls visit(neighbor, weight, offset) for those nearer than a radius; the offset is in radii.
+    template <typename Visit>
+    void within(float radius, const Visit& visit) const {
+        for (const Neighbor& each : all_) {
+            const glm::vec2 offset = each.texels / radius;
+            const float fall = 1.0f - glm::dot(offset, offset);
+            if (fall > 0.0f) visit(each, fall * fall * each.alike, offset);
+        }
+    }
+
+  private:
+    std::vector<Neighbor> all_;
+};
+
 /// Each step takes what the one before it found for all nodes.
 class Interpolator {
   public:
@@ -54,19 +79,26 @@ class Interpolator {
 
     /// Variance of the luminance that the narrowest fit around a node leaves unexplained.
     float noise(size_t level, uint32_t node) const {
-        return fitAround(level, node, kMinRadiusSteps * stepOf(level)).atOrigin().residual;
+        const float radius = kMinRadiusSteps * stepOf(level);
+        return fitWithin(around(levels_[level].texel[node], radius), radius).atOrigin().residual;
     }
 
     /// The excess of a node over its neighbours, if it is not noise.
     glm::vec3 outlyingPart(size_t level, uint32_t node, const PerNode<float>& noise) const {
         const glm::vec3 value = values_[level][node];
-        const PlaneFit others = fitAround(level, node, kMinRadiusSteps * stepOf(level), false);
+        const uint32_t texel = levels_[level].texel[node];
+        const float narrow = kMinRadiusSteps * stepOf(level), wide = widestRadius(level);
+        PlaneFit others;
+        around(texel, narrow).within(narrow, [&](const Neighbor& near, float weight, glm::vec2 offset) {
+            if (near.level != level || near.node != node)
+                others.add(weight, offset, values_[near.level][near.node]);
+        });
         if (others.empty()) return glm::vec3(0);
         const float light = luminance(value), expected = luminance(others.atOrigin().value);
         // The cheaper test first: an outlier also exceeds the noise of its own node.
         if (light - expected <= 2.0f * std::sqrt(noise[level][node])) return glm::vec3(0);
-        const float around = noiseAround(level, node, widestAround(level), noise);
-        if (light - expected <= kOutlierErrors * std::sqrt(around)) return glm::vec3(0);
+        const float noiseAround = meanNoise(around(texel, wide), wide, noise);
+        if (light - expected <= kOutlierErrors * std::sqrt(noiseAround)) return glm::vec3(0);
         return value * (1.0f - expected / light);
     }
 
@@ -86,15 +118,18 @@ class Interpolator {
     /// The widest fit that agrees with all narrower ones: the confidence intervals of all still
     /// intersect. source: Katkovnik 1999, "A new method for varying adaptive bandwidth selection".
     glm::vec3 smoothed(size_t level, uint32_t node, const PerNode<float>& noiseOfNodes) const {
-        const float step = stepOf(level);
-        const float around = widestAround(level);
-        const float noise = noiseAround(level, node, around, noiseOfNodes);
-        const float widest = std::clamp(kMaxRadiusOverDistance * largestDistanceAround(level, node, around),
-                                        kMinRadiusSteps * step, around);
+        const float narrowest = kMinRadiusSteps * stepOf(level), wide = widestRadius(level);
+        const Neighborhood neighbors = around(levels_[level].texel[node], wide);
+        const float noise = meanNoise(neighbors, wide, noiseOfNodes);
+        float distance = 0;
+        neighbors.within(wide, [&](const Neighbor& near, float, glm::vec2) {
+            distance = std::max(distance, levels_[near.level].distanceTexels[near.node]);
+        });
+        const float widest = std::clamp(kMaxRadiusOverDistance * distance, narrowest, wide);
         glm::vec3 best = values_[level][node];
         float low = -1e30f, high = 1e30f;
-        for (float radius = kMinRadiusSteps * step; radius <= widest; radius *= kRadiusRatio) {
-            const PlaneFit::Estimate estimate = fitAround(level, node, radius).atOrigin();
+        for (float radius = narrowest; radius <= widest; radius *= kRadiusRatio) {
+            const PlaneFit::Estimate estimate = fitWithin(neighbors, radius).atOrigin();
             const float light = luminance(estimate.value);
             const float error = kConfidence * std::sqrt(noise * estimate.varianceFraction +
                                                         square(kMinFitRelativeError * light));
@@ -118,64 +153,58 @@ class Interpolator {
         }
         if (node != kNoNode && levels_[own].texel[node] == texel) return smooth[own][node];
         PlaneFit fit;
+        const float radius = kBetweenSteps * float(levels_[own].step);
         // Between nodes only the finest count: the others are smoothed more.
-        gather(texel, kBetweenSteps * float(levels_[own].step),
-               [&](size_t l, uint32_t n, bool split, float weight, glm::vec2 offset) {
-                   if (!split) fit.add(weight, offset, smooth[l][n]);
-               });
+        around(texel, radius).within(radius, [&](const Neighbor& near, float weight, glm::vec2 offset) {
+            if (!near.split) fit.add(weight, offset, smooth[near.level][near.node]);
+        });
         if (!fit.empty()) return fit.atOrigin().value;
         // On a crease no node may have a similar normal.
         return node != kNoNode ? std::optional(smooth[own][node]) : std::nullopt;
     }
 
   private:
+    using Neighbor = Neighborhood::Neighbor;
+
     float stepOf(size_t level) const { return float(levels_[level].step); }
-    float widestAround(size_t level) const {
+    float widestRadius(size_t level) const {
         return std::min(kMaxRadiusSteps * stepOf(level), kMaxRadiusTexels);
     }
 
-    PlaneFit fitAround(size_t level, uint32_t node, float radius, bool withItself = true) const {
+    /// pre: `radius` is at most that of the neighbourhood.
+    PlaneFit fitWithin(const Neighborhood& neighbors, float radius) const {
         PlaneFit fit;
-        gather(levels_[level].texel[node], radius,
-               [&](size_t l, uint32_t n, bool, float weight, glm::vec2 offset) {
-                   if (withItself || l != level || n != node) fit.add(weight, offset, values_[l][n]);
-               });
+        neighbors.within(radius, [&](const Neighbor& near, float weight, glm::vec2 offset) {
+            fit.add(weight, offset, values_[near.level][near.node]);
+        });
         return fit;
     }
 
     /// Firefly redistribution: a rare bright ray makes an outlier that no smoothing removes, because it
     /// agrees with no wider fit. Its excess is spread over the neighbourhood, which preserves the sum.
     void redistribute(size_t level, uint32_t node, glm::vec3 excess) {
-        const uint32_t texel = levels_[level].texel[node];
-        const float radius = widestAround(level);
+        const float radius = widestRadius(level);
+        const Neighborhood neighbors = around(levels_[level].texel[node], radius);
         float area = 0;  // texels, by weight
-        gather(texel, radius, [&](size_t l, uint32_t, bool split, float weight, glm::vec2) {
-            if (!split) area += weight * square(stepOf(l));
+        neighbors.within(radius, [&](const Neighbor& near, float weight, glm::vec2) {
+            if (!near.split) area += weight * square(stepOf(near.level));
         });
         const glm::vec3 perTexel = excess * square(stepOf(level)) / area;
         values_[level][node] -= excess;
-        gather(texel, radius, [&](size_t l, uint32_t n, bool, float weight, glm::vec2) {
-            values_[l][n] += weight * perTexel;
+        neighbors.within(radius, [&](const Neighbor& near, float weight, glm::vec2) {
+            values_[near.level][near.node] += weight * perTexel;
         });
     }
 
     /// Variance of the values around a node: the mean over the neighbourhood. By its own estimate a node that
     /// the rare bright rays missed would seem free of noise, and the result would be too dark.
-    float noiseAround(size_t level, uint32_t node, float radius, const PerNode<float>& noise) const {
+    float meanNoise(const Neighborhood& neighbors, float radius, const PerNode<float>& noise) const {
         float sum = 0, weights = 0;
-        gather(levels_[level].texel[node], radius, [&](size_t l, uint32_t n, bool, float weight, glm::vec2) {
-            sum += weight * noise[l][n];
+        neighbors.within(radius, [&](const Neighbor& near, float weight, glm::vec2) {
+            sum += weight * noise[near.level][near.node];
             weights += weight;
         });
         return sum / weights;
-    }
-
-    float largestDistanceAround(size_t level, uint32_t node, float radius) const {
-        float largest = 0;
-        gather(levels_[level].texel[node], radius, [&](size_t l, uint32_t n, bool, float, glm::vec2) {
-            largest = std::max(largest, levels_[l].distanceTexels[n]);
-        });
-        return largest;
     }
 
     uint32_t nodeAt(size_t level, uint32_t texel) const {
@@ -185,30 +214,29 @@ class Interpolator {
         return {texel % atlas_.sizeTexels.x, texel / atlas_.sizeTexels.x};
     }
 
-    /// Calls add(level, node, split, weight, offset) for the nodes around a texel; split: there are finer
-    /// nodes in the same group; the offset is in radii.
-    template <typename Add>
-    void gather(uint32_t texel, float radius, const Add& add) const {
+    Neighborhood around(uint32_t texel, float radius) const {
+        Neighborhood result;
         const glm::ivec2 center = positionOf(texel);
         const uint32_t chart = atlas_.chartAt(center);
         const glm::ivec2 low(atlas_.charts[chart].originTexel());
         const glm::ivec2 high = low + glm::ivec2(atlas_.charts[chart].sizeTexels()) - 1;
+        const TexelPlane plane(atlas_, points_, texel);
         const int reach = int(radius);
         const glm::ivec2 from = glm::max(center - reach, low) / int(kLevelSteps[0]);
         const glm::ivec2 to = glm::min(center + reach, high) / int(kLevelSteps[0]);
         const auto visit = [&](size_t level, uint32_t node, bool split) {
             const uint32_t other = levels_[level].texel[node];
-            const glm::vec2 offset = glm::vec2(positionOf(other) - center) / radius;
-            const float fall = 1.0f - glm::dot(offset, offset);
-            if (fall <= 0.0f) return;
+            const glm::vec2 texels(positionOf(other) - center);
+            if (glm::dot(texels, texels) >= square(radius)) return;
             const float cosine = glm::dot(points_.normal[texel], points_.normal[other]);
             const float alike = (cosine - kMinFitNormalCosine) / (1.0f - kMinFitNormalCosine);
-            if (alike > 0.0f && lieTogether(atlas_, points_, texel, other))
-                add(level, node, split, fall * fall * alike, offset);
+            if (alike > 0.0f && plane.has(other, texels))
+                result.add({uint32_t(level), node, texels, alike, split});
         };
         for (int y = from.y; y <= to.y; ++y)
             for (int x = from.x; x <= to.x; ++x)
                 if (atlas_.chartAt(glm::uvec2(x, y) * kLevelSteps[0]) == chart) descend(0, {x, y}, visit);
+        return result;
     }
 
     template <typename Visit>
