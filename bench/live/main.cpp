@@ -53,10 +53,9 @@ nlohmann::json summary(const std::vector<double>& seconds) {
 }
 
 // The baker updates photons and gathered light; atlas and seams stay.
-double bakeProcessorSeconds(const BakedScene& baked, const BakeSettings& settings) {
+double bakeProcessorSeconds(const Scene& scene, const BakedScene& baked, const BakeSettings& settings) {
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
     SilentProgress progress;
-    const Scene& scene = baked.loaded.scene;
     const RayScene rays(scene);
     const LightSampler lights(scene);
     const std::vector<Frame> frames = blockFrames(baked.atlas, baked.points);
@@ -147,7 +146,7 @@ nlohmann::json measure(const Options& options) {
     uint64_t valid = 0;
     for (size_t i = 0; i < baked.points.state.size(); ++i) valid += baked.points.valid(i);
     valid *= baked.phatexture.indirect.size() + baked.phatexture.area.size();
-    const double whole = bakeProcessorSeconds(baked, settings);
+    const double whole = bakeProcessorSeconds(scene, baked, settings);
     const double speed = double(valid) / seconds, bakeSpeed = double(valid) / whole;
     return {{"gpu", context.rendererName()},
             {"loadBefore", load},
