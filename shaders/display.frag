@@ -73,21 +73,34 @@ struct Components {
 };
 
 #ifdef LOOKUP
+// Lobes below hold too little of the hemisphere to say what its irradiance is; those above, nearly all.
+const vec2 kControlAlpha = vec2(0.3, 0.7);
+// So far the irradiance of a few samples may be off.
+const float kMostControl = 2.0;
+
 // The albedo of the lobe without colour that lookup.frag samples.
 float scalarAlbedo(vec3 albedo) {
     return maxComponent(albedo);
+}
+
+// The mean indirect radiance under a lobe. The irradiance that the samples of a broad lobe bring has the same error as
+// what the lobe reflects of them; the map's has next to none.
+vec3 indirectUnderLobe(LobeSums sums, vec3 irradiance) {
+    if (sums.indirect.a <= 0.0) return irradiance / kPi;
+    vec3 light = sums.indirect.rgb / sums.indirect.a;
+    float bySamples = sums.cosine / sums.indirect.a;
+    float times = clamp(luminance(irradiance) / kPi / max(bySamples, 1e-20), 1.0 / kMostControl, kMostControl);
+    return light * mix(1.0, times, smoothstep(kControlAlpha.x, kControlAlpha.y, sums.alpha));
 }
 
 // The mean radiance of a source under a lobe, weighted by the lobe. Where no PHATexel under the lobe is anywhere near,
 // the mean over the hemisphere, an approximation. `albedo`: the lobe's, without colour.
 vec3 lobeRadiance(int firstLobe, int source, ShownTexel t, float albedo) {
     uvec4 bits = READ(texelFetch(incident, ivec3(gl_FragCoord.xy, firstLobe + source), 0));
-    vec4 sum = unpackSum(bits.xy);
-    vec3 light = sum.a > 0.0 ? unpackRgb9e5(bits.x) : t.irradiance[source] / kPi;
+    if (source == 0) return indirectUnderLobe(unpackLobeSums(bits), t.irradiance[source]);
+    vec3 light = unpackSum(bits.xy).a > 0.0 ? unpackRgb9e5(bits.x) : t.irradiance[source] / kPi;
     // Light samples: what they reflect over the irradiance by the same PHATexels, times the map's, which has no noise.
-    if (source == 1)
-        light += luminance(t.irradiance[source]) / max(albedo, 1e-6) * unpackRgb9e5(bits.z);
-    return light;
+    return light + luminance(t.irradiance[source]) / max(albedo, 1e-6) * unpackRgb9e5(bits.z);
 }
 
 // Traced radiance replaces the lookup's by the weight of traced_weight.glsl.

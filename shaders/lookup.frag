@@ -5,6 +5,8 @@
 #include "lib/lookup.glsl"
 #include "lib/sums_out.glsl"
 
+in vec3 vNormal;
+
 uniform int surfaceIndex;
 
 LobeSums sumsOf(Receiver receiver, PixelLobe lobe, int rank) {
@@ -15,6 +17,7 @@ LobeSums sumsOf(Receiver receiver, PixelLobe lobe, int rank) {
     if ((lobe.f0 > 0.0 || lobe.f90 > 0.0) && lobe.weight < 1.0) {
         IncidentSums light = lookUp(receiver, ScalarLobe(lobe.normal, lobe.f0, lobe.f90, lobe.alpha), rank, d.alpha);
         d.indirect = light.indirect;
+        d.cosine = light.indirect.a * light.cosine.x / max(light.cosine.y, 1e-30);
         d.area = light.area;
         d.areaByLight = light.areaByLight;
     }
@@ -31,8 +34,9 @@ void main() {
     writeNothing();
     if (point.chart == kNoChart) return;
 
+    vec3 normal = faceforward(normalize(vNormal), -point.normalGeometric, vNormal);
     Receiver receiver =
-        Receiver(vPosition, point.towardEye, point.normalGeometric, point.texel, point.chart);
+        Receiver(vPosition, point.towardEye, normal, point.normalGeometric, point.texel, point.chart);
     int lobes = 1;
 #ifdef CLEARCOAT
     if (pixelLobe(pixel, kCoatLobe).alpha > 0.0) lobes = 2;

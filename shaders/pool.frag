@@ -32,6 +32,7 @@ LobeSums pooledSums(int lobe) {
     float width = kWidthPerAlpha * max(mine.alpha, 1e-3);
     float sharpness = 0.5 / (width * width);
     mine.indirect *= float(kReach + 1);
+    mine.cosine *= float(kReach + 1);
     mine.area *= float(kReach + 1);
     mine.areaByLight *= float(kReach + 1);
     for (int i = -kReach; i <= kReach; ++i) {
@@ -42,6 +43,7 @@ LobeSums pooledSums(int lobe) {
         vec3 apart = other.mirror - mine.mirror;
         float weight = float(kReach + 1 - abs(i)) * exp(-dot(apart, apart) * sharpness);
         mine.indirect += weight * other.indirect;
+        mine.cosine += weight * other.cosine;
         mine.area += weight * other.area;
         mine.areaByLight += weight * other.areaByLight;
     }

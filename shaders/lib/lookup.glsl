@@ -47,6 +47,7 @@ const float kMaxAlphaScale = 20.0;
 struct Receiver {
     vec3 position;
     vec3 towardEye;
+    vec3 normal;           // of the vertices, as the irradiance has it
     vec3 normalGeometric;
     vec2 texel;
     uint chart;
@@ -208,6 +209,7 @@ LookupSample findSample(LookupQuery query, inout LookupCursor cursor, vec3 direc
 // Incident light under a lobe.
 struct IncidentSums {
     vec4 indirect;     // sum g L, sum g over a pixel's samples: to be divided
+    vec2 cosine;       // sum h Y(L), sum h of the same samples, h = cos / pdf: estimates the irradiance over pi
     vec4 area;         // the same of area lights, less what `areaByLight` has
     vec4 areaByLight;  // reflected radiance, and luminance of the irradiance, both by the PHATexels nearby
 };
@@ -279,12 +281,14 @@ void addBrdfSample(inout IncidentSums sums, LookupQuery query, LookupSample foun
     }
 #endif
     sums.indirect += g * vec4(found.radiance, 1.0);
+    float h = max(dot(found.direction, query.receiver.normal), 0.0) / pdf;
+    sums.cosine += h * vec2(luminance(found.radiance), 1.0);
 }
 
 // `rank`: see LookupQuery; `sampledAlpha`: of the lobe after the roughness clamp.
 IncidentSums lookUp(Receiver r, ScalarLobe lobe, int rank, out float sampledAlpha) {
     sampledAlpha = lobe.alpha;
-    IncidentSums sums = IncidentSums(vec4(0.0), vec4(0.0), vec4(0.0));
+    IncidentSums sums = IncidentSums(vec4(0.0), vec2(0.0), vec4(0.0), vec4(0.0));
     mat3 worldFromLocal = frameFromNormal(lobe.normalWorld);
     vec3 wo = r.towardEye * worldFromLocal;
     if (wo.z <= 0.0) return sums;

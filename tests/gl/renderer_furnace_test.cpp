@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/phatexel/lookup_tables.h"
 #include "core/scene/brdf.h"
 #include "gl/renderer_world.h"
 
@@ -114,6 +115,26 @@ TEST_F(RendererFurnace, SurroundingAreaLightReflectsTheAlbedo) {
         [&](float nDotV) { return radiance * specularAlbedo(f0, 1, 0.09f, nDotV); }, 2e-3f);
 }
 
+// Of unit radiance from the directions about the normal whose cosine is above `cosine`: the part that is
+// reflected. Midpoint rule, equal areas.
+glm::dvec3 reflectedOfCap(const Brdf& brdf, glm::vec3 towardEye, float cosine) {
+    constexpr int kSteps = 64;
+    const float cellSteradians = 2 * kPi * (1 - cosine) / float(kSteps * kSteps);
+    glm::dvec3 sum(0);
+    for (int i = 0; i < kSteps * kSteps; ++i) {
+        const float z = 1 - (1 - cosine) * (float(i / kSteps) + 0.5f) / kSteps;
+        const float phi = 2 * kPi * (float(i % kSteps) + 0.5f) / kSteps;
+        const float r = std::sqrt(1 - z * z);
+        sum += cellSteradians * evaluateBrdf(brdf, towardEye, {r * std::cos(phi), r * std::sin(phi), z});
+    }
+    return sum;
+}
+
+Brdf metalBrdf(const RendererWorld& world, float alpha) {
+    return {
+        .diffuseColor = glm::vec3(0), .f0 = glm::vec3(world.scene.materials[0].baseColor), .alpha = alpha};
+}
+
 // A small lamp is weighed by the expectation; the picture's mean is the integral over the lamp.
 TEST_F(RendererFurnace, SmallLampHasItsEnergy) {
     const float cosine = 0.94f;  // the lamp's cap about the zenith: 6 % of the hemisphere
@@ -125,29 +146,49 @@ TEST_F(RendererFurnace, SmallLampHasItsEnergy) {
     Renderer renderer(world.input(), kShaderFolder);
     const Image image = renderer.render(frame(camera, Component::direct));
 
-    // Midpoint rule over the cap, equal areas.
-    constexpr int kSteps = 64;
-    const Brdf brdf{
-        .diffuseColor = glm::vec3(0), .f0 = glm::vec3(world.scene.materials[0].baseColor), .alpha = 0.36f};
-    const float cellSteradians = 2 * kPi * (1 - cosine) / float(kSteps * kSteps);
+    const Brdf brdf = metalBrdf(world, 0.36f);
     glm::dvec3 got(0), want(0);
     for (int y = 0; y < image.height; y += 4) {
         for (int x = 0; x < image.width; x += 4) {
             const glm::vec3 d = -pixelDirection(camera, x, y, image.width, image.height);
-            const glm::vec3 towardEye(d.x, -d.z, d.y);
-            for (int i = 0; i < kSteps * kSteps; ++i) {
-                const float z = 1 - (1 - cosine) * (float(i / kSteps) + 0.5f) / kSteps;
-                const float phi = 2 * kPi * (float(i % kSteps) + 0.5f) / kSteps;
-                const float r = std::sqrt(1 - z * z);
-                want += 4 * cellSteradians *
-                        evaluateBrdf(brdf, towardEye, {r * std::cos(phi), r * std::sin(phi), z});
-            }
+            want += 4.0 * reflectedOfCap(brdf, {d.x, -d.z, d.y}, cosine);
             got += image.at(x, y);
         }
     }
     // Some 15,700 of the 262,144 PHATexels see the lamp: their number has a standard error of 0.8 %; three of
     // them.
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c], want[c], 0.024 * want[c]);
+}
+
+// Few PHATexels see a small bright surface, and the pixels around share them: the blotches of a rough lobe
+// are those of the irradiance by the same PHATexels, and that is known.
+TEST_F(RendererFurnace, RoughLobesHaveTheNoiseOfTheIrradiance) {
+    const float cosine = 0.96f, bright = 6, dark = 0.2f;  // 4 % of the hemisphere
+    const float irradiance = kPi * (dark + (bright - dark) * (1 - cosine * cosine));
+    const Camera camera = lookAtCamera({0, 0.6f, 0.7f}, {0, 0, 0}, 40);
+    for (const float roughness : {0.9f, 1.0f}) {
+        RendererWorld world = furnaceFloor(metal(roughness), glm::vec3(irradiance / kPi));
+        world.phatexture.indirect[0] = layerInBakedOrder(world, [&](glm::vec3, glm::vec3 direction) {
+            return glm::vec3(direction.y > cosine ? bright : dark);
+        });
+        SilentProgress silent;
+        prepareLookup(world.phatexture, world.atlas, world.points, blockFrames(world.atlas, world.points),
+                      RayScene(world.scene), silent);
+        Renderer renderer(world.input(), kShaderFolder);
+        const Image image = renderer.render(frame(camera, Component::glossyIndirect));
+        const Brdf brdf = metalBrdf(world, roughness * roughness);
+        double squares = 0, count = 0;
+        for (int y = 0; y < image.height; y += 2)
+            for (int x = 0; x < image.width; x += 2) {
+                const glm::vec3 d = -pixelDirection(camera, x, y, image.width, image.height);
+                const double want = (bright - dark) * reflectedOfCap(brdf, {d.x, -d.z, d.y}, cosine).x +
+                                    dark * specularAlbedo(brdf.f0, 1, brdf.alpha, d.y).x;
+                squares += square(image.at(x, y).x / want - 1);
+                count += 1;
+            }
+        // .25 and .14 by the samples of the lobe alone.
+        EXPECT_LT(std::sqrt(squares / count), 0.06) << roughness;
+    }
 }
 
 // Together the two kinds of light cannot exceed the only radiance there is, whatever their noise.

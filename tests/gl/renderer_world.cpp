@@ -110,6 +110,30 @@ void fillPhatexels(RendererWorld& world, uint32_t surface, const LightAt& light,
     }
 }
 
+PhatexelLayer layerInBakedOrder(const RendererWorld& world, const LightAt& light, float distance) {
+    const std::vector<Frame> frames = blockFrames(world.atlas, world.points);
+    PhatexelLayer layer;
+    layer.texels.resize(world.atlas.texelCount());
+    layer.scrambles.assign(world.atlas.blockCount, 0);
+    for (uint32_t y = 0; y < world.atlas.sizeTexels.y; ++y) {
+        for (uint32_t x = 0; x < world.atlas.sizeTexels.x; ++x) {
+            const glm::uvec2 corner = world.atlas.charts[world.atlas.chartAt({x, y})].originTexel();
+            const glm::uvec2 inBlock = (glm::uvec2(x, y) - corner) % kBlockSize;
+            const uint32_t block = world.atlas.blockAt({x, y});
+            const size_t texel = size_t(y) * world.atlas.sizeTexels.x + x;
+            Phatexel phatexel;
+            phatexel.directionBlock = squareToGuide(world.phatexture.indirectGuides[block],
+                                                    stratifiedSquare(inBlock, 0, glm::vec2(0.5f)));
+            phatexel.radiance =
+                light(world.points.position[texel], frames[block].toWorld(phatexel.directionBlock));
+            phatexel.distance = distance;
+            phatexel.valid = true;
+            layer.texels[texel] = packPhatexel(phatexel, 1);
+        }
+    }
+    return layer;
+}
+
 Material metal(float roughness) {
     Material material;
     material.baseColor = {0.9f, 0.6f, 0.3f, 1};

@@ -36,6 +36,10 @@ using LightAt = std::function<glm::vec3(glm::vec3 position, glm::vec3 directionW
 void fillPhatexels(RendererWorld& world, uint32_t surface, const LightAt& light,
                    float distance = kFarDistance);
 
+/// PHATexels of all charts in the order that bakes have them in, which is what can be looked up.
+PhatexelLayer layerInBakedOrder(const RendererWorld& world, const LightAt& light,
+                                float distance = kFarDistance);
+
 /// Of the colour of gold.
 Material metal(float roughness);
 

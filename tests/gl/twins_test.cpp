@@ -108,11 +108,13 @@ TEST_P(Twins, PackedRadianceAndMirrorDirections) {
         "vec3 mirror = normalize(b.xyz - 0.5);"
         "LobeSums drawn = noLobeSums();"
         "drawn.indirect = vec4(rgb, 1.0);"
+        "drawn.cosine = 100.0 * b.x;"
         "drawn.mirror = mirror;"
         "drawn.surface = 5u;"
         "drawn.alpha = b.w;"
         "LobeSums back = unpackLobeSums(packLobeSums(drawn));";
-    const auto alpha = run("lib/packed_sums.glsl", pack + "result = vec4(back.alpha);", rows);
+    const auto lobe =
+        run("lib/packed_sums.glsl", pack + "result = vec4(back.alpha, back.cosine, 0.0, 0.0);", rows);
     const auto there =
         run("lib/packed_sums.glsl",
             pack + "result = vec4(back.indirect.rgb, dot(back.mirror, mirror) * float(back.surface) / 5.0);",
@@ -124,8 +126,9 @@ TEST_P(Twins, PackedRadianceAndMirrorDirections) {
         expectNear(there[row], here, 0, 1.01f * maxComponent(rgb) / 256, row);
         expectNear(there[row], rgb, 0, 1.01f * maxComponent(rgb) / 512, row);
         ASSERT_GT(there[row].w, 0.999999f) << "row " << row;
+        ASSERT_NEAR(lobe[row].y, 100 * rows[row][1].x, 0.1f * rows[row][1].x + 1e-6f) << "row " << row;
         // Its root in steps of 1/255.
-        ASSERT_NEAR(std::sqrt(alpha[row].x), std::sqrt(rows[row][1].w), 0.51f / 255) << "row " << row;
+        ASSERT_NEAR(std::sqrt(lobe[row].x), std::sqrt(rows[row][1].w), 0.51f / 255) << "row " << row;
     }
 }
 
