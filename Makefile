@@ -1,9 +1,9 @@
-# `make demo`, `make web`, `make web-examples`, `make web-bench`, `make test`, `make bench`, `make figures` and
-# `make package`. All install what is missing on Debian 12 (root or sudo).
+# `make demo`, `make web`, `make web-examples`, `make web-bench`, `make test`, `make fuzz`, `make bench`, `make figures`
+# and `make package`. All install what is missing on Debian 12 (root or sudo).
 
 BUILD_JOBS ?= $(shell nproc)
 
-.PHONY: demo test web web-examples web-bench bench figures package release dev setup clean
+.PHONY: demo test fuzz web web-examples web-bench bench figures package release dev setup clean
 
 demo: out/tabletop.png
 	@echo "Look at out/tabletop.png"
@@ -11,6 +11,14 @@ demo: out/tabletop.png
 test: dev web
 	@tools/setup chromium
 	tools/run_tests build/dev
+
+# The files that it finds are in build/fuzz/findings. SECONDS=3600: an hour for each target.
+SECONDS ?= 600
+fuzz: setup
+	@tools/setup fuzz
+	@test -f build/fuzz/build.ninja || cmake --preset fuzz
+	cmake --build --preset fuzz -j $(BUILD_JOBS)
+	fuzz/run build/fuzz $(SECONDS)
 
 # The page of `phat web`, and the package for three.js.
 web: web/dist/sizes.json

@@ -1,13 +1,13 @@
 #include "cli/bake_arguments.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <filesystem>
 
 #include "cli/count_option.h"
 #include "cli/lighting_options.h"
 #include "core/atlas/glossy_density.h"
+#include "io/base/machine_memory.h"
 #include "io/phat/bake_record.h"
 
 namespace phat {
@@ -37,10 +37,6 @@ int probeCountOf(const CLI::Option& option, std::optional<uint64_t> maxBytes) {
     constexpr double kMaxOfFile = 0.05, kBytesOfProbe = 60;  // measured: compressed, with its cells
     const double most = maxBytes ? kMaxOfFile * double(*maxBytes) / kBytesOfProbe : 1e9;
     return most < 8 ? 0 : int(std::min(double(ProbeSettings().count), most));
-}
-
-double physicalMemoryBytes() {
-    return double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
 }
 
 void declareAtlas(const DeclareOption& declare, AtlasSettings& atlas) {
@@ -109,7 +105,9 @@ void declareBakeOptions(CLI::App& command, BakeOptions& options) {
         ->check(CLI::IsMember(storageNames()))
         ->default_val("packed");
     declare.value("--threads", "T", options.threads, "Default: all cores")->check(CLI::Range(1, 1024));
-    declare.text("--memory-limit", "GB", "Refuse to start a larger bake; default: the machine's")
+    declare
+        .text("--memory-limit", "GB",
+              "Refuse to start a larger bake; default: the machine's, or its control group's")
         ->check(CLI::Range(0.001, 1e6));
     declare.flag("--resume", options.resume, "Go on where a stopped bake was");
     declare.flag("--quiet", options.quiet, "Print errors only");
@@ -134,8 +132,8 @@ void finishBakeOptions(const CLI::App& command, BakeOptions& options) {
     settings.photons.seed = settings.seed;
     if (option("--max-megabytes")) options.maxBytes = uint64_t(option("--max-megabytes").as<double>() * 1e6);
     options.probes = {probeCountOf(option("--probes"), options.maxBytes), settings.seed};
-    options.memoryLimitBytes =
-        option("--memory-limit") ? option("--memory-limit").as<double>() * 1e9 : physicalMemoryBytes();
+    options.memoryLimitBytes = option("--memory-limit") ? option("--memory-limit").as<double>() * 1e9
+                                                        : double(memoryLimitOfMachine());
 }
 
 }  // namespace phat

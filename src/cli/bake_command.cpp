@@ -21,6 +21,7 @@
 #include "core/scene/lights.h"
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
+#include "io/base/machine_memory.h"
 #include "io/gltf/gltf_source.h"
 #include "io/phat/bake_journal.h"
 #include "io/phat/bake_record.h"
@@ -46,14 +47,19 @@ LitInput loadInput(const BakeOptions& options, GltfSource& source) {
     return {std::move(file.baked.loaded), std::move(file.added)};
 }
 
-void refuseTooLarge(const BakeOptions& options, const Scene& scene) {
-    const auto needed = double(estimateBakeMemory(scene, options.settings));
-    if (needed > options.memoryLimitBytes)
+// Upper estimate of what the program will hold at its worst moment. Throws where that is more than it may be.
+uint64_t checkedMemory(const BakeOptions& options, const GltfSource& source, const Scene& scene) {
+    constexpr uint64_t kCopies = 3;  // of the scene's file, when the baked file is made of it
+    const ProcessMemory held = memoryOfProcess();
+    const uint64_t needed = std::max(
+        held.peak, held.now + kCopies * source.fileBytes + estimateBakeMemory(scene, options.settings));
+    if (double(needed) > options.memoryLimitBytes)
         throw FileError(
             options.input,
             fmt::format("the bake would need about {:.2f} GB of memory, the limit is {:.2f} GB: a "
                         "larger --texel-size, a smaller --resolution or fewer --photons need less",
-                        needed * 1e-9, options.memoryLimitBytes * 1e-9));
+                        double(needed) * 1e-9, options.memoryLimitBytes * 1e-9));
+    return needed;
 }
 
 uint64_t fingerprintOf(const BakeOptions& options, const GltfSource& source, const BakeRecord& record) {
@@ -95,7 +101,7 @@ BakeRecord fullRecord(const BakeOptions& options, const AddedLighting& added) {
 }
 
 void bakeOnce(const BakeOptions& options, const GltfSource& source, const LitInput& input,
-              const RayScene& rays) {
+              const RayScene& rays, uint64_t estimatedBytes) {
     const LoadedScene& loaded = input.loaded;
     const BakeRecord record = fullRecord(options, input.added);
     const std::string journalPath = nameBeside(options.output, ".journal");
@@ -120,6 +126,7 @@ void bakeOnce(const BakeOptions& options, const GltfSource& source, const LitInp
         report = reportOf(options.output, result, journal.resumedRecords(), progress.stageTimes(), notes);
         report["probes"] = {
             {"count", probes.count()}, {"bytes", probeBytes(probes)}, {"rays", probeRays.load()}};
+        report["memory"] = {{"estimatedBytes", estimatedBytes}, {"peakBytes", memoryOfProcess().peak}};
     } catch (const std::exception& error) {
         if (journal.empty() || dynamic_cast<const FileTooLarge*>(&error)) journal.remove();
         failWith(error, options.input,
@@ -151,13 +158,13 @@ void runBake(BakeOptions options) {
                                                 options.settings.layers, LightSampler(loaded.scene).hasArea(),
                                                 options.storage));
     if (texels < kMinTexels) throw FileError(options.output, "would not fit into --max-megabytes");
-    refuseTooLarge(options, loaded.scene);
+    const uint64_t estimatedBytes = checkedMemory(options, source, loaded.scene);
     const RayScene rays = raysOf(loaded.scene, input.added);
     // How well light is compressed shows when it is there.
     constexpr int kAttempts = 3;
     for (int attempt = 1;; ++attempt) {
         try {
-            return bakeOnce(options, source, input, rays);
+            return bakeOnce(options, source, input, rays, estimatedBytes);
         } catch (const FileTooLarge& error) {
             texels = uint64_t(0.97 * double(texels) * double(*options.maxBytes) / double(error.bytes));
             if (attempt == kAttempts || texels < kMinTexels)

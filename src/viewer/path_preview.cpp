@@ -68,43 +68,45 @@ void PathPreview::run() {
             view = std::move(*std::exchange(wanted_, std::nullopt));
             version = version_;
         }
-        arena.execute([&] { refine(view, version); });
+        try {
+            arena.execute([&] { refine(view, version); });
+        } catch (const Interrupted&) {
+        } catch (...) {  // such as out of memory
+            {
+                const std::lock_guard lock(mutex_);
+                failure_ = std::current_exception();
+            }
+            wake_();
+        }
     }
 }
 
 void PathPreview::refine(const View& view, uint64_t version) {
     Stop stop(version_, version);
-    try {
-        const LightSampler lights(view.scene->scene());
-        const Integrator integrator = pathTracer(view.scene->rays(), lights, view.component);
-        PictureSettings settings;
-        settings.width = view.width;
-        settings.height = view.height;
-        settings.camera = view.camera;
-        Refined refined;
-        // Passes that double: the first picture is there soon, and later ones spend little on handing over.
-        for (int samples = 1; refined.samplesPerPixel < kMaxSamples; samples = std::min(2 * samples, 64)) {
-            settings.samplesPerPixel = samples;
-            settings.seed = uint64_t(refined.samplesPerPixel) + 1;
-            const TracedPicture pass = tracePicture(settings, integrator, stop);
-            const float fraction = float(samples) / float(refined.samplesPerPixel + samples);
-            if (refined.samplesPerPixel == 0)
-                refined.mean = pass.mean;
-            else
-                for (size_t i = 0; i < pass.mean.pixels.size(); ++i)
-                    refined.mean.pixels[i] = glm::mix(refined.mean.pixels[i], pass.mean.pixels[i], fraction);
-            refined.samplesPerPixel += samples;
-            {
-                const std::lock_guard lock(mutex_);
-                if (version_ != version) return;
-                ready_ = refined;
-            }
-            wake_();
+    const LightSampler lights(view.scene->scene());
+    const Integrator integrator = pathTracer(view.scene->rays(), lights, view.component);
+    PictureSettings settings;
+    settings.width = view.width;
+    settings.height = view.height;
+    settings.camera = view.camera;
+    Refined refined;
+    // Passes that double: the first picture is there soon, and later ones spend little on handing over.
+    for (int samples = 1; refined.samplesPerPixel < kMaxSamples; samples = std::min(2 * samples, 64)) {
+        settings.samplesPerPixel = samples;
+        settings.seed = uint64_t(refined.samplesPerPixel) + 1;
+        const TracedPicture pass = tracePicture(settings, integrator, stop);
+        const float fraction = float(samples) / float(refined.samplesPerPixel + samples);
+        if (refined.samplesPerPixel == 0)
+            refined.mean = pass.mean;
+        else
+            for (size_t i = 0; i < pass.mean.pixels.size(); ++i)
+                refined.mean.pixels[i] = glm::mix(refined.mean.pixels[i], pass.mean.pixels[i], fraction);
+        refined.samplesPerPixel += samples;
+        {
+            const std::lock_guard lock(mutex_);
+            if (version_ != version) return;
+            ready_ = refined;
         }
-    } catch (const Interrupted&) {
-    } catch (...) {  // such as out of memory
-        const std::lock_guard lock(mutex_);
-        failure_ = std::current_exception();
         wake_();
     }
 }

@@ -127,20 +127,49 @@ Bake bake(const RayScene& rays, const BakeSettings& settings, Progress& progress
     return result;
 }
 
-uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings) {
-    double texels = double(settings.atlas.texelBudget);
-    if (settings.atlas.texelSizeMeters > 0.0f) {
-        const std::vector<float> density = glossyDensities(scene, settings.atlas.glossyDensity);
-        double area = 0;  // as if all texels were of the given size
-        for (size_t i = 0; i < scene.triangles.size(); ++i) {
-            const glm::uvec3& t = scene.triangles[i];
-            area += 0.5 * square(density[scene.triangleSurface[i]]) *
-                    glm::length(glm::cross(scene.positions[t.y] - scene.positions[t.x],
-                                           scene.positions[t.z] - scene.positions[t.x]));
-        }
-        // Packing and gutters take up to half as much again.
-        texels = 1.5 * area / (double(settings.atlas.texelSizeMeters) * settings.atlas.texelSizeMeters);
+namespace {
+
+double expectedTexels(const Scene& scene, const AtlasSettings& atlas) {
+    // Packing and gutters take up to half as much again.
+    constexpr double kPacking = 1.5;
+    if (!(atlas.texelSizeMeters > 0.0f)) return kPacking * double(atlas.texelBudget);
+    const std::vector<float> density = glossyDensities(scene, atlas.glossyDensity);
+    double area = 0;  // as if all texels were of the given size
+    for (size_t i = 0; i < scene.triangles.size(); ++i) {
+        const glm::uvec3& t = scene.triangles[i];
+        area += 0.5 * square(density[scene.triangleSurface[i]]) *
+                glm::length(glm::cross(scene.positions[t.y] - scene.positions[t.x],
+                                       scene.positions[t.z] - scene.positions[t.x]));
     }
+    return kPacking * area / (double(atlas.texelSizeMeters) * atlas.texelSizeMeters);
+}
+
+// Photons that will be stored: the mean of some of them, and four standard errors of the parts that they are
+// traced in.
+double expectedPhotons(const RayScene& rays, const PhotonSettings& settings) {
+    constexpr uint64_t kParts = 16, kPartPhotons = 1024;
+    const LightSampler lights(rays.scene());
+    SilentProgress silent;
+    double sum = 0, squares = 0;
+    uint64_t parts = 0;
+    for (; parts < kParts && parts * kPartPhotons < settings.count; ++parts) {
+        const uint64_t begin = parts * kPartPhotons, end = std::min(begin + kPartPhotons, settings.count);
+        const double stored =
+            double(tracePhotonPart(rays, lights, settings, begin, end, silent).photons.size());
+        sum += stored;
+        squares += stored * stored;
+    }
+    const double traced = double(std::min(parts * kPartPhotons, settings.count));
+    if (parts < kParts) return sum;  // all of them
+    const double mean = sum / double(parts);
+    const double error = std::sqrt(std::max(0.0, squares / double(parts) - mean * mean) / double(parts - 1));
+    return (sum + 4 * double(parts) * error) * double(settings.count) / traced;
+}
+
+}  // namespace
+
+uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings) {
+    const RayScene rays(scene);
     constexpr double kTileTexels = kTileSize * kTileSize, kBlockTexels = kBlockSize * kBlockSize;
     constexpr double kNodeTexels = kLevelSteps[0] * kLevelSteps[0];
     constexpr double kDirections = 2 * sizeof(glm::vec3) + sizeof(float);  // of ChosenDirections
@@ -148,16 +177,24 @@ uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings) {
     constexpr double kAreaLight = sizeof(PackedPhatexel) + sizeof(uint32_t);  // a layer, a map
     constexpr double kTables =
         2 * sizeof(Guide) / kBlockTexels + (sizeof(DepthProbe) + sizeof(PackedTile)) / kTileTexels;
-    constexpr double kLayer = 3 * sizeof(PackedPhatexel);  // itself, sorted for compression, compressed
+    const double stored = kAreaLight + kTables + sizeof(uint32_t) + sizeof(PackedPhatexel) * settings.layers;
+    const double result = double(kTexelPointBytes) + stored;
     // Irradiance is gathered before directions are chosen: the larger of the two counts.
-    const double bytesPerTexel = double(kTexelPointBytes) + std::max(kDirections, kIndirectIrradiance) +
-                                 kAreaLight + kTables + kLayer * settings.layers;
-    // A photon meets about five surfaces before it is absorbed at albedo .8; the kd-tree adds an index.
-    const double photonBytes = 5.0 * double(settings.photons.count) * (sizeof(Photon) + 16);
-    // Embree's tree and copies of the geometry, the unwrapper's topology.
+    const double gathered = result + std::max(kDirections, kIndirectIrradiance);
+    // As payloads, compressed, in the file's chunk, and in the file.
+    const double written = result + 4 * stored;
+    // The batches that photons are traced in, while they are put together; later the tree over them.
+    constexpr double kPhotonBytes = sizeof(Photon) + 32;
+    // Of a sky: how it is sampled; later packed, as a payload, and compressed.
+    constexpr double kSkyBytes = 12;
+    const double sky = scene.environment ? kSkyBytes * double(scene.environment->radiance.pixels.size()) : 0;
+    const double texels = expectedTexels(scene, settings.atlas);
+    const double photons = kPhotonBytes * expectedPhotons(rays, settings.photons);
+    // The unwrapper's topology.
     const double sceneBytes = 700.0 * double(scene.triangles.size());
-    constexpr double kFixed = 128e6;
-    return uint64_t(texels * bytesPerTexel + photonBytes + sceneBytes + kFixed);
+    constexpr double kFixed = 12e6;
+    // Photons are gone when the file is written.
+    return uint64_t(std::max(texels * gathered + photons, texels * written) + sky + sceneBytes + kFixed);
 }
 
 }  // namespace phat

@@ -2,12 +2,14 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <climits>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -35,20 +37,82 @@ std::string resolveTarget(const std::string& path) {
     return target.string();
 }
 
-// The process id keeps two programs apart that write the same file, O_EXCL two threads.
-std::string createBeside(const std::string& target, const std::string& path) {
-    constexpr int kAttempts = 100;
-    for (int attempt = 0; attempt < kAttempts; ++attempt) {
-        const std::string name = nameBeside(target, fmt::format(".tmp-{}-{}", getpid(), attempt));
-        const int file = open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (file >= 0) {
-            close(file);
-            return name;
+[[noreturn]] void failToWrite(const std::string& path, int reason) {
+    throw FileError(path, fmt::format("cannot be written: {}", std::strerror(reason)));
+}
+
+// Temporary files are TARGET.tmp-PROCESS-ATTEMPT. The process id keeps two programs apart that write the same
+// file, O_EXCL two threads.
+std::string temporaryName(const std::string& target, int attempt) {
+    return nameBeside(target, fmt::format(".tmp-{}-{}", getpid(), attempt));
+}
+
+// The process of a temporary file of `target`; 0: it is none.
+pid_t writerOf(const std::string& name, const std::string& target) {
+    const size_t at = name.rfind(".tmp-");
+    if (at == std::string::npos || nameBeside(target, name.substr(at)) != name) return 0;
+    int process = 0, attempt = 0, length = 0;
+    if (std::sscanf(name.c_str() + at, ".tmp-%d-%d%n", &process, &attempt, &length) != 2) return 0;
+    return at + size_t(length) == name.size() && process > 0 ? process : 0;
+}
+
+// A new file that a process with another view of the process ids, on a shared folder, can see is in use.
+class TemporaryFile {
+  public:
+    TemporaryFile(const std::string& target, const std::string& path) {
+        constexpr int kAttempts = 100;
+        for (int attempt = 0; attempt < kAttempts; ++attempt) {
+            name_ = temporaryName(target, attempt);
+            file_ = open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+            if (file_ >= 0) {
+                flock(file_, LOCK_EX | LOCK_NB);  // where there are no locks, the process id has to do
+                return;
+            }
+            if (errno != EEXIST) failToWrite(path, errno);
         }
-        if (errno != EEXIST)
-            throw FileError(path, fmt::format("cannot be written: {}", std::strerror(errno)));
+        throw FileError(path, "cannot be written: too many unfinished files beside it");
     }
-    throw FileError(path, "cannot be written: too many unfinished files beside it");
+    ~TemporaryFile() {
+        if (!renamed_) unlink(name_.c_str());
+        close(file_);
+    }
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+    const std::string& name() const { return name_; }
+    bool renameTo(const std::string& target) {
+        renamed_ = std::rename(name_.c_str(), target.c_str()) == 0;
+        return renamed_;
+    }
+
+  private:
+    std::string name_;
+    int file_ = -1;
+    bool renamed_ = false;
+};
+
+bool isInUse(const std::string& temporary) {
+    const int file = open(temporary.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (file < 0) return true;
+    struct stat status {};
+    const bool free =
+        fstat(file, &status) == 0 && S_ISREG(status.st_mode) && flock(file, LOCK_EX | LOCK_NB) == 0;
+    close(file);
+    return !free;
+}
+
+// What runs that were killed have left: no process has the number in the name, nor a lock on the file.
+void removeStale(const std::string& target) {
+    namespace fs = std::filesystem;
+    std::error_code ignored;
+    const fs::path folder = fs::path(target).parent_path();
+    for (fs::directory_iterator it(folder.empty() ? "." : folder, ignored), end; !ignored && it != end;
+         it.increment(ignored)) {
+        const std::string name = (folder / it->path().filename()).string();
+        const pid_t writer = writerOf(name, target);
+        const bool gone = writer > 0 && kill(writer, 0) != 0 && errno == ESRCH;
+        if (gone && !isInUse(name)) unlink(name.c_str());
+    }
 }
 
 // Without this a power cut after the rename may leave an empty file under the final name.
@@ -57,7 +121,7 @@ void flushToDisk(const std::string& temporary, const std::string& path) {
     const bool flushed = file >= 0 && fsync(file) == 0;
     const int reason = errno;
     if (file >= 0) close(file);
-    if (!flushed) throw FileError(path, fmt::format("cannot be written: {}", std::strerror(reason)));
+    if (!flushed) failToWrite(path, reason);
 }
 
 // A file that is written anew stays as readable as it was.
@@ -79,21 +143,16 @@ std::string nameBeside(const std::string& path, const std::string& suffix) {
 
 void replaceFile(const std::string& path, const std::function<void(const std::string&)>& write) {
     const std::string target = resolveTarget(path);
-    const std::string temporary = createBeside(target, path);
-    try {
-        write(temporary);
-        keepMode(target, temporary);
-        flushToDisk(temporary, path);
-        if (std::rename(temporary.c_str(), target.c_str()) != 0)
-            throw FileError(path, fmt::format("cannot be written: {}", std::strerror(errno)));
-    } catch (...) {
-        unlink(temporary.c_str());
-        throw;
-    }
+    removeStale(target);
+    TemporaryFile temporary(target, path);
+    write(temporary.name());
+    keepMode(target, temporary.name());
+    flushToDisk(temporary.name(), path);
+    if (!temporary.renameTo(target)) failToWrite(path, errno);
 }
 
 void checkReplaceable(const std::string& path) {
-    unlink(createBeside(resolveTarget(path), path).c_str());
+    const TemporaryFile tried(resolveTarget(path), path);
 }
 
 void replaceFile(const std::string& path, std::span<const uint8_t> bytes) {
@@ -106,7 +165,7 @@ void replaceFile(const std::string& path, std::span<const uint8_t> bytes) {
             written = false;
             reason = errno;
         }
-        if (!written) throw FileError(path, fmt::format("cannot be written: {}", std::strerror(reason)));
+        if (!written) failToWrite(path, reason);
     });
 }
 

@@ -10,8 +10,9 @@ namespace phat {
 
 /// Calls `write` with the path of a new empty file beside `path`, then renames that to `path`; a symbolic
 /// link is followed, also to a file that is yet to be made; an old file's permissions stay. When `write`
-/// throws, the new file is removed and an old one at `path` stays as it was. Throws FileError, also when
-/// `path` is a folder or a device, and whatever `write` throws.
+/// throws, the new file is removed and an old one at `path` stays as it was. New files that earlier runs have
+/// left, because they were killed, are removed. Throws FileError, also when `path` is a folder or a device,
+/// and whatever `write` throws.
 void replaceFile(const std::string& path, const std::function<void(const std::string& temporaryPath)>& write);
 
 /// The same for bytes that are already in memory.

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <span>
+#include <tuple>
 
 #include "io/gltf/gltf_container.h"
 #include "io/gltf/gltf_materials.h"
@@ -31,14 +32,23 @@ TextureImage loadImage(const Document& document, const ImageEntry& entry, Memory
         budget);
 }
 
+// Where the bytes of a picture are; entries that name the same are one picture.
+using PicturePlace = std::tuple<std::string, int32_t, size_t, size_t>;  // URI, or buffer, first byte, length
+
+PicturePlace placeOf(const Document& document, const ImageEntry& entry) {
+    if (!entry.uri.empty() || entry.bufferView < 0) return {entry.uri, -1, 0, 0};
+    const auto& view = document.model().bufferViews[size_t(entry.bufferView)];
+    return {"", view.buffer, view.byteOffset, view.byteLength};
+}
+
 }  // namespace
 
 void loadImages(const Document& document, Scene& scene, MemoryBudget& budget, Notes& notes) {
-    std::map<int32_t, int32_t> sceneImageOf;  // by index in the file; -1: cannot be had
+    std::map<PicturePlace, int32_t> sceneImageOf;  // -1: cannot be had
     const auto sceneImage = [&](int32_t index) {
-        const auto [it, isNew] = sceneImageOf.try_emplace(index, -1);
-        if (!isNew) return it->second;
         const ImageEntry& entry = document.description.images[size_t(index)];
+        const auto [it, isNew] = sceneImageOf.try_emplace(placeOf(document, entry), -1);
+        if (!isNew) return it->second;
         try {
             TextureImage image = loadImage(document, entry, budget);
             image.name = nameOf(entry, size_t(index));

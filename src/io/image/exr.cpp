@@ -6,6 +6,7 @@
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfStdIO.h>
 #include <fmt/format.h>
 #include <half.h>
 
@@ -14,6 +15,8 @@
 #include <cassert>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <span>
 
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
@@ -77,7 +80,33 @@ std::array<const char*, 3> chooseChannels(const std::string& path, const Imf::Ch
                                       channelNames(channels)));
 }
 
+// OpenEXR takes memory for an attribute before it knows whether the file has as much. What else is wrong it
+// says itself.
+void checkAttributes(const std::string& path, uint64_t fileBytes) {
+    constexpr uint32_t kSeveralParts =
+        0x1000;  // in the second word; a header without attributes ends their headers
+    std::ifstream file(path, std::ios::binary);
+    std::array<uint32_t, 2> start{};
+    file.read(reinterpret_cast<char*>(start.data()), sizeof(start));
+    bool headerBegins = true;
+    for (std::string name, type; std::getline(file, name, '\0');) {
+        if (name.empty()) {
+            if (headerBegins || !(start[1] & kSeveralParts)) return;
+            headerBegins = true;
+            continue;
+        }
+        headerBegins = false;
+        uint32_t size = 0;
+        std::getline(file, type, '\0');
+        if (!file.read(reinterpret_cast<char*>(&size), sizeof(size))) return;
+        if (size > fileBytes - uint64_t(file.tellg()))
+            throw FileError(path, "is not a complete OpenEXR picture: an attribute is longer than the file");
+        file.seekg(size, std::ios::cur);
+    }
+}
+
 Image readFirstPart(const std::string& path, uint64_t fileBytes) {
+    checkAttributes(path, fileBytes);
     // This class reads the headers without allocating for the pixels, so that the size can be checked first.
     Imf::MultiPartInputFile file(path.c_str());
     const Imf::Header& header = file.header(0);
@@ -122,17 +151,22 @@ void writePlanes(const std::string& path, int width, int height, const std::vect
         frameBuffer.insert(plane.name, Imf::Slice::Make(plane.type, plane.values, header.dataWindow(),
                                                         plane.stride, plane.stride * size_t(width)));
     }
-    replaceFile(path, [&](const std::string& temporary) {
-        try {
-            Imf::OutputFile file(temporary.c_str(), header);
+    // In memory first: OpenEXR does not look whether the last bytes of a file could be written.
+    std::string bytes;
+    try {
+        Imf::StdOSStream stream;
+        {
+            Imf::OutputFile file(stream, header);
             file.setFrameBuffer(frameBuffer);
             file.writePixels(height);
-        } catch (const std::bad_alloc&) {
-            throw;
-        } catch (const std::exception& error) {
-            throw FileError(path, "cannot be written: " + firstLine(error.what()));
         }
-    });
+        bytes = stream.str();
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& error) {
+        throw FileError(path, "cannot be encoded: " + firstLine(error.what()));
+    }
+    replaceFile(path, std::span(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace

@@ -216,8 +216,12 @@ FileJournal::FileJournal(const std::string& path, uint64_t fingerprint, bool res
             putAside_ = path + ".old";
         }
         const Header header{.fingerprint = fingerprint};
-        if (ftruncate(s.file, 0) != 0 || !writeFully(s.file, &header, sizeof(header), 0))
+        if (ftruncate(s.file, 0) != 0 || !writeFully(s.file, &header, sizeof(header), 0)) {
+            const int reason = errno;
+            remove();  // nothing is in it
+            errno = reason;
             s.fail("cannot be written");
+        }
         s.end = sizeof(Header);
     }
     if (ftruncate(s.file, off_t(s.end)) != 0) s.fail("cannot be written");

@@ -91,6 +91,13 @@ void readCharts(PayloadReader& reader, const json& object, size_t surfaceCount, 
     }
 }
 
+// Whoever crafts a file computes the checksum; a fuzzer does not guess it.
+#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
+constexpr bool kChecksTexels = false;
+#else
+constexpr bool kChecksTexels = true;
+#endif
+
 // Texel coordinates as they were baked, from the UV set and what rounding took away.
 void readTriangleTexels(PayloadReader& reader, const json& object, uint64_t texCoord, const Scene& scene,
                         Atlas& atlas) {
@@ -126,7 +133,8 @@ void readTriangleTexels(PayloadReader& reader, const json& object, uint64_t texC
         }
     }
     const auto bytes = bytesOf(atlas.triangleTexels);
-    if (wholeNumber(object, "texelChecksum") != crc32_z(crc32_z(0, nullptr, 0), bytes.data(), bytes.size()))
+    const uint64_t checksum = wholeNumber(object, "texelChecksum");
+    if (kChecksTexels && checksum != crc32_z(crc32_z(0, nullptr, 0), bytes.data(), bytes.size()))
         fail("the atlas UVs are not those that were baked: another program has changed the geometry");
 }
 

@@ -76,8 +76,9 @@ WebParts split(const GltfSource& source, const std::string& stem) {
     WebParts result;
     room.json["buffers"] = json::array({json::object()});
     for (size_t i = 0; i < parts.size(); ++i) {
-        const std::string name = contentName(stem + "." + later[i].name, parts[i].bin, "bin");
-        const WebPart& part = result.later.emplace_back(name, std::move(parts[i].bin));
+        WebPart& part = result.later.emplace_back();
+        part.uri = contentName(stem + "." + later[i].name, parts[i].bin, "bin");
+        part.bytes = std::move(parts[i].bin);
         room.json["buffers"].push_back({{"uri", part.uri}, {"byteLength", part.bytes.size()}});
     }
     std::vector<uint8_t> bytes = glbBytes(room);

@@ -215,6 +215,23 @@ TEST(GltfMaterials, EveryTextureSlotIsReadWithItsOwnSettings) {
     EXPECT_EQ(scene.images.size(), 1u);  // decoded once
 }
 
+TEST(GltfMaterials, PicturesThatAreNamedTwiceAreDecodedOnce) {
+    GltfBuilder builder;
+    const int view = builder.view(kPng8), other = builder.view(kPng8);
+    builder.json["bufferViews"].push_back(builder.json["bufferViews"][size_t(view)]);  // the same bytes
+    const int sameBytes = int(builder.json["bufferViews"].size()) - 1;
+    for (const int shown : {view, view, sameBytes, other}) {
+        builder.push("images", {{"bufferView", shown}, {"mimeType", "image/png"}});
+        const int image = int(builder.json["images"].size()) - 1;
+        builder.push("textures", {{"source", image}});
+        builder.push("materials", {{"emissiveTexture", {{"index", image}}}, {"emissiveFactor", {1, 1, 1}}});
+    }
+    const Scene scene = load(builder).scene;
+    EXPECT_EQ(scene.images.size(), 2u);
+    for (int i = 0; i < 4; ++i)
+        EXPECT_EQ(scene.materials[size_t(i)].emissionTexture.image, i == 3 ? 1 : 0) << i;
+}
+
 TEST(GltfMaterials, TextureTransformOffsetsRotatesScales) {
     Textured textured;
     textured.builder.push("materials", {{"pbrMetallicRoughness",

@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <climits>
+#include <set>
 #include <stdexcept>
 
 #include "io/base/atomic_file.h"
@@ -30,6 +34,44 @@ TEST(ReplaceFile, FailureKeepsTheOldFileAndLeavesNoOther) {
     EXPECT_THROW(replaceFile(folder.file("b"), failing), std::runtime_error);
     EXPECT_EQ(readBytes(folder.file("a")), (std::vector<char>{1, 2, 3}));
     EXPECT_EQ(folder.fileCount(), 1u);
+}
+
+// A process id that no process has: that of a child that is gone.
+pid_t deadProcess() {
+    const pid_t child = fork();
+    if (child == 0) _exit(0);
+    waitpid(child, nullptr, 0);
+    return child;
+}
+
+TEST(ReplaceFile, RemovesWhatKilledRunsHaveLeft) {
+    const TemporaryFolder folder;
+    const std::string dead = std::to_string(deadProcess()), alive = std::to_string(getppid());
+    const std::string longName = folder.file(std::string(NAME_MAX, 'x'));
+    for (const std::string& path : {folder.file("a"), longName}) {
+        const std::string stale = nameBeside(path, ".tmp-" + dead + "-0");
+        writeBytes(stale, {7});
+        replaceFile(path, kBytes);
+        EXPECT_FALSE(std::filesystem::exists(stale));
+    }
+    const std::set<std::string> others{
+        folder.file("a.tmp-" + alive + "-0"), folder.file("b.tmp-" + dead + "-0"),
+        folder.file("a.tmp-" + dead + "-0.png"), folder.file("a.tmp-" + dead), folder.file("a.tmp-x-0")};
+    for (const std::string& other : others) writeBytes(other, {7});
+    replaceFile(folder.file("a"), kBytes);
+    for (const std::string& other : others) EXPECT_TRUE(std::filesystem::exists(other)) << other;
+}
+
+// Process ids mean nothing to who shares a folder with another container; locks do.
+TEST(ReplaceFile, LeavesNewFilesThatAreInUse) {
+    const TemporaryFolder folder;
+    const std::string inUse = folder.file("a.tmp-" + std::to_string(deadProcess()) + "-0");
+    replaceFile(folder.file("a"), [&](const std::string& temporary) {
+        ASSERT_EQ(std::rename(temporary.c_str(), inUse.c_str()), 0);
+        replaceFile(folder.file("a"), kBytes);
+        EXPECT_TRUE(std::filesystem::exists(inUse));
+        ASSERT_EQ(std::rename(inUse.c_str(), temporary.c_str()), 0);
+    });
 }
 
 TEST(ReplaceFile, FollowsLinks) {

@@ -206,5 +206,21 @@ TEST(ExrFile, FailedWritesLeaveNothing) {
     EXPECT_EQ(folder.fileCount(), 0u);
 }
 
+// OpenEXR would take a gigabyte, and fill it, for a file of some hundred bytes.
+TEST(Exr, AttributesLongerThanTheFileAreRefused) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("a.exr");
+    writeExr(path, noise(4, 4));
+    std::vector<char> bytes = readBytes(path);
+    const std::string attribute("note\0string\0", 12);
+    const uint32_t size = 1 << 30;
+    std::vector<char> added(attribute.begin(), attribute.end());
+    added.insert(added.end(), reinterpret_cast<const char*>(&size), reinterpret_cast<const char*>(&size + 1));
+    bytes.insert(bytes.begin() + 8, added.begin(), added.end());
+    writeBytes(path, bytes);
+    EXPECT_NE(reasonOf(path).find("an attribute is longer than the file"), std::string::npos)
+        << reasonOf(path);
+}
+
 }  // namespace
 }  // namespace phat
