@@ -57,7 +57,7 @@ function strip(text) {
         line.startsWith('#')
             ? line
             : line
-                  .replace(/ *([-+*\/<>=!&|?:;,(){}[\]]) */g, '$1')
+                  .replace(/ *([-+*/<>=!&|?:;,(){}[\]]) */g, '$1')
                   .replace(/(?<![\w.])(\d+)\.(\d+)(?![\w.])/g, shortest);
     return text
         .replace(/\/\/.*$/gm, '')
@@ -185,7 +185,13 @@ async function writeLicenses() {
 
 await rm(here + 'dist', { recursive: true, force: true });
 await mkdir(here + 'dist/site', { recursive: true });
-await build({ ...common, entryPoints: { phatextures: 'src/index.js' }, outdir: 'dist', external: ['three'] });
+await build({
+    ...common,
+    entryPoints: { phatextures: 'src/index.js' },
+    outdir: 'dist',
+    external: ['three'],
+    sourcemap: true,
+});
 const [own, site] = [await build({ ...viewer, external: ['three'] }), await build(viewer)];
 // No module, since browsers load none from files.
 const begin = await build({ ...viewer, entryPoints: ['viewer/begin.js'], format: 'iife', splitting: false });

@@ -185,7 +185,7 @@ export class Passes {
     }
 
     drawLookup(view, shared, target, { quality, seed }) {
-        const { gl, atlas } = this,
+        const { gl } = this,
             { lookup: program } = this.programs,
             lookup = this.programs.stage === kWhole ? this.lookup : null;
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.incidentTarget);
