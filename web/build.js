@@ -174,13 +174,17 @@ async function writeLicenses() {
     const [own, three] = await Promise.all(
         ['../LICENSE', 'node_modules/three/LICENSE'].map((name) => readFile(here + name, 'utf8')),
     );
-    for (const [folder, text] of [
-        ['dist', 'The package contains parts of the shaders of three.js (https://threejs.org).'],
-        ['dist/site', 'The scripts contain three.js (https://threejs.org).'],
-    ]) {
-        await writeFile(`${here}${folder}/LICENSE.txt`, own);
-        await writeFile(`${here}${folder}/THIRD_PARTY.txt`, `${text}\n\n${three}`);
-    }
+    const [ofPackage, ofSite] = [
+        'The package contains parts of the shaders of three.js (https://threejs.org).',
+        'The scripts contain three.js (https://threejs.org).',
+    ].map((text) => `${text}\n\n${three}`);
+    for (const [name, text] of [
+        ['LICENSE', own], // where npm looks for it
+        ['dist/THIRD_PARTY.txt', ofPackage],
+        ['dist/site/LICENSE.txt', own],
+        ['dist/site/THIRD_PARTY.txt', ofSite],
+    ])
+        await writeFile(here + name, text);
 }
 
 await rm(here + 'dist', { recursive: true, force: true });

@@ -10,13 +10,13 @@ import { DataTexture, MeshPhysicalMaterial, REVISION, Texture } from 'three';
 
 const dist = new URL('../dist/', import.meta.url);
 
-test('the README shows the example that is tested', async () => {
-    const [readme, example] = await Promise.all(
-        ['../../README.md', '../examples/plugin.js'].map((name) =>
+test('the README files show the example that is tested', async () => {
+    const [example, ...readmes] = await Promise.all(
+        ['../examples/importmap/main.js', '../../README.md', '../README.md'].map((name) =>
             readFile(new URL(name, import.meta.url), 'utf8'),
         ),
     );
-    assert.ok(readme.includes(example));
+    for (const readme of readmes) assert.ok(readme.includes(example));
 });
 
 test('what is sent is small', async () => {

@@ -17,7 +17,7 @@ const options = {
 };
 
 const declarations = path('../src/index.d.ts'),
-    typed = ts.createProgram([declarations, path('types.ts'), path('../examples/plugin.js')], { ...options, checkJs: true }),
+    typed = ts.createProgram([declarations, path('types.ts'), path('../examples/importmap/main.js')], { ...options, checkJs: true }),
     typedChecker = typed.getTypeChecker();
 const sources = ['extension.js', 'lamps.js'].map((name) => path(`../src/${name}`)),
     written = ts.createProgram(sources, { ...options, allowJs: true, strict: false }),
