@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { borrowBrowser, serve } from './browser.js';
 import { borrowPacked, run } from './packed.js';
-import { borrowRoom, maeOverMean, meanOf } from './room.js';
+import { borrowRoom, maeOverMean } from './room.js';
 import { viewport } from './site.js';
 
 const examples = new URL('../examples/', import.meta.url).pathname;
@@ -57,8 +57,30 @@ async function buildPage(project) {
     return page;
 }
 
-// What a page shows once it stays the same: bytes, RGBA. Calls `meanwhile(page)` then, and looks again.
-async function pictureOf(t, site, meanwhile) {
+// In the page: what its canvas shows, once that stays the same. Bytes, RGBA.
+async function settledPicture() {
+    const kSame = 3,
+        kLit = 20, // mean of a byte
+        kMostMilliseconds = 600_000, // a guard against hanging
+        // After the page's own callback, which asks for the next frame in its turn: later the canvas is cleared.
+        frame = () => new Promise((done) => setTimeout(() => requestAnimationFrame(done)));
+    for (let last = '', same = 0; performance.now() < kMostMilliseconds; ) {
+        await frame();
+        const canvas = document.querySelector('canvas');
+        if (!canvas?.width) continue;
+        const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d');
+        copy.drawImage(canvas, 0, 0);
+        const bytes = [...copy.getImageData(0, 0, canvas.width, canvas.height).data],
+            isLit = bytes.reduce((sum, byte, i) => sum + (i % 4 < 3 ? byte : 0), 0) > kLit * 0.75 * bytes.length;
+        same = isLit && bytes.join() === last ? same + 1 : 0;
+        last = bytes.join();
+        if (same >= kSame) return bytes;
+    }
+    throw new Error('the canvas shows no room, or always another picture');
+}
+
+// What a page shows, and that nothing went wrong there.
+async function pictureOf(t, site) {
     const server = await serve(site),
         page = await browser.newPage({ viewport }),
         problems = [];
@@ -67,35 +89,13 @@ async function pictureOf(t, site, meanwhile) {
         server.close();
     });
     page.on('pageerror', ({ message }) => problems.push(message));
-    page.on('console', (message) => message.type() === 'error' && problems.push(message.text()));
+    page.on('console', (message) => {
+        if (message.type() === 'error' && !message.location().url.endsWith('/favicon.ico')) problems.push(message.text());
+    });
     await page.goto(server.url);
-    const settled = async () => {
-        for (let [last, same] = ['', 0]; ; ) {
-            const shot = (await page.screenshot()).toString('base64'),
-                bytes = await page.evaluate(bytesOf, shot);
-            same = shot === last && meanOf(bytes) > 20 ? same + 1 : 0;
-            last = shot;
-            if (same >= 4) return bytes;
-            await page.waitForTimeout(250);
-        }
-    };
-    let bytes = await settled();
-    if (meanwhile) {
-        await meanwhile(page);
-        bytes = await settled();
-    }
-    if (process.env.PHAT_SHOTS) await page.screenshot({ path: join(process.env.PHAT_SHOTS, `${t.name}.png`) });
-    assert.deepEqual(problems.filter((text) => !/favicon/.test(text)), []);
-    return bytes;
-}
-
-async function bytesOf(shot) {
-    const picture = new Image();
-    picture.src = `data:image/png;base64,${shot}`;
-    await picture.decode();
-    const copy = new OffscreenCanvas(picture.width, picture.height).getContext('2d');
-    copy.drawImage(picture, 0, 0);
-    return [...copy.getImageData(0, 0, picture.width, picture.height).data];
+    const picture = await page.evaluate(settledPicture);
+    assert.deepEqual(problems, []);
+    return picture;
 }
 
 // A test of a recipe, skipped where there is no registry.
