@@ -19,4 +19,5 @@ import './recipes.test.js';
 import './rooms.test.js';
 import './site.test.js';
 import './site_folder.test.js';
+import './still.test.js';
 import './types.test.js';
