@@ -5,7 +5,8 @@ import { isGlass } from '../src/material.js';
 import { Picture } from './picture.js';
 
 // Pictures that it is averaged from: fewer than where a device is fast, and they take longer.
-const kSamples = 8;
+const kSamples = 8,
+    kBetterSamples = 4; // than the poster, whose edges are smooth and whose noise is little
 // What is drawn in a frame: rows that take this time, but no fewer than that, as each part also draws rows beside it and
 // goes through all of the room's vertices.
 const kPartSeconds = 0.1,
@@ -77,7 +78,7 @@ export class StillPicture {
             this.row = 0;
             picture.accumulate(Infinity);
             this.viewer.present();
-            document.getElementById('poster').hidden = true;
+            if (picture.samples >= kBetterSamples) document.getElementById('poster').hidden = true;
         }
         return rows;
     }
