@@ -76,4 +76,4 @@ setup:
 	@tools/setup
 
 clean:
-	rm -rf build out web/dist web/node_modules
+	rm -rf build out web/dist web/LICENSE web/node_modules

@@ -57,7 +57,7 @@ function strip(text) {
         line.startsWith('#')
             ? line
             : line
-                  .replace(/ *([-+*\/<>=!&|?:;,(){}[\]]) */g, '$1')
+                  .replace(/ *([-+*/<>=!&|?:;,(){}[\]]) */g, '$1')
                   .replace(/(?<![\w.])(\d+)\.(\d+)(?![\w.])/g, shortest);
     return text
         .replace(/\/\/.*$/gm, '')
@@ -174,18 +174,28 @@ async function writeLicenses() {
     const [own, three] = await Promise.all(
         ['../LICENSE', 'node_modules/three/LICENSE'].map((name) => readFile(here + name, 'utf8')),
     );
-    for (const [folder, text] of [
-        ['dist', 'The package contains parts of the shaders of three.js (https://threejs.org).'],
-        ['dist/site', 'The scripts contain three.js (https://threejs.org).'],
-    ]) {
-        await writeFile(`${here}${folder}/LICENSE.txt`, own);
-        await writeFile(`${here}${folder}/THIRD_PARTY.txt`, `${text}\n\n${three}`);
-    }
+    const [ofPackage, ofSite] = [
+        'The package contains parts of the shaders of three.js (https://threejs.org).',
+        'The scripts contain three.js (https://threejs.org).',
+    ].map((text) => `${text}\n\n${three}`);
+    for (const [name, text] of [
+        ['LICENSE', own], // where npm looks for it
+        ['dist/THIRD_PARTY.txt', ofPackage],
+        ['dist/site/LICENSE.txt', own],
+        ['dist/site/THIRD_PARTY.txt', ofSite],
+    ])
+        await writeFile(here + name, text);
 }
 
 await rm(here + 'dist', { recursive: true, force: true });
 await mkdir(here + 'dist/site', { recursive: true });
-await build({ ...common, entryPoints: { phatextures: 'src/index.js' }, outdir: 'dist', external: ['three'] });
+await build({
+    ...common,
+    entryPoints: { phatextures: 'src/index.js' },
+    outdir: 'dist',
+    external: ['three'],
+    sourcemap: true,
+});
 const [own, site] = [await build({ ...viewer, external: ['three'] }), await build(viewer)];
 // No module, since browsers load none from files.
 const begin = await build({ ...viewer, entryPoints: ['viewer/begin.js'], format: 'iife', splitting: false });

@@ -71,7 +71,7 @@ std::string sizeOf(const Image& image) {
 }
 
 // Mean absolute error over the mean of the reference, of the whole picture and of the part that reflects: a
-// tenth and 15 % more than what is measured, as seeds are 5 and 13 % apart (web/README.md).
+// tenth and 15 % more than what is measured, as seeds are 5 and 13 % apart (web/DEVELOPING.md).
 struct Limits {
     double whole, glossyPart;
 };

@@ -93,7 +93,7 @@ async function measurePhat(browser, scene, reference) {
     );
     const { page, ...times } = await timeBoth(browser, server.url, {
         poster: () => document.getElementById('poster')?.complete,
-        firstPicture: () => document.getElementById('poster').hidden,
+        firstPicture: () => globalThis.viewer?.picture.samples > 0,
         lampsToo: () => viewer.light.progress > 0,
         all: () => document.getElementById('loading').hidden,
     });

@@ -21,7 +21,7 @@ import { chainHook } from './hooks.js';
 import { Rendering } from './rendering.js';
 import { gatherSurfaces, surfaceMeshes, triangleCount } from './surfaces.js';
 
-// loader.register((parser) => new PhatexturesExtension(parser))
+/** The plug-in: `loader.register((parser) => new PhatexturesExtension(parser))`. */
 export class PhatexturesExtension {
     constructor(parser) {
         this.name = kName;
@@ -45,7 +45,19 @@ export class PhatexturesExtension {
     }
 }
 
+/** The light of a baked file. What is documented for users, and typed, is in index.d.ts. */
 export class BakedLight {
+    #renderings = new Map(); // by their renderers
+    #lacks = new WeakMap(); // by their renderers: what keeps them from drawing the light
+    #materials = new BakedMaterials((...picture) => this.draw(...picture));
+    #undo;
+    #file;
+    #toAdd = new Set();
+    #added;
+    #loadingAdded;
+    #loadingLights;
+    #loadingTrees;
+
     constructor(root, parser, description, bake) {
         this.root = root;
         this.enabled = true;
@@ -58,29 +70,29 @@ export class BakedLight {
         this.updatedMilliseconds = 0;
         this.wipe = 1;
         this.waitsForPrograms = true;
-        this.clock = null; // for measurements: its ended(pass) is called where a pass ends
+        /** @internal For measurements: its ended(pass) is called where a pass ends. */
+        this.clock = null;
         this.isWhole = true;
         this.progress = 0;
         this.onProgress = null;
+        /** @internal */
         this.bake = bake;
         this.unitMeters = root.userData.unitMeters = bake.atlas.unitMeters;
-        this.renderings = new Map(); // by their renderers
-        this.lacks = new WeakMap(); // by their renderers: what keeps them from drawing the light
-        this.disposed = false; // whether the light will never be drawn again
-        this.materials = new BakedMaterials((...picture) => this.draw(...picture));
-        this.undo = bake.surfaces.drawRanges.map(({ mesh }) => {
+        /** @internal Whether the light will never be drawn again. */
+        this.disposed = false;
+        this.#undo = bake.surfaces.drawRanges.map(({ mesh }) => {
             if (mesh.material.isMeshStandardMaterial) this.adopt(mesh.material);
             // Where materials are not asked, as by WebGPURenderer.
             return chainHook(mesh, 'onBeforeRender', (own) => (renderer, ...rest) => {
                 own.call(mesh, renderer, ...rest);
-                this.canDraw(renderer);
+                this.#canDraw(renderer);
             });
         });
-        this.ready = this.load(parser, description);
+        this.ready = this.#load(parser, description);
         this.ready.catch(() => {}); // whoever awaits it is told
+        /** @internal */
         this.canTrace = Boolean(description.bvh);
-        this.file = [parser, description];
-        this.toAdd = new Set();
+        this.#file = [parser, description];
         this.environment = null;
     }
 
@@ -88,31 +100,32 @@ export class BakedLight {
     adopt(material) {
         if (!material.isMeshStandardMaterial)
             throw new TypeError('only MeshStandardMaterial and MeshPhysicalMaterial show baked light');
-        this.materials.adopt(material);
+        this.#materials.adopt(material);
     }
 
     // Lights what was not in the bake by the bake's probes, instead of ambient light. Loads what does so.
     async add(object) {
-        this.toAdd.add(object);
-        this.loadingAdded ??= import('./added.js').then(async ({ AddedMeshes }) => {
-            this.added = await AddedMeshes.read(this.root, ...this.file);
+        this.#toAdd.add(object);
+        this.#loadingAdded ??= import('./added.js').then(async ({ AddedMeshes }) => {
+            this.#added = await AddedMeshes.read(this.root, ...this.#file);
         });
-        await this.loadingAdded;
-        if (this.toAdd.delete(object)) this.added.add(object);
+        await this.#loadingAdded;
+        if (this.#toAdd.delete(object)) this.#added.add(object);
     }
 
     remove(object) {
-        this.toAdd.delete(object);
-        this.added?.remove(object);
+        this.#toAdd.delete(object);
+        this.#added?.remove(object);
     }
 
     // Loads what makes light follow the lamps when it is first read.
     get lights() {
-        this.loadingLights ??= import('./light_updates.js').then(({ LightUpdates }) => {
-            this.updates = new LightUpdates(this, ...this.file);
+        this.#loadingLights ??= import('./light_updates.js').then(({ LightUpdates }) => {
+            /** @internal */
+            this.updates = new LightUpdates(this, ...this.#file);
             return this.updates.lamps;
         });
-        return this.loadingLights;
+        return this.#loadingLights;
     }
 
     async followChanges() {
@@ -126,7 +139,7 @@ export class BakedLight {
 
     // The PHATexels, in the order of their effect per byte: area lights' highlights, a first layer of indirect
     // light, then the others. Frames are drawn from the data that have arrived.
-    async load(parser, description) {
+    async #load(parser, description) {
         const { indirect, area } = description,
             { atlas } = this.bake,
             hasArea = area.layers.length > 0;
@@ -164,16 +177,16 @@ export class BakedLight {
         return this;
     }
 
-    // Reads what rays are traced through, once. Where that cannot be read, reflections are looked up.
+    /** @internal Reads what rays are traced through, once. Where that cannot be read, reflections are looked up. */
     loadTrees() {
-        this.loadingTrees ??= this.beginTrees();
-        return this.loadingTrees;
+        this.#loadingTrees ??= this.#beginTrees();
+        return this.#loadingTrees;
     }
 
-    async beginTrees() {
+    async #beginTrees() {
         try {
             const tracing = await import('./ray_tracing.js'),
-                trees = await tracing.readTrees(...this.file, this.bake.surfaces);
+                trees = await tracing.readTrees(...this.#file, this.bake.surfaces);
             if (!this.disposed) this.bake = { ...this.bake, tracing, trees };
         } catch (error) {
             this.canTrace = false;
@@ -183,46 +196,53 @@ export class BakedLight {
     }
 
     // Whether a renderer can draw the light. If not, the first time, says why, and shows the room without any.
-    canDraw(renderer) {
-        if (!this.lacks.has(renderer)) {
+    #canDraw(renderer) {
+        if (!this.#lacks.has(renderer)) {
             const lack = lackOf(renderer);
-            this.lacks.set(renderer, lack);
+            this.#lacks.set(renderer, lack);
             if (lack) console.error(`The room is drawn without its light: ${lack}`);
         }
-        const lack = this.lacks.get(renderer);
-        if (lack) this.materials.showUnlit();
+        const lack = this.#lacks.get(renderer);
+        if (lack) this.#materials.showUnlit();
         return !lack;
     }
 
-    // Before a surface is drawn: the light of the picture that it is drawn in. Post-processing that draws with
-    // materials of its own shows none.
+    /**
+     * @internal Before a surface is drawn: the light of the picture that it is drawn in. Post-processing that draws with
+     * materials of its own shows none.
+     */
     draw(renderer, scene, camera) {
-        if (!this.canDraw(renderer)) return;
-        if (!this.renderings.has(renderer)) this.renderings.set(renderer, new Rendering(renderer));
-        const shown = this.renderings.get(renderer).draw(this, scene, camera);
-        if (shown) this.materials.show(shown);
+        if (!this.#canDraw(renderer)) return;
+        if (!this.#renderings.has(renderer)) this.#renderings.set(renderer, new Rendering(renderer));
+        const shown = this.#renderings.get(renderer).draw(this, scene, camera);
+        if (shown) this.#materials.show(shown);
     }
 
     // Frees what is on the GPU. As with all of three.js, what is drawn again is made again.
     dispose() {
-        this.added?.dispose();
-        this.renderings.forEach((rendering) => rendering.dispose());
-        this.renderings.clear();
+        this.#added?.dispose();
+        this.#renderings.forEach((rendering) => rendering.dispose());
+        this.#renderings.clear();
         this.environment?.dispose();
-        this.materials.dispose();
+        this.#materials.dispose();
     }
 
     // Returns all materials to what they were, for good.
     detach() {
         this.dispose();
         this.disposed = true;
-        this.undo.forEach((undo) => undo());
-        this.materials.detach();
-        this.toAdd.clear();
-        this.added?.detach();
+        this.#undo.forEach((undo) => undo());
+        this.#materials.detach();
+        this.#toAdd.clear();
+        this.#added?.detach();
         this.updates?.dispose();
         this.bake = null;
     }
+}
+
+/** What a file that GLTFLoader has read holds of baked light: a BakedLight, or null where it is not baked. */
+export function bakedLightOf(gltf) {
+    return gltf.userData.bakedLight ?? null;
 }
 
 // A source of light of which nothing is loaded: no PHATexel is valid.

@@ -6,9 +6,22 @@ export const kName = 'PHAT_photon_accumulation_texture';
 const kVersions = [3, 5];
 export const kNoChart = 0xffffffff;
 
-async function inflate(bytes) {
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
-    return new Response(stream).arrayBuffer();
+// A file may promise few bytes and hold a stream that never ends: no more than `length` are made room for, and what would
+// follow is not inflated. Returns what is there, or null where there is more.
+async function inflate(compressed, length) {
+    const stream = new Blob([compressed]).stream().pipeThrough(new DecompressionStream('deflate')),
+        bytes = new Uint8Array(length);
+    let end = 0;
+    for (const reader = stream.getReader(); ; ) {
+        const { done, value } = await reader.read();
+        if (done) return bytes.subarray(0, end);
+        if (end + value.length > length) {
+            await reader.cancel();
+            return null;
+        }
+        bytes.set(value, end);
+        end += value.length;
+    }
 }
 
 export function fail(reason) {
@@ -23,12 +36,13 @@ export async function readPayload(parser, payload, Type, count, what) {
     const compressed = await parser.getDependency('bufferView', payload.bufferView); // throws what it lacks
     let bytes;
     try {
-        bytes = await inflate(compressed);
+        bytes = await inflate(compressed, payload.byteLength);
     } catch {
         fail(`${what} is damaged or cut off`);
     }
-    if (bytes.byteLength !== payload.byteLength) fail(`${what} is cut off`);
-    return new Type(bytes);
+    if (!bytes) fail(`${what} is larger than the file says`);
+    if (bytes.length !== payload.byteLength) fail(`${what} is cut off`);
+    return new Type(bytes.buffer);
 }
 
 // Charts as docs/format.md lists them, with the number of their first block.

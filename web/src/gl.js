@@ -211,7 +211,7 @@ export function createFramebuffer(gl, colors, depth = null) {
     return framebuffer;
 }
 
-// Whether a context can draw baked light, in a browser that can read it.
+/** Whether a context can draw baked light, in a browser that can read it. */
 export function isSupported(gl) {
     return (
         typeof DecompressionStream !== 'undefined' &&

@@ -1,11 +1,24 @@
-import type { Color, ColorRepresentation, DataTexture, Material, Object3D, Scene, WebGLRenderer } from 'three';
+import type {
+    Color,
+    ColorRepresentation,
+    DataTexture,
+    MeshStandardMaterial,
+    Object3D,
+    Scene,
+    WebGLRenderer,
+} from 'three';
+import type { GLTF, GLTFLoaderPlugin, GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
 
 /** Reads `PHAT_photon_accumulation_texture`: `loader.register((parser) => new PhatexturesExtension(parser))`. */
-export class PhatexturesExtension {
-    constructor(parser: object);
+export class PhatexturesExtension implements GLTFLoaderPlugin {
+    /** `parser`: what GLTFLoader passes to those who register. */
+    constructor(parser: GLTFParser);
+    /** Of the glTF extension. */
     readonly name: string;
-    /** Called by GLTFLoader. Sets `gltf.userData.bakedLight` where the file is baked. */
-    afterRoot(gltf: object): Promise<void>;
+    /** The parser that it was made for. */
+    readonly parser: GLTFParser;
+    /** Called by GLTFLoader. Sets what `bakedLightOf` returns where the file is baked. */
+    afterRoot(gltf: GLTF): Promise<void>;
 }
 
 /** What shines in a room: a punctual light of the file, or all surfaces of a material that emits. */
@@ -24,7 +37,7 @@ export interface Lamp {
 }
 
 /**
- * What a baked file adds to its scene: `gltf.userData.bakedLight`. Its materials show it wherever `gltf.scene` is drawn,
+ * What a baked file adds to its scene: `bakedLightOf(gltf)`. Its materials show it wherever `gltf.scene` is drawn,
  * instead of ambient, hemisphere and environment light, and clones and instances of its meshes; changes of the materials are
  * followed.
  */
@@ -100,12 +113,18 @@ export class BakedLight {
      * Lets a MeshStandardMaterial with which the page replaces one of the room's show the light. The file's own do so anyway,
      * with hooks (`onBeforeCompile`) of the page's, too. Throws where it is none.
      */
-    adopt(material: Material): void;
+    adopt(material: MeshStandardMaterial): void;
     /** Frees what is on the GPU. As with all of three.js, what is drawn again is made again. */
     dispose(): void;
     /** Returns all materials to what they were, for good, and frees all. */
     detach(): void;
 }
+
+/**
+ * The light of what GLTFLoader has read with the plug-in; null where the file is not baked. The same as `gltf.userData.bakedLight`,
+ * with a type.
+ */
+export function bakedLightOf(gltf: Pick<GLTF, 'userData'>): BakedLight | null;
 
 /** Whether baked light can be read and drawn here: WebGL 2 with float render targets, and DecompressionStream. */
 export function isSupported(context: WebGLRenderingContext | WebGL2RenderingContext | null): boolean;

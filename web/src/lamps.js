@@ -6,18 +6,25 @@ import { emissionOf, isUnlit } from './material.js';
 export class Lamp {
     #intensity = 1;
     #visible = true;
+    #changed;
+    #colorKey;
+    #strengthKey;
+    #strength;
+    #baked;
+    #own;
 
     // `source`: a light or a material of three.js; `changed` is called when the lamp is set.
     constructor(source, changed) {
         const isLight = source.isLight === true;
         this.name = source.name;
+        /** @internal */
         this.source = source;
-        this.changed = changed;
-        this.colorKey = isLight || isUnlit(source) ? 'color' : 'emissive';
-        this.strengthKey = isLight ? 'intensity' : isUnlit(source) ? null : 'emissiveIntensity';
-        this.strength = this.strengthKey ? source[this.strengthKey] : 1;
-        this.own = source[this.colorKey].clone();
-        this.baked = this.own.clone();
+        this.#changed = changed;
+        this.#colorKey = isLight || isUnlit(source) ? 'color' : 'emissive';
+        this.#strengthKey = isLight ? 'intensity' : isUnlit(source) ? null : 'emissiveIntensity';
+        this.#strength = this.#strengthKey ? source[this.#strengthKey] : 1;
+        this.#own = source[this.#colorKey].clone();
+        this.#baked = this.#own.clone();
     }
 
     // Times what it was in the bake.
@@ -26,7 +33,7 @@ export class Lamp {
     }
     set intensity(factor) {
         this.#intensity = Math.max(factor, 0);
-        this.write();
+        this.#write();
     }
 
     get visible() {
@@ -34,32 +41,32 @@ export class Lamp {
     }
     set visible(visible) {
         this.#visible = Boolean(visible);
-        this.write();
+        this.#write();
     }
 
     // Set it to change it: what is done to the colour that it returns changes nothing.
     get color() {
-        return this.own.clone();
+        return this.#own.clone();
     }
     set color(color) {
-        this.own = new Color(color);
-        this.write();
+        this.#own = new Color(color);
+        this.#write();
     }
 
     reset() {
-        this.own = this.baked.clone();
+        this.#own = this.#baked.clone();
         this.#intensity = 1;
         this.#visible = true;
-        this.write();
+        this.#write();
     }
 
-    write() {
-        const { source, own, colorKey, strengthKey } = this,
+    #write() {
+        const { source } = this,
             factor = this.#visible ? this.#intensity : 0;
-        source[colorKey].copy(own);
-        if (strengthKey) source[strengthKey] = factor * this.strength;
-        else source[colorKey].multiplyScalar(factor);
-        this.changed();
+        source[this.#colorKey].copy(this.#own);
+        if (this.#strengthKey) source[this.#strengthKey] = factor * this.#strength;
+        else source[this.#colorKey].multiplyScalar(factor);
+        this.#changed();
     }
 }
 

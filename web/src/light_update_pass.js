@@ -179,7 +179,7 @@ export class LightUpdatePass {
         let unit = kTreeUnits + kTexelPointUnits;
         program.bind('guideSums', unit++, gl.TEXTURE_2D, this.guides.sums);
         program.bind('phatexels', unit++, gl.TEXTURE_2D_ARRAY, passes.phatexels);
-        program.bind('tilePatches', unit++, gl.TEXTURE_2D, passes.atlas.tilePatches);
+        program.bind('tilePatches', unit, gl.TEXTURE_2D, passes.atlas.tilePatches);
         for (const [name, value] of Object.entries({ unitMeters, originUnitMeters: unitMeters, choice, layer }))
             program.set(name, value);
         program.set('firstGuide', firstGuide);

@@ -58,7 +58,7 @@ export class Motion {
 
     // Words of a surface in its vertices.
     wordsOf(surface) {
-        const { firstVertex, mesh } = this.rest.drawRanges[surface],
+        const { firstVertex } = this.rest.drawRanges[surface],
             next = this.rest.drawRanges[surface + 1]?.firstVertex ?? this.rest.vertices.length / kVertexWords;
         return [kVertexWords * firstVertex, kVertexWords * next];
     }

@@ -7,8 +7,9 @@ import { createTextureArray } from './gl.js';
 import { Programs, kPreview, kWhole } from './programs.js';
 import { sampleNumberTables } from './sample_numbers.js';
 import { drawSplitSum, prepareUploads, resetState, whiteTexture } from './fixed.js';
-import { hasClearcoat, isBlended, kOpaqueSlots, kSlots } from './material.js';
+import { hasClearcoat, isBlended, isGlass, kOpaqueSlots, kSlots } from './material.js';
 import { Rays } from './rays.js';
+import { kNeighbor, kReach, partAround, wipedParts } from './parts.js';
 import { SurfaceDrawing } from './surface_drawing.js';
 import { createVertices } from './vertices.js';
 import { createTargets, disposeTargets } from './targets.js';
@@ -157,14 +158,15 @@ export class Passes {
     // Glossy light: of PHATexels, and of rays where they are traced.
     lookUp(view, shared, target, light) {
         const lookup = this.programs.stage === kWhole ? this.lookup : null,
-            traces = this.tracesIn(view);
+            traces = this.tracesIn(view),
+            isTimed = lookup && !view.part; // parts cost more than their pixels
         let pass = null;
-        if (lookup) this.rays.beginLookup(kRelativeCost[light.quality]);
+        if (isTimed) this.rays.beginLookup(kRelativeCost[light.quality]);
         if (traces) pass = this.beginRays(view, shared, light);
         else if (lookup) this.drawLobes(view, target);
         if (pass || lookup) this.clock?.ended('lobes');
         this.drawLookup(view, shared, target, light);
-        if (lookup) this.rays.endLookup();
+        if (isTimed) this.rays.endLookup();
         if (pass) this.rays.trace(pass);
         if (pass) this.clock?.ended('rays');
         this.gl.bindVertexArray(this.vertices.vertexArray);
@@ -185,13 +187,12 @@ export class Passes {
     }
 
     drawLookup(view, shared, target, { quality, seed }) {
-        const { gl, atlas } = this,
+        const { gl } = this,
             { lookup: program } = this.programs,
             lookup = this.programs.stage === kWhole ? this.lookup : null;
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.incidentTarget);
-        // A lobe without samples shows the mean over the hemisphere (display.frag). Of area lights that would
-        // be far too much nearly everywhere: until their PHATexels are there, they are black, with a weight
-        // of 1.
+        // A lobe without samples shows the mean over the hemisphere (display.frag). Of area lights that would be far too
+        // much nearly everywhere: until their PHATexels are there, they are black, with a weight of 1.
         const isOfArea = (layer) => this.bake.atlas.areaIrradiance && layer % 2 === 1;
         for (let layer = 0; layer < this.layers; ++layer)
             gl.clearBufferuiv(gl.COLOR, layer, [0, !lookup && isOfArea(layer) ? kFloatOne : 0, 0, 0]);
@@ -278,8 +279,8 @@ export class Passes {
         this.drawing.draw(program, view, kSlots.length);
     }
 
-    // `view`: { width, height, clipFromWorld, worldFromClip, pixelRadians, eye, eyeAtInfinity, isVisible(mesh), copies };
-    // `copies`: see copies.js; `light`: a BakedLight. Returns the view's targets. Leaves WebGL's state to the caller.
+    // `view`: { width, height, clipFromWorld, worldFromClip, pixelRadians, eye, eyeAtInfinity, isVisible(mesh), copies, part };
+    // see copies.js; `part`: see parts.js; `light`: a BakedLight. Returns the view's targets. Leaves WebGL's state to the caller.
     draw(view, light) {
         this.clock = light.clock;
         this.clock?.ended('three.js'); // what it did before the first surface
@@ -292,10 +293,12 @@ export class Passes {
         light.updates?.follow(this, view);
         this.programs.choose(Boolean(this.lookup), light.waitsForPrograms);
         this.chooseRays(view, light);
-        const targets = this.targetsFor(view);
+        // Rays and what rough glass shows come from all over the picture.
+        const part = this.rays.level > 0 || this.hasAny(isGlass, view.copies) ? null : view.part,
+            targets = this.targetsFor(view);
         for (const kind of ['opaque', 'blended'])
             if (targets[kind])
-                this.drawKind({ ...view, blended: kind === 'blended' }, targets, targets[kind], light);
+                this.drawKind({ ...view, part, blended: kind === 'blended' }, targets, targets[kind], light);
         return targets;
     }
 
@@ -315,22 +318,19 @@ export class Passes {
         const { gl } = this;
         resetState(gl, view.width, view.height);
         gl.bindVertexArray(this.vertices.vertexArray);
+        gl.enable(gl.SCISSOR_TEST);
+        gl.scissor(...partAround(view, kNeighbor + kReach));
         this.drawDepth(view, target);
         this.clock?.ended('depth');
         if (this.programs.stage > kPreview) this.lookUp(view, shared, target, light);
-        const left = Math.round(light.wipe * view.width);
         gl.enable(gl.SCISSOR_TEST);
-        for (const [x, width, show] of [
-            [0, left, [1, 1, 1]],
-            [left, view.width - left, [1, 0, 0]],
-        ]) {
-            gl.scissor(x, 0, width, view.height);
-            if (width <= 0) continue;
+        for (const { scissor, show } of wipedParts(view, kNeighbor, light.wipe)) {
+            gl.scissor(...scissor);
             if (this.programs.stage > kPreview) this.display(view, shared, target, show);
             else this.preview(view, target, show);
         }
-        this.clock?.ended('display');
         gl.disable(gl.SCISSOR_TEST);
+        this.clock?.ended('display');
         gl.bindVertexArray(null);
     }
 

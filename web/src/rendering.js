@@ -1,6 +1,7 @@
 // The passes and targets of one renderer for a baked light.
 import { Matrix4, Vector3, Vector4 } from 'three';
 import { findCopies } from './copies.js';
+import { scissoredPart } from './parts.js';
 import { Passes } from './passes.js';
 
 // Whether it is drawn with `scene`.
@@ -76,7 +77,8 @@ export class Rendering {
             this.passes ??= new Passes(renderer, light.bake);
             this.passes.useLookup(light.bake.lookup);
             const { radians, ...view } = viewOf(light.root.matrixWorld, camera);
-            Object.assign(view, { pixelRadians: radians / height, width, height }, surfacesOf(light, scene, camera));
+            const part = scissoredPart(renderer, [x, y]);
+            Object.assign(view, { pixelRadians: radians / height, width, height, part }, surfacesOf(light, scene, camera));
             const targets = this.passes.draw(view, light);
             light.isWhole = this.passes.isWhole();
             light.tracedMilliseconds = this.passes.rays.milliseconds;

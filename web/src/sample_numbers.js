@@ -71,7 +71,7 @@ export function placeNumbers() {
     return numbers;
 }
 
-// Position of picture `index` of `count` inside the pixel. twin: jitterOf in src/gl/camera_matrices.cpp.
+/** Position of picture `index` of `count` inside the pixel. */ // twin: jitterOf in src/gl/camera_matrices.cpp.
 export function jitterOf(index, count) {
     if (count === 1) return [0, 0];
     const [x, y] = sobolBits(index);

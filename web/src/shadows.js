@@ -64,7 +64,7 @@ function completeNormals(mesh) {
     mesh.geometry.computeVertexNormals();
 }
 
-// Makes the punctual lights of a scene throw the shadows that they have in the bake, and its meshes receive them.
+/** Makes the punctual lights of a scene throw the shadows that they have in the bake, and its meshes receive them. */
 export function prepareLights(renderer, scene) {
     Object.assign(renderer.shadowMap, { enabled: true, type: PCFShadowMap, needsUpdate: true });
     scene.updateMatrixWorld(true);

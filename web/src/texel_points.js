@@ -16,7 +16,7 @@ const unit = (v) => v.map((x) => x / Math.hypot(...v));
 
 // A triangle in texels of its chart and in the room, and the affine map from one to the other.
 class TexelTriangle {
-    constructor({ vertices, indices }, floats, triangle, { back, originTile }) {
+    constructor({ indices }, floats, triangle, { back, originTile }) {
         const places = [0, 1, 2].map((i) => kVertexWords * indices[3 * triangle + i]),
             at = back ? 20 : 18;
         this.corner = places.map((p) => [0, 1].map((axis) => floats[p + at + axis] - 8 * originTile[axis]));

@@ -10,11 +10,11 @@ import { build } from 'esbuild';
 
 const web = new URL('..', import.meta.url).pathname;
 
-test('a bundle has one three.js, and the licences come with the package', async (t) => {
+test('a bundle has one three.js', async (t) => {
     const project = await mkdtemp(join(tmpdir(), 'phat-project-'));
     t.after(() => rm(project, { recursive: true }));
     await writeFile(join(project, 'package.json'), JSON.stringify({ name: 'project', version: '1.0.0', type: 'module' }));
-    await copyFile(join(web, 'examples/plugin.js'), join(project, 'main.js'));
+    await copyFile(join(web, 'examples/importmap/main.js'), join(project, 'main.js'));
     const readme = await readFile(join(web, '../README.md'), 'utf8'),
         [, flags] = readme.match(/`npm install ?(.*?) \.\/web`/);
     const install = ['install', '--offline', '--no-audit', '--no-fund', ...flags.split(' ').filter(Boolean)];
@@ -34,7 +34,4 @@ test('a bundle has one three.js, and the licences come with the package', async 
     });
     const copies = Object.keys(metafile.inputs).filter((path) => path.endsWith('three.core.js'));
     assert.equal(copies.length, 1, copies.join());
-    const own = join(project, 'node_modules/phatextures/dist');
-    assert.match(await readFile(join(own, 'LICENSE.txt'), 'utf8'), /The PHATextures authors/);
-    assert.match(await readFile(join(own, 'THIRD_PARTY.txt'), 'utf8'), /three\.js authors/);
 });

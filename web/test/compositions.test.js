@@ -1,4 +1,5 @@
 // The plug-in in pages that draw otherwise than by one call of `renderer.render` to the canvas.
+/* global EffectComposer, RenderPass, UnrealBloomPass, GTAOPass, OutputPass, Reflector, world, composed, bloom */
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { maeOverMean, meanOf } from './room.js';

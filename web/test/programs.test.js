@@ -44,7 +44,7 @@ const shownBy = async (page) => {
 
 test('the first picture is there before the lookup is compiled, and the last one is the same', async () => {
     const page = await open(browser, server.url, { prepare: holdPrograms });
-    await page.waitForFunction(() => document.getElementById('poster').hidden);
+    await page.waitForFunction(() => globalThis.viewer?.picture.samples > 0);
     await loaded(page);
     // Pictures with all the data, but without the programs for them.
     await page.waitForFunction(() => viewer.light.progress === 1 && viewer.picture.samples === 1);
@@ -70,7 +70,7 @@ test('the first picture is there before the lookup is compiled, and the last one
 
 test('each picture shows more: base colours, then all but reflections, then everything', async () => {
     const page = await open(browser, server.url, { prepare: holdPrograms });
-    await page.waitForFunction(() => document.getElementById('poster').hidden);
+    await page.waitForFunction(() => globalThis.viewer?.picture.samples > 0);
     await loaded(page);
     await rest(page);
     const drawn = () =>

@@ -75,7 +75,7 @@ test('clones of a room show its light, wherever they are, with it or alone', asy
 test('instances of a part show the light that it has', async () => {
     const { still, instanced, moved, movedSingle } = await page.evaluate(async () => {
         const world = await load(true),
-            { scene, gltf } = world;
+            { scene } = world;
         const part = meshesOfRoom(world).find((mesh) => /crate|globe|cone/.test(mesh.name + mesh.material.name));
         const result = { still: draw(world) };
         part.visible = false;

@@ -68,7 +68,7 @@ export class Navigation {
     // From a camera of the file.
     goTo(view) {
         this.first = view;
-        const { camera, controls } = this;
+        const { camera } = this;
         view.matrixWorld.decompose(camera.position, camera.quaternion, new Vector3());
         this.setAspect(camera.aspect);
         this.chooseCenter();

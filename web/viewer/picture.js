@@ -48,10 +48,27 @@ export class Picture {
 
     // Draws the scene and adds it; what was there before counts as fewer than `most` samples.
     add(scene, camera, most) {
+        this.target.scissorTest = false;
+        this.draw(scene, camera);
+        this.accumulate(most);
+    }
+
+    // Draws some of its rows, which `accumulate` adds with all others once they are drawn.
+    drawRows(scene, camera, first, count) {
+        const { target } = this;
+        target.scissorTest = true;
+        target.scissor.set(0, first, target.width, count);
+        this.draw(scene, camera);
+    }
+
+    draw(scene, camera) {
+        this.renderer.setRenderTarget(this.target);
+        this.renderer.render(scene, camera);
+    }
+
+    accumulate(most) {
         const { renderer, target } = this,
             gl = renderer.getContext();
-        renderer.setRenderTarget(target);
-        renderer.render(scene, camera);
         this.gpu ??= this.create();
         this.begin(gl, this.gpu.framebuffer);
         if (this.samples === 0) gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
@@ -67,10 +84,14 @@ export class Picture {
         this.samples = kept * this.samples + 1;
     }
 
+    // Shows it in a canvas of its size.
     present(exposureStops, toneMapping = kAgx) {
-        const gl = this.renderer.getContext(),
+        const { renderer } = this,
+            gl = renderer.getContext(),
             { width, height } = this.target,
             { present, sum } = this.gpu;
+        if (gl.drawingBufferWidth !== width || gl.drawingBufferHeight !== height)
+            renderer.setDrawingBufferSize(width, height, 1);
         this.begin(gl, null);
         present.use();
         for (const [side, unit] of [

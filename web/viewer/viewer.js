@@ -7,6 +7,7 @@ import { kRelativeCost } from '../src/passes.js';
 import { Navigation, defaultCamera, sphereOf } from './navigation.js';
 import { createPanel } from './panel.js';
 import { Picture } from './picture.js';
+import { StillPicture } from './still_picture.js';
 
 // Pictures that a view at rest is averaged from, and while its light changes.
 const kSamples = 32,
@@ -68,6 +69,12 @@ function keepToGltf(material) {
     });
 }
 
+// With ?quality=fast and the like.
+function qualityAsked() {
+    const asked = new URLSearchParams(location.search).get('quality');
+    return Object.hasOwn(kRelativeCost, asked) ? asked : 'default';
+}
+
 function load(url, onProgress) {
     const loader = new GLTFLoader();
     loader.register((parser) => new PhatexturesExtension(parser));
@@ -78,7 +85,7 @@ class Viewer {
     constructor(renderer, gltf) {
         Object.assign(this, {
             renderer,
-            quality: 'default',
+            quality: qualityAsked(),
             exposure: Number(canvas.dataset.exposure),
             light: gltf.userData.bakedLight,
         });
@@ -93,6 +100,7 @@ class Viewer {
             50 * sphere.radius,
         );
         this.picture = new Picture(renderer);
+        this.still = new StillPicture(this);
         this.lastMove = -1e9;
         this.scale = 0.5; // of the sides; until the device is known
         this.secondsPerPixel = 0; // 'fast'; 0: not known yet
@@ -121,6 +129,7 @@ class Viewer {
             (camera) => this.navigation.goTo(camera),
             () => this.changed(),
         );
+        element('quality').value = this.quality;
         this.navigation.goTo(cameras[0] ?? defaultCamera(canvas.dataset.camera));
         this.resize();
         new ResizeObserver(() => this.resize()).observe(canvas);
@@ -157,11 +166,13 @@ class Viewer {
     resize() {
         const { clientWidth: width, clientHeight: height } = canvas;
         if (!width || !height) return;
-        this.renderer.setPixelRatio(this.scale * Math.min(devicePixelRatio, 1.5));
+        const ratio = Math.min(devicePixelRatio, 1.5);
+        this.renderer.setPixelRatio(this.scale * ratio);
         this.renderer.setSize(width, height, false);
         this.navigation.setAspect(width / height);
         const size = this.renderer.getDrawingBufferSize(new Vector2());
         this.picture.setSize(size.x, size.y);
+        this.still.setSize(Math.floor(ratio * width), Math.floor(ratio * height));
         this.changed();
     }
 
@@ -183,12 +194,13 @@ class Viewer {
     // Whether the GPU has caught up. At most one frame is queued, so that the page stays responsive.
     isIdle(gl, now) {
         if (!this.pending) return true;
-        const { fence, since, pixels } = this.pending;
+        const { fence, since, pixels, rows } = this.pending;
         if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
         gl.deleteSync(fence);
         this.pending = null;
         const seconds = (now - since - this.light.tracedMilliseconds) / 1000;
         if (pixels && seconds > 0) this.secondsPerPixel = seconds / pixels;
+        if (rows) this.still.learn(rows, seconds);
         return true;
     }
 
@@ -213,6 +225,7 @@ class Viewer {
 
     changed() {
         this.picture.samples = 0;
+        this.still.forget();
     }
 
     frame(now) {
@@ -223,6 +236,11 @@ class Viewer {
         const moving = now - this.lastMove < 150 || !this.secondsPerPixel;
         const wasWhole = this.isWhole;
         if (!wasWhole) this.changed();
+        if (!this.light.isSettled) this.still.forget();
+        if (!moving && wasWhole && this.still.isDue) {
+            if (!this.still.isDone) this.awaitGpu(now, { rows: this.still.advance() });
+            return;
+        }
         if (!moving && this.light.isSettled && this.picture.samples >= kSamples) return;
         const quality = moving ? 'fast' : this.quality;
         if (moving) this.settle();
@@ -233,14 +251,16 @@ class Viewer {
         this.addSample(quality);
         this.present();
         const { width, height } = this.picture.target;
-        this.pending = {
-            fence: gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0),
-            since: now,
-            // Of 'fast'. Time in which programs are compiled, or light is made, says nothing.
-            pixels: wasWhole && this.isWhole && this.light.isSettled ? width * height * kRelativeCost[quality] : 0,
-        };
+        // Of 'fast'. Time in which programs are compiled, or light is made, says nothing.
+        const isMeasured = wasWhole && this.isWhole && this.light.isSettled;
+        this.awaitGpu(now, { pixels: isMeasured ? width * height * kRelativeCost[quality] : 0 });
+        if (!this.still.hasBetterPoster) element('poster').hidden = true;
+    }
+
+    awaitGpu(now, about) {
+        const gl = this.renderer.getContext();
+        this.pending = { fence: gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0), since: now, ...about };
         gl.flush();
-        element('poster').hidden = true;
     }
 
     // The picture of a moving view is not part of the mean at rest.
@@ -264,7 +284,8 @@ class Viewer {
     }
 
     present() {
-        if (this.picture.samples > 0) this.picture.present(this.exposure);
+        const shown = this.still.isShown ? this.still.picture : this.picture;
+        if (shown.samples > 0) shown.present(this.exposure);
     }
 
     // For scripts: the mean of `count` pictures, linear radiance as RGBA floats, row 0 at the bottom.
