@@ -2,8 +2,10 @@
 import './bundle.test.js';
 import './bvh.test.js';
 import './compositions.test.js';
+import './element.test.js';
 import './failures.test.js';
 import './lights.test.js';
+import './looks.test.js';
 import './moves.test.js';
 import './package.test.js';
 import './pictures.test.js';
@@ -15,3 +17,4 @@ import './rays.test.js';
 import './rooms.test.js';
 import './site.test.js';
 import './site_folder.test.js';
+import './walks.test.js';
