@@ -40,7 +40,7 @@ const touched = () =>
             .filter((element) => element.checkVisibility({ visibilityProperty: true }))
             .map((element) => {
                 const { x, y, width, height } = element.getBoundingClientRect();
-                return { id: element.id || element.textContent, x, y, width, height, font: parseFloat(getComputedStyle(element).fontSize), inPanel: Boolean(element.closest('#panel')) };
+                return { id: element.id || element.textContent, x, y, width, height, font: parseFloat(getComputedStyle(element).fontSize), inPanel: Boolean(element.closest('#panel, [slot=about]')) };
             });
     });
 
@@ -127,7 +127,7 @@ test('swatches show the variants, and which one is chosen', async () => {
     await page.click('#swatches button:has-text("Lacquer")');
     await page.waitForFunction(() => document.getElementById('room').find('material').textContent.includes('lacquer'));
     assert.deepEqual((await states()).map(([, pressed]) => pressed), ['false', 'false', 'true']);
-    assert.match(await page.$$eval('#swatches .swatch', (all) => all[2].style.background), /srgb-linear 0\.7 0\.03 0\.02/);
+    assert.match(await page.$$eval('#swatches .swatch', (all) => all[2].style.background), /srgb-linear 0\.05 0\.25 0\.1/);
     await page.click('#close');
 });
 

@@ -53,7 +53,8 @@ for (const caster of ['the surfaces', 'the trees'])
                 [x, y] = places.at(-1);
             assert.equal(x > 1, reaches, `at z = ${z} to x = ${x}`);
             assert.ok(Math.abs(y - 1.6) < 0.01, `at eye height: ${y}`);
-            if (!reaches) assert.ok(x > -0.5 && x < -0.2, `a body's width before the wall: ${x}`);
+            // Before the wall's side, and in the slit with less than half of a body.
+            if (!reaches) assert.ok(x > -0.5 && x < (z === 0 ? -0.25 : -0.05), `at z = ${z} to x = ${x}`);
         }
     });
 
@@ -92,9 +93,9 @@ test('the trees and three.js know the same walls', async () => {
 });
 
 test('who walks into a wall aslant goes along it', async () => {
-    const places = await walk({ from: [-0.6, 1.6, -0.4], toward: kEast + 0.7, key: 'w', seconds: 1.5 }),
+    const places = await walk({ from: [-2.5, 1.6, -1.5], toward: 0.7 - kEast, key: 'w', seconds: 1.5 }),
         [x, , z] = places.at(-1);
-    assert.ok(x < -0.2 && z < -1, `${x}, ${z}`);
+    assert.ok(x > -2.8 && x < -2.7 && z > -0.5, `${x}, ${z}`);
 });
 
 test('the eye comes to eye height on the floor, not onto the table', async () => {
@@ -136,7 +137,7 @@ test('a tap on the floor leads there, one on a wall nowhere', async () => {
         );
     await page.evaluate(() => {
         const down = viewer.camera.clone();
-        down.rotation.set(-0.7, Math.PI * 0.9, 0);
+        down.rotation.set(-0.7, Math.PI, 0, 'YXZ');
         down.position.set(-2.4, 1.6, -1.2);
         down.updateMatrixWorld();
         viewer.navigation.goTo(down);
@@ -232,16 +233,19 @@ test('the address has the view, without new entries of the history, and another 
     await page.evaluate(() => viewer.navigation.goTo(viewer.cameras[2]));
     await page.waitForFunction(() => location.hash.startsWith('#view=2.4,1.6,1.5;'));
     assert.equal(await page.evaluate(() => history.length), entries);
-    const address = await page.evaluate(() => location.href);
+    const query = await page.evaluate(() => location.hash);
     const [eye, forward] = [await eyeOf(page), await forwardOf(page)];
-    const other = await loaded(await open(browser, address, { size }));
+    const other = await loaded(await open(browser, server.url, { size, query }));
     await rest(other);
     assert.ok(distance(await eyeOf(other), eye) < 1e-3 && distance(await forwardOf(other), forward) < 1e-3);
     // An address that is typed in.
     await other.evaluate(() => {
         location.hash = '#view=-2,1.5,1;-2,1.5,0;50';
     });
-    await other.waitForFunction(() => viewer.camera.position.x < -1);
+    await other.waitForFunction(() => {
+        document.getElementById('room').jumpCameraToGoal(); // at rest, nothing moves by itself
+        return viewer.camera.position.x < -1;
+    });
     assert.equal(await other.evaluate(() => viewer.navigation.view), '-2,1.5,1;-2,1.5,0;50');
     // One that is no view is not followed.
     await other.evaluate(() => {

@@ -16,7 +16,7 @@ export class Controls {
         this.listening = new AbortController();
         this.element = host.find('controls');
         this.element.innerHTML = kMarkup;
-        if (!this.hasStyles(host.shadowRoot)) addStyles(host.shadowRoot, styles);
+        addStyles(host.shadowRoot, styles);
         translate(this.element, host.words);
         const find = (id) => host.find(id);
         this.viewpoints = createViewpoints(host, this.listening.signal);
@@ -25,10 +25,6 @@ export class Controls {
         createPanel(host, this.listening.signal);
         offerComparison(host);
         host.viewer.moves?.offer();
-    }
-
-    hasStyles({ adoptedStyleSheets }) {
-        return adoptedStyleSheets.length > 1;
     }
 
     on(element, name, handle) {

@@ -174,6 +174,7 @@ export class PhatViewer extends HTMLElement {
     #end() {
         this.#attempt = null;
         this.#undo.splice(0).forEach((undo) => undo());
+        this.#hideControls();
         this.viewer?.dispose();
         Object.assign(this, { viewer: null, loaded: false });
         this.#variants = null;
@@ -253,7 +254,6 @@ export class PhatViewer extends HTMLElement {
     }
 
     async #showControls() {
-        this.#undo.push(() => this.#hideControls());
         this.#hideControls();
         if (!this.controls) return;
         const { viewer } = this,

@@ -5,6 +5,9 @@ import { addStyles } from './shadow.js';
 
 const kBeforeSurface = 0.02; // of its distance: a note may lie in a surface
 
+// A whole button is in the picture.
+const within = (percent) => `clamp(22px, ${percent}%, 100% - 22px)`;
+
 // Its address if it leads to a web page, and nothing else that a file may say.
 function addressOf(link) {
     try {
@@ -21,7 +24,7 @@ class Hotspot {
             address = addressOf(link);
         this.node = node;
         this.element = document.createElement('div');
-        this.element.className = 'hotspot';
+        Object.assign(this.element, { className: 'hotspot', hidden: true }); // until it is placed
         this.button = document.createElement('button');
         Object.assign(this.button, { type: 'button', textContent: number });
         this.button.setAttribute('aria-label', words('hotspot', { text: hotspot }));
@@ -90,8 +93,8 @@ export class Hotspots {
         const { x, y, z } = at.project(camera),
             isSeen = Math.abs(x) < 1 && Math.abs(y) < 1 && z < 1 && walls.distance(camera.position, way.normalize(), free) >= free;
         element.hidden = !isSeen;
-        element.style.left = `${50 * (1 + x)}%`;
-        element.style.top = `${50 * (1 - y)}%`;
+        element.style.left = within(50 * (1 + x));
+        element.style.top = within(50 * (1 - y));
         element.classList.toggle('left', x > 0);
         element.classList.toggle('above', y < 0);
     }

@@ -5,6 +5,9 @@ import { Walk, walkKeys } from './walk.js';
 
 const kTripSeconds = 1.4; // from one viewpoint to another
 const kDigits = 5;
+// Of scenes that are in metres: from about one across to 240.
+const kSmallestUnit = 0.12,
+    kLargestUnit = 30;
 
 export function sphereOf(root) {
     const sphere = new Box3().setFromObject(root).getBoundingSphere(new Sphere());
@@ -21,6 +24,12 @@ export function viewFrom(text) {
     view.lookAt(...numbers.slice(3, 6));
     view.updateMatrixWorld();
     return view;
+}
+
+// A metre of a body, in the file's metres. Files of an unlikely size are in other units, of a power of ten.
+// `unitMeters`: BakedLight.unitMeters.
+function bodyMeter(unitMeters) {
+    return unitMeters > kSmallestUnit && unitMeters < kLargestUnit ? 1 : 10 ** Math.round(Math.log10(unitMeters));
 }
 
 // Boxes that rooms consist of, from the numbers that `phat web` writes into the page: low and high corners.
@@ -42,13 +51,14 @@ export class Navigation {
     // called when the view is another one.
     constructor(options) {
         const radius = sphereOf(options.root).radius,
-            changed = () => options.changed(true);
-        Object.assign(this, options, { radius, rooms: boxesOf(options.rooms) });
+            changed = () => options.changed(true),
+            meter = bodyMeter(options.unitMeters);
+        Object.assign(this, options, { radius, meter, rooms: boxesOf(options.rooms) });
         this.listening = new AbortController();
         const { signal } = this.listening;
         this.modes = {
-            orbit: new Orbit({ ...options, radius, changed }),
-            walk: new Walk({ ...options, changed }, signal),
+            orbit: new Orbit({ ...options, radius, meter, changed }),
+            walk: new Walk({ ...options, meter, changed }, signal),
         };
         this.asked = ''; // for a mode
         this.pressed = new Set();
@@ -172,7 +182,7 @@ export class Navigation {
     // "eye;target;fov", as viewFrom reads it.
     get view() {
         const { camera } = this,
-            ahead = camera.getWorldDirection(new Vector3()).multiplyScalar(this.unitMeters).add(camera.position);
+            ahead = camera.getWorldDirection(new Vector3()).multiplyScalar(this.meter).add(camera.position);
         const target = this.mode === 'orbit' ? this.modes.orbit.target : ahead,
             short = (x) => Number(x.toPrecision(kDigits));
         return [camera.position.toArray(), target.toArray(), [this.fov]].map((all) => all.map(short).join()).join(';');

@@ -4,7 +4,7 @@ import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
 const kRadiiPerSecond = 0.4; // of the scene's sphere
 const kTurnPerSecond = 1.2; // radians
-// Metres; times BakedLight.unitMeters.
+// Metres.
 const kBeforeSurface = 0.1,
     kFromWall = 0.15;
 const kLeast = 0.01; // of the scene's sphere: the nearest to the point
@@ -27,10 +27,10 @@ export const orbitKeys = {
 };
 
 export class Orbit {
-    constructor({ camera, canvas, walls, radius, unitMeters, changed }) {
-        Object.assign(this, { camera, walls, radius, unit: unitMeters, changed });
+    constructor({ camera, canvas, walls, radius, meter, changed }) {
+        Object.assign(this, { camera, walls, radius, meter, changed });
         this.controls = new OrbitControls(camera, canvas);
-        this.controls.minDistance = Math.min(kLeast * radius, kBeforeSurface * unitMeters);
+        this.controls.minDistance = Math.min(kLeast * radius, kBeforeSurface * meter);
         this.controls.enabled = false;
         this.controls.addEventListener('change', () => {
             if (!this.controls.enabled) return;
@@ -45,10 +45,10 @@ export class Orbit {
 
     // `inside`: whether walls hold.
     enter(inside) {
-        const { camera, controls, walls, unit } = this;
+        const { camera, controls, walls, meter } = this;
         const forward = camera.getWorldDirection(new Vector3()),
             ahead = walls.distance(camera.position, forward, this.radius);
-        const distance = Math.max(ahead - Math.min(kBeforeSurface * unit, ahead / 10), controls.minDistance);
+        const distance = Math.max(ahead - Math.min(kBeforeSurface * meter, ahead / 10), controls.minDistance);
         controls.target.copy(camera.position).addScaledVector(forward, distance);
         Object.assign(this, { inside, reach: distance, last: distance, before: controls.target.clone() });
         controls.enabled = true;
@@ -62,7 +62,7 @@ export class Orbit {
     // A point that has passed a wall goes back, and the eye comes in, no farther than was asked for.
     stayInside() {
         if (!this.inside) return;
-        const { camera, controls, walls, unit, before } = this;
+        const { camera, controls, walls, meter, before } = this;
         if (!walls.isFree(before, controls.target)) {
             camera.position.sub(controls.target).add(before);
             controls.target.copy(before);
@@ -71,8 +71,8 @@ export class Orbit {
         const toEye = camera.position.clone().sub(controls.target),
             distance = toEye.length();
         if (Math.abs(distance - this.last) > 1e-6 * this.radius) this.reach = distance; // came nearer, or went back
-        const free = walls.distance(controls.target, toEye.divideScalar(distance), this.reach + kFromWall * unit);
-        this.last = Math.max(Math.min(this.reach, free - kFromWall * unit), free / 2);
+        const free = walls.distance(controls.target, toEye.divideScalar(distance), this.reach + kFromWall * meter);
+        this.last = Math.max(Math.min(this.reach, free - kFromWall * meter), free / 2);
         camera.position.copy(controls.target).addScaledVector(toEye, this.last);
     }
 

@@ -12,10 +12,15 @@ const kMarkup = `
 <slot></slot>
 </div>`;
 
+const sheets = new Map(); // by their texts
+
+// Once, however often it is asked for.
 export function addStyles(root, text) {
-    const sheet = new CSSStyleSheet();
-    sheet.replaceSync(text);
-    root.adoptedStyleSheets = [...root.adoptedStyleSheets, sheet];
+    if (!sheets.has(text)) {
+        sheets.set(text, new CSSStyleSheet());
+        sheets.get(text).replaceSync(text);
+    }
+    root.adoptedStyleSheets = [...new Set([...root.adoptedStyleSheets, sheets.get(text)])];
 }
 
 export function createShadow(host) {

@@ -1,7 +1,7 @@
 // Walking: the head turns by dragging, the feet stay on the floor, walls hold.
 import { Euler, MathUtils, Raycaster, Vector2, Vector3 } from 'three';
 
-// Metres; times BakedLight.unitMeters.
+// Metres.
 const kEyeHeight = 1.6,
     kLowestEye = 1, // an eye that is lower is the author's choice, and stays there
     kHighestEye = 2,
@@ -41,8 +41,8 @@ export const walkKeys = {
 
 export class Walk {
     // `changed` is called when the view is another one.
-    constructor({ camera, canvas, root, walls, unitMeters, reducesMotion, changed }, signal) {
-        Object.assign(this, { camera, canvas, root, walls, unit: unitMeters, reducesMotion, changed });
+    constructor({ camera, canvas, root, walls, meter, reducesMotion, changed }, signal) {
+        Object.assign(this, { camera, canvas, root, walls, meter, reducesMotion, changed });
         this.enabled = false;
         this.pointers = new Map();
         const on = (name, handle) =>
@@ -62,17 +62,17 @@ export class Walk {
         this.enabled = true;
         this.goal = null;
         this.pointers.clear();
-        const { unit, camera } = this,
+        const { meter, camera } = this,
             euler = new Euler().setFromQuaternion(camera.quaternion, 'YXZ');
         this.yaw = euler.y;
         this.pitch = MathUtils.clamp(euler.x, -kMaxPitch, kMaxPitch);
         const height = this.heightOf(camera.position);
-        this.eyeHeight = height > kHighestEye * unit ? kEyeHeight * unit : height;
+        this.eyeHeight = height > kHighestEye * meter ? kEyeHeight * meter : height;
         this.body = {
-            radius: Math.min(kBodyRadius * unit, this.eyeHeight / 2),
-            depths: [0, this.eyeHeight / 3, this.eyeHeight - Math.min(kStep * unit, this.eyeHeight / 2)],
+            radius: Math.min(kBodyRadius * meter, this.eyeHeight / 2),
+            depths: [0, this.eyeHeight / 3, this.eyeHeight - Math.min(kStep * meter, this.eyeHeight / 2)],
         };
-        this.staysUp = height < kLowestEye * unit;
+        this.staysUp = height < kLowestEye * meter;
     }
 
     leave() {
@@ -82,7 +82,7 @@ export class Walk {
 
     // Above the floor.
     heightOf(eye) {
-        return this.walls.distance(eye, down, 100 * this.unit);
+        return this.walls.distance(eye, down, 100 * this.meter);
     }
 
     turn(left, up) {
@@ -96,7 +96,7 @@ export class Walk {
     step(right, ahead) {
         const { camera } = this,
             before = camera.position.clone();
-        const motion = new Vector3(right, 0, -ahead).multiplyScalar(this.unit).applyAxisAngle(camera.up, this.yaw);
+        const motion = new Vector3(right, 0, -ahead).multiplyScalar(this.meter).applyAxisAngle(camera.up, this.yaw);
         camera.position.copy(this.walls.move(before, motion, this.body));
         this.changed();
         return camera.position.distanceTo(before) > 0.2 * motion.length();
@@ -113,9 +113,9 @@ export class Walk {
     settle(seconds) {
         if (this.staysUp) return false;
         const height = this.heightOf(this.camera.position),
-            most = kFallPerSecond * this.unit * seconds;
+            most = kFallPerSecond * this.meter * seconds;
         const rise = MathUtils.clamp(this.eyeHeight - height, -most, most);
-        if (height >= 100 * this.unit || Math.abs(rise) < 1e-3 * this.unit) return false;
+        if (height >= 100 * this.meter || Math.abs(rise) < 1e-3 * this.meter) return false;
         this.camera.position.y += rise;
         this.changed();
         return true;
@@ -163,12 +163,12 @@ export class Walk {
 
     // Goes on toward the goal. Returns whether it does.
     approach(seconds) {
-        const { goal, camera, unit } = this;
+        const { goal, camera, meter } = this;
         if (!goal) return false;
         const way = goal.clone().sub(camera.position).setY(0),
-            meters = Math.min(way.length() / unit, kGoPerSecond * seconds);
+            meters = Math.min(way.length() / meter, kGoPerSecond * seconds);
         way.applyAxisAngle(camera.up, -this.yaw).setLength(meters);
-        if (!this.step(way.x, -way.z) || goal.clone().sub(camera.position).setY(0).length() < kArrived * unit)
+        if (!this.step(way.x, -way.z) || goal.clone().sub(camera.position).setY(0).length() < kArrived * meter)
             this.goal = null;
         this.settle(this.goal ? seconds : Infinity);
         return Boolean(this.goal);

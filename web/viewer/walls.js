@@ -2,6 +2,7 @@
 import { Raycaster, Vector3 } from 'three';
 
 const kDirections = 16; // of a circle around a body
+const kManyTriangles = 20_000; // more are too slow without trees
 const kEnough = 0.9; // of the radius: rays around a circle miss what stands between them
 
 const aroundCircle = Array.from({ length: kDirections }, (_, i) => {
@@ -13,6 +14,12 @@ export class Walls {
     constructor(root, light) {
         Object.assign(this, { root, light, ray: new Raycaster() });
         this.still = true; // whether all is where it was baked, as the trees have it
+    }
+
+    // Before it is asked often.
+    prepare() {
+        const { light } = this;
+        if (light.canTrace && light.bake.surfaces.indices.length / 3 > kManyTriangles) light.loadTrees();
     }
 
     // Distance to the nearest surface, `far` if there is none before. `direction`: of length 1.
@@ -57,6 +64,7 @@ export class Walls {
 
     // Where a body comes to that moves by `motion`: along walls, not through them, nor through gaps that are too narrow.
     move(eye, motion, body) {
+        this.prepare();
         const steps = Math.max(1, Math.ceil(motion.length() / (body.radius / 2)));
         let at = eye.clone();
         for (let i = 0; i < steps; ++i) {
