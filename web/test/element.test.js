@@ -17,7 +17,7 @@ let browser, room, folder, server, page, borrowed;
 async function openExample() {
     const opened = await open(browser, server.url, { size });
     await opened.waitForFunction(() => globalThis.room?.loaded);
-    await opened.evaluate(() => (globalThis.viewer = room.viewer));
+    await opened.evaluate(() => Object.assign(globalThis, { element: room, viewer: room.viewer }));
     return opened;
 }
 
@@ -56,10 +56,10 @@ test('the configurator changes materials, which the light is then drawn with', a
     await press('Lacquer');
     await page.waitForFunction(() => applied.length === 1);
     const changed = await pixelsOf(page, 4, 'default');
-    assert.ok(maeOverMean(changed, baked) > 0.1, `another picture: ${maeOverMean(changed, baked)}`);
+    assert.ok(maeOverMean(changed, baked) > 0.05, `another picture: ${maeOverMean(changed, baked)}`);
     // As `phat render` draws these materials in the same light.
     const reference = join(folder, 'lacquer.exr'),
-        sets = ['floor.color=0.05,0.25,0.1', 'floor.roughness=0.15', 'table.color=0.7,0.03,0.02', 'table.roughness=0.1'];
+        sets = ['floor.baseColor=0.05,0.25,0.1', 'floor.roughness=0.15', 'table.baseColor=0.7,0.03,0.02', 'table.roughness=0.1'];
     await phat('render', room.file, '-o', reference, '--size', '160x90', '--spp', '4', '--reflections', 'lookup', '--quiet', ...sets.flatMap((set) => ['--set', set]));
     const { pixels } = await readExr(reference),
         error = maeOverMean(changed, pixels);
@@ -136,24 +136,24 @@ test('a blob is the picture that is shown', async () => {
 test('what is taken out of the document frees its context, and begins anew when it is put back', async () => {
     const { lost, isGone, events } = await page.evaluate(async () => {
         const context = viewer.renderer.getContext(),
-            place = room.parentNode,
+            place = element.parentNode,
             seen = [];
-        for (const name of ['progress', 'load', 'poster-dismissed']) room.addEventListener(name, () => seen.push(name));
+        for (const name of ['progress', 'load', 'poster-dismissed']) element.addEventListener(name, () => seen.push(name));
         const afterwards = () => new Promise((done) => setTimeout(done));
-        place.append(room); // moved, at once
+        place.append(element); // moved, at once
         await afterwards();
-        const stays = !context.isContextLost() && room.viewer === viewer;
-        room.remove();
+        const stays = !context.isContextLost() && element.viewer === viewer;
+        element.remove();
         await afterwards();
-        const result = { lost: [stays, context.isContextLost()], isGone: room.viewer === null && !room.loaded };
-        place.prepend(room);
-        await new Promise((done) => room.addEventListener('poster-dismissed', done));
+        const result = { lost: [stays, context.isContextLost()], isGone: element.viewer === null && !element.loaded };
+        place.prepend(element);
+        await new Promise((done) => element.addEventListener('poster-dismissed', done));
         return { ...result, events: [...new Set(seen)] };
     });
     assert.deepEqual(lost, [true, true]);
     assert.ok(isGone);
     assert.deepEqual(events, ['progress', 'load', 'poster-dismissed']);
-    await page.evaluate(() => (globalThis.viewer = room.viewer));
+    await page.evaluate(() => (globalThis.viewer = element.viewer));
     await rest(page);
     assert.ok(meanOf(await pixelsOf(page)) > 0.01);
 });

@@ -30,10 +30,10 @@ export class PhatViewer extends HTMLElement {
     }
 
     connectedCallback() {
-        this.#begin();
+        if (!this.#attempt) this.#begin();
     }
 
-    // An element that is moved in the document is connected again at once.
+    // An element that is moved in the document is connected again at once, and keeps its room.
     disconnectedCallback() {
         queueMicrotask(() => this.isConnected || this.#end());
     }
@@ -166,8 +166,9 @@ export class PhatViewer extends HTMLElement {
         queueMicrotask(() => {
             if (attempt !== this.#attempt) return;
             this.#end();
+            if (!this.isConnected || !this.src) return;
             this.#attempt = attempt;
-            if (this.isConnected && this.src) this.#load(attempt);
+            this.#load(attempt);
         });
     }
 

@@ -46,20 +46,19 @@ export class Walls {
         return length === 0 || this.distance(from, way.normalize(), length) >= length;
     }
 
-    // How far a body is from walls, up to its radius, and where it stands once it is pushed away from them.
-    // `depths`: heights at which it is wide, below its eye.
+    // How far a body is from walls, up to its radius, and in which direction. `depths`: heights at which it is wide,
+    // below its eye.
     clearance(eye, { radius, depths }) {
-        const place = eye.clone();
-        let least = radius;
-        for (const direction of aroundCircle)
-            for (const depth of depths) {
-                const from = eye.clone();
-                from.y -= depth;
-                const distance = this.distance(from, direction, radius);
-                least = Math.min(least, distance);
-                if (distance < radius) place.addScaledVector(direction, (distance - radius) / 2);
+        let [least, toward] = [radius, aroundCircle[0]];
+        for (const depth of depths) {
+            const from = eye.clone();
+            from.y -= depth;
+            for (const direction of aroundCircle) {
+                const distance = this.distance(from, direction, least);
+                if (distance < least) [least, toward] = [distance, direction];
             }
-        return { least, place };
+        }
+        return { least, toward };
     }
 
     // Where a body comes to that moves by `motion`: along walls, not through them, nor through gaps that are too narrow.
@@ -71,9 +70,9 @@ export class Walls {
             const enough = Math.min(kEnough * body.radius, this.clearance(at, body).least);
             const next = at.clone().addScaledVector(motion, 1 / steps);
             for (let push = 0; push < 4; ++push) {
-                const { least, place } = this.clearance(next, body);
+                const { least, toward } = this.clearance(next, body);
                 if (least >= kEnough * body.radius) break;
-                next.copy(place);
+                next.addScaledVector(toward, least - body.radius);
             }
             if (this.clearance(next, body).least < enough || !this.isFree(at, next)) break;
             at = next;
