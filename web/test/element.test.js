@@ -8,7 +8,7 @@ import { borrowBrowser, serve } from './browser.js';
 import { borrowRoom, maeOverMean, meanOf, phat, readExr } from './room.js';
 import { open, pixelsOf, rest } from './site.js';
 
-const size = { width: 160, height: 112 }; // of which the element is 80 %: 90
+const size = { width: 176, height: 112 }; // of which the element is 160 x 90: 80 % of the height, between margins of 8
 const example = new URL('../examples/configurator.html', import.meta.url).pathname,
     frame = new URL('frame.html', import.meta.url).pathname;
 let browser, room, folder, server, page, borrowed;

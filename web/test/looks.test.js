@@ -100,7 +100,7 @@ test('notes are text, lead to web pages alone, and are hidden behind walls', asy
     assert.deepEqual(await findings(), []);
     await page.keyboard.press('Escape');
     assert.ok(await table.locator('.note').isHidden());
-    assert.ok(await away.isHidden(), 'in the other room');
+    assert.ok(await away.locator('button').isHidden(), 'in the other room');
     await page.evaluate(() => {
         const view = viewer.cameras[0].clone();
         view.position.set(-0.6, 1.6, 0.3);
@@ -114,8 +114,8 @@ test('notes are text, lead to web pages alone, and are hidden behind walls', asy
     await page.keyboard.press('Escape');
     // A note in the other room, from there.
     await page.evaluate(() => viewer.navigation.goTo(viewer.cameras[2]));
-    await away.waitFor({ state: 'visible' });
-    assert.ok(await table.isHidden());
+    await away.locator('button').waitFor({ state: 'visible' });
+    assert.ok(await table.locator('button').isHidden());
     assert.equal(await page.evaluate(() => globalThis.hacked), undefined);
     assert.deepEqual(page.problems, []);
 });
@@ -144,6 +144,35 @@ test('a picture is saved, a link copied, and the whole screen filled', async () 
     await page.waitForFunction(() => document.fullscreenElement?.id === 'room');
     await page.click('#fullscreen');
     await page.waitForFunction(() => !document.fullscreenElement);
+});
+
+test('a tape measures between two taps, or by Enter, and takes no steps', async () => {
+    await page.setViewportSize({ width: 640, height: 400 });
+    await page.evaluate(() => viewer.navigation.goTo(viewer.cameras[0]));
+    await page.click('#measure');
+    await page.waitForSelector('#tape');
+    const reading = () => page.textContent('#tape output');
+    assert.match(await reading(), /one end/);
+    // Corners of the table top, 80 cm apart, and a bit inside.
+    const places = await page.evaluate(() =>
+        [-0.39, 0.39].map((z) => {
+            const at = viewer.camera.position.clone().set(-1.89, 0.75, z).project(viewer.camera);
+            return [((1 + at.x) / 2) * innerWidth, ((1 - at.y) / 2) * innerHeight];
+        }),
+    );
+    const eye = await page.evaluate(() => viewer.camera.position.toArray());
+    for (const [x, y] of places) {
+        assert.ok(x > 0 && y > 0 && x < 640 && y < 340, `${x}, ${y}`);
+        await page.mouse.click(x, y);
+    }
+    const meters = Number.parseFloat(await reading());
+    assert.ok(Math.abs(meters - 0.78) < 0.02 && (await reading()).endsWith(' m'), await reading());
+    assert.deepEqual(await page.evaluate(() => viewer.camera.position.toArray()), eye);
+    await page.focus('#view');
+    await page.keyboard.press('Enter');
+    assert.match(await reading(), /other end/);
+    await page.click('#measure');
+    assert.equal(await page.locator('#tape').count(), 0);
 });
 
 test('link previews have a title, a description and a picture', async () => {

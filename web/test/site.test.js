@@ -94,7 +94,7 @@ test('is a page by itself, with a title, a poster and labels', async () => {
     assert.deepEqual(unnamed, []);
     // Everything can be reached by the keyboard.
     const focused = () => page.evaluate(() => document.getElementById('room').shadowRoot.activeElement?.id);
-    const tools = ['view', 'camera', 'orbit', 'screenshot', 'share', 'fullscreen', 'settings'];
+    const tools = ['view', 'camera', 'orbit', 'measure', 'screenshot', 'share', 'fullscreen', 'settings'];
     for (const id of tools) {
         await page.keyboard.press('Tab');
         assert.equal(await focused(), id);

@@ -45,6 +45,7 @@ export class Controls {
             host.mode = host.viewer.navigation.mode === 'orbit' ? 'walk' : 'orbit';
             host.viewer.navigation.ask(host.mode);
         });
+        this.on(find('measure'), 'click', () => this.measure(find('measure')));
         this.on(find('screenshot'), 'click', () => this.savePicture());
         find('share').hidden = !host.hasAttribute('share');
         this.on(find('share'), 'click', () => this.copyLink());
@@ -64,6 +65,14 @@ export class Controls {
         this.on(settings, 'click', () => open(panel.hidden));
         this.on(find('close'), 'click', () => open(false));
         this.on(panel, 'keydown', ({ key }) => key === 'Escape' && open(false));
+    }
+
+    async measure(button) {
+        const isOn = button.getAttribute('aria-pressed') !== 'true';
+        button.setAttribute('aria-pressed', isOn);
+        const { Tape } = await import('./tape.js');
+        this.tape?.dispose();
+        this.tape = isOn && !this.listening.signal.aborted ? new Tape(this.host) : null;
     }
 
     async savePicture() {
@@ -96,6 +105,7 @@ export class Controls {
     dispose() {
         clearTimeout(this.saying);
         this.viewpoints.stop();
+        this.tape?.dispose();
         this.listening.abort();
         this.element.replaceChildren();
     }

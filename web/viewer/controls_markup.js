@@ -25,7 +25,7 @@ export const kMarkup = `
 ${button('previous', 'previous', 'M15 5l-7 7 7 7')}<select id="camera" data-label="viewpoint"></select>${button('next', 'next', 'M9 5l7 7-7 7')}${button('tour', 'tour', kIcons.play, ' aria-pressed="false"')}
 </div>
 <div id="tools" class="bar" role="group" data-label="view">
-${button('orbit', 'orbit', 'M12 9a3 3 0 1 0 0 6 3 3 0 0 0 0-6M3 12c0-2.5 4-4.5 9-4.5s9 2 9 4.5-4 4.5-9 4.5M9 13.5l3 3-3 3', ' aria-pressed="false"')}${button('screenshot', 'screenshot', 'M4 8h3l2-3h6l2 3h3v11H4zM12 10a3 3 0 1 0 0 6 3 3 0 0 0 0-6')}${button('share', 'share', 'M10 14a4 4 0 0 0 6 0l3-3a4 4 0 0 0-6-6l-1 1M14 10a4 4 0 0 0-6 0l-3 3a4 4 0 0 0 6 6l1-1')}${button('fullscreen', 'fullscreen', 'M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5')}${button('settings', 'settings', 'M4 7h9M17 7h3M15 5v4M4 12h3M11 12h9M9 10v4M4 17h11M19 17h1M17 15v4', ' aria-expanded="false" aria-controls="panel"')}
+${button('orbit', 'orbit', 'M12 9a3 3 0 1 0 0 6 3 3 0 0 0 0-6M3 12c0-2.5 4-4.5 9-4.5s9 2 9 4.5-4 4.5-9 4.5M9 13.5l3 3-3 3', ' aria-pressed="false"')}${button('measure', 'tape', 'M3 16L16 3l5 5L8 21zM7 12l2 2M10 9l3 3M13 6l2 2', ' aria-pressed="false"')}${button('screenshot', 'screenshot', 'M4 8h3l2-3h6l2 3h3v11H4zM12 10a3 3 0 1 0 0 6 3 3 0 0 0 0-6')}${button('share', 'share', 'M10 14a4 4 0 0 0 6 0l3-3a4 4 0 0 0-6-6l-1 1M14 10a4 4 0 0 0-6 0l-3 3a4 4 0 0 0 6 6l1-1')}${button('fullscreen', 'fullscreen', 'M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5')}${button('settings', 'settings', 'M4 7h9M17 7h3M15 5v4M4 12h3M11 12h9M9 10v4M4 17h11M19 17h1M17 15v4', ' aria-expanded="false" aria-controls="panel"')}
 </div>
 <section id="panel" aria-labelledby="heading" hidden>
 <header><h2 id="heading" data-text="settings"></h2>${button('close', 'close', 'M6 6l12 12M18 6L6 18')}</header>

@@ -191,6 +191,7 @@ export class PhatViewer extends HTMLElement {
         this.#part('message').hidden = true;
         try {
             this.words = await wordsOf(language);
+            this.numbers = new Intl.NumberFormat(language, { minimumFractionDigits: 2, maximumFractionDigits: 2 });
             if (isOld()) return;
             translate(this.shadowRoot, this.words);
             const canvas = replaceCanvas(this.shadowRoot, this.words);

@@ -70,6 +70,13 @@ export class Navigation {
             canvas.addEventListener(name, () => this.endTrip(), { signal, capture: true, passive: true });
     }
 
+    // For something else than to walk there. Returns a function that gives them back.
+    takeTaps() {
+        const { walk } = this.modes;
+        walk.goesToTaps = false;
+        return () => (walk.goesToTaps = true);
+    }
+
     pressKey(event) {
         if (event.ctrlKey || event.metaKey || event.altKey) return;
         const key = nameOf(event);

@@ -44,6 +44,7 @@ export class Walk {
     constructor({ camera, canvas, root, walls, meter, reducesMotion, changed }, signal) {
         Object.assign(this, { camera, canvas, root, walls, meter, reducesMotion, changed });
         this.enabled = false;
+        this.goesToTaps = true;
         this.pointers = new Map();
         const on = (name, handle) =>
             canvas.addEventListener(name, (event) => this.enabled && handle(event), { signal, passive: false });
@@ -146,7 +147,7 @@ export class Walk {
 
     lift({ pointerId, timeStamp }) {
         if (!this.pointers.delete(pointerId)) return;
-        if (this.tap && timeStamp - this.tap.timeStamp < kTapMilliseconds) this.goTo(this.tap);
+        if (this.goesToTaps && timeStamp - this.tap?.timeStamp < kTapMilliseconds) this.goTo(this.tap);
         this.tap = null;
     }
 
