@@ -62,10 +62,10 @@ export class Tape {
         [a, b].forEach(([x, y], i) => ['cx', 'cy'].forEach((name, axis) => ends[i].setAttribute(name, [x, y][axis])));
     }
 
-    // The file's metres.
     get length() {
-        const { host, points } = this;
-        return `${host.numbers.format(points[0].distanceTo(points[1]))} m`;
+        const { host, points } = this,
+            { meter } = host.viewer.navigation;
+        return `${host.numbers.format(points[0].distanceTo(points[1]) / meter)} m`;
     }
 
     dispose() {

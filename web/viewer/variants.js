@@ -1,4 +1,6 @@
 // Material variants of a file (KHR_materials_variants). Loaded where it has any.
+import { prepareLights } from '../src/index.js';
+
 const kName = 'KHR_materials_variants';
 
 export class Variants {
@@ -36,7 +38,7 @@ export class Variants {
         );
         if (this.chosen !== name) return false;
         for (const { mesh, own, loaded } of chosen) this.assign(mesh, own, loaded);
-        this.viewer.drawShadows();
+        prepareLights(this.viewer.renderer, this.viewer.scene); // shadows of materials that there were not before
         this.viewer.changed();
         return true;
     }
