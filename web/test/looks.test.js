@@ -147,7 +147,7 @@ test('a picture is saved, a link copied, and the whole screen filled', async () 
 });
 
 test('a tape measures between two taps, or by Enter, and takes no steps', async () => {
-    await page.setViewportSize({ width: 640, height: 400 });
+    await page.setViewportSize({ width: 1000, height: 600 });
     await page.evaluate(() => viewer.navigation.goTo(viewer.cameras[0]));
     await page.click('#measure');
     await page.waitForSelector('#tape');
@@ -162,7 +162,7 @@ test('a tape measures between two taps, or by Enter, and takes no steps', async 
     );
     const eye = await page.evaluate(() => viewer.camera.position.toArray());
     for (const [x, y] of places) {
-        assert.ok(x > 0 && y > 0 && x < 640 && y < 340, `${x}, ${y}`);
+        assert.ok(x > 0 && y > 0 && x < 1000 && y < 530, `${x}, ${y}`); // above the buttons
         await page.mouse.click(x, y);
     }
     const meters = Number.parseFloat(await reading());
@@ -173,6 +173,28 @@ test('a tape measures between two taps, or by Enter, and takes no steps', async 
     assert.match(await reading(), /other end/);
     await page.click('#measure');
     assert.equal(await page.locator('#tape').count(), 0);
+});
+
+test('the border of the comparison is dragged by its handle, and covers nothing else', async () => {
+    await page.setViewportSize({ width: 1280, height: 720 });
+    await page.click('#settings');
+    await page.check('#wipe');
+    await page.click('#close');
+    const partAt = (x, y) => page.evaluate((at) => document.getElementById('room').shadowRoot.elementFromPoint(...at)?.id, [x, y]);
+    assert.equal(await partAt(640, 360), 'border');
+    assert.equal(await partAt(640, 100), 'view');
+    await page.mouse.move(640, 360);
+    await page.mouse.down();
+    await page.mouse.move(320, 360, { steps: 2 });
+    await page.mouse.up();
+    assert.equal(await page.evaluate(() => viewer.light.wipe), 0.25);
+    await page.focus('#border');
+    await page.keyboard.press('ArrowRight');
+    assert.equal(await page.getAttribute('#border', 'aria-valuenow'), '30');
+    await page.click('#settings');
+    await page.uncheck('#wipe');
+    assert.equal(await page.evaluate(() => viewer.light.wipe), 1);
+    await page.click('#close');
 });
 
 test('link previews have a title, a description and a picture', async () => {
