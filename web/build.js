@@ -1,5 +1,5 @@
 // Builds dist/phatextures.js, the package, and dist/site/, the viewer that `phat web` puts beside a room.
-import { build } from 'esbuild';
+import { build, transform } from 'esbuild';
 import { createHash } from 'node:crypto';
 import { readFile, rm, mkdir, writeFile } from 'node:fs/promises';
 import { basename, join } from 'node:path';
@@ -98,6 +98,17 @@ const shaderPlugin = {
     },
 };
 
+// Style sheets of shadow roots are text in the scripts.
+const stylePlugin = {
+    name: 'styles',
+    setup(build) {
+        build.onLoad({ filter: /\.css$/ }, async ({ path }) => {
+            const { code } = await transform(await readFile(path, 'utf8'), { loader: 'css', minify: true });
+            return { contents: code, loader: 'text' };
+        });
+    },
+};
+
 // What is loaded on demand are files of their own. They import the entry point, so that all of the rest is in one file,
 // chunk.js: else the names of what only some of it shares would be sent, too.
 const splitPlugin = {
@@ -120,7 +131,7 @@ const common = {
     bundle: true,
     format: 'esm',
     target: 'es2022',
-    plugins: [splitPlugin, shaderPlugin],
+    plugins: [splitPlugin, shaderPlugin, stylePlugin],
     legalComments: 'eof',
     absWorkingDir: here,
     splitting: true,
@@ -146,7 +157,7 @@ function sizeOf({ outputFiles, metafile: { outputs } }) {
 
 const viewer = {
     ...common,
-    entryPoints: ['viewer/viewer.js'],
+    entryPoints: { viewer: 'viewer/element.js' },
     outdir: 'dist/site',
     minify: true,
     write: false,
@@ -167,6 +178,9 @@ async function writePage(...builds) {
         page = page.replace(`"${name.replace(/\.\w+(?=\.\w+$)/, '')}"`, `"${name}"`);
     }
     await writeFile(here + 'dist/site/index.html', page);
+    // By a name that stays, for the pages of others.
+    const [entry] = files.map(([name]) => name).filter((name) => /^viewer\.\w+\.js$/.test(name));
+    await writeFile(here + 'dist/site/phat-viewer.js', `import './${entry}';\n`);
 }
 
 // Our licence, and of what is in the scripts of others. The package takes three.js from its user.
@@ -198,7 +212,7 @@ await build({
 });
 const [own, site] = [await build({ ...viewer, external: ['three'] }), await build(viewer)];
 // No module, since browsers load none from files.
-const begin = await build({ ...viewer, entryPoints: ['viewer/begin.js'], format: 'iife', splitting: false });
+const begin = await build({ ...viewer, entryPoints: { begin: 'viewer/begin.js' }, format: 'iife', splitting: false });
 await writePage(site, begin);
 await writeLicenses();
 

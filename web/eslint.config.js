@@ -6,7 +6,7 @@ import globals from 'globals';
 const ofPages = Object.fromEntries(
     (
         'viewer THREE renderer countAlive workOf load loadPlain meshesOf draw readCanvas readTarget ' +
-        'meshesOfRoom withRenderer drawBy'
+        'meshesOfRoom withRenderer drawBy element applied told axe'
     )
         .split(' ')
         .map((name) => [name, 'readonly']),
@@ -24,7 +24,7 @@ export default [
             'no-constructor-return': 'error',
             'no-self-compare': 'error',
             'no-template-curly-in-string': 'error',
-            'no-unused-vars': ['error', { caughtErrors: 'all' }],
+            'no-unused-vars': ['error', { caughtErrors: 'all', ignoreRestSiblings: true }],
             'no-use-before-define': ['error', { functions: false, classes: false, variables: false }],
             'no-useless-assignment': 'error',
             'no-var': 'error',

@@ -37,7 +37,8 @@ constexpr const char* kPoster = "poster.jpg";  // pages that link to this one ma
 constexpr int kPosterWidth = 960;
 
 struct WebOptions {
-    std::string input, site, title;
+    std::string input, site, title, description;
+    std::string url;                     // of the page, with a slash at its end; empty: not known
     std::optional<float> exposureStops;  // none: the poster's own
     bool quiet = false;
 };
@@ -72,10 +73,12 @@ std::string escaped(const std::string& text) {
     return result;
 }
 
+// Wherever the page has it.
 void fill(std::string& page, const std::string& placeholder, const std::string& value) {
-    const size_t at = page.find(placeholder);
+    size_t at = page.find(placeholder);
     if (at == std::string::npos) throw FileError(siteFolder(), "the viewer was built by another version");
-    page.replace(at, placeholder.size(), value);
+    for (; at != std::string::npos; at = page.find(placeholder, at + value.size()))
+        page.replace(at, placeholder.size(), value);
 }
 
 // The viewer's files by their names, but the page itself.
@@ -117,12 +120,14 @@ Poster drawPoster(const WebOptions& options, const SiteFolder& site, Progress& p
     return {{bytes.begin(), bytes.end()}, stops};
 }
 
+bool isPerspective(const Camera& camera) {
+    return camera.perspective;
+}
+
 // Eye, target and field of view in degrees of a file without a camera that pages show by; else nothing.
 std::string defaultCameraOf(const RayScene& rays) {
     const Scene& scene = rays.scene();
-    const bool has = std::any_of(scene.cameras.begin(), scene.cameras.end(),
-                                 [](const Camera& camera) { return camera.perspective; });
-    if (has) return "";
+    if (std::any_of(scene.cameras.begin(), scene.cameras.end(), isPerspective)) return "";
     const DefaultView view = defaultView(rays, LightSampler(scene));
     const glm::vec3 eye(view.camera.worldFromCamera[3]);
     return fmt::format("{} {} {} {} {} {} {}", eye.x, eye.y, eye.z, view.target.x, view.target.y,
@@ -138,13 +143,25 @@ std::string roomsOf(const RayScene& rays) {
     return text;
 }
 
+// What previews of links and search engines say.
+std::string descriptionOf(const std::string& title, const Scene& scene) {
+    const auto viewpoints = std::count_if(scene.cameras.begin(), scene.cameras.end(), isPerspective);
+    return fmt::format(
+        "{}: walk through it in the browser{}. {} materials in light that was baked by PHATextures.", title,
+        viewpoints > 1 ? fmt::format(", from {} viewpoints", viewpoints) : "", scene.materials.size());
+}
+
 // The page with all but what is known when the poster is drawn.
 std::string readPage(const WebOptions& options) {
     std::string page = readText(fs::path(siteFolder()) / kPage);
-    const std::string name = fs::path(options.input).filename().string();
-    fill(page, "@TITLE@", escaped(options.title.empty() ? name.substr(0, name.find('.')) : options.title));
+    const std::string name = fs::path(options.input).filename().string(),
+                      title = options.title.empty() ? name.substr(0, name.find('.')) : options.title;
     const Scene scene = readBakedFile(options.input).loaded.scene;
     const RayScene rays(scene);
+    const std::string& given = options.description;
+    fill(page, "@DESCRIPTION@", escaped(given.empty() ? descriptionOf(title, scene) : given));
+    fill(page, "@TITLE@", escaped(title));
+    fill(page, "@ADDRESS@", escaped(options.url));
     fill(page, "@CAMERA@", defaultCameraOf(rays));
     fill(page, "@ROOMS@", roomsOf(rays));
     return page;
@@ -196,6 +213,17 @@ void addWebCommand(CLI::App& app) {
         command->add_option("--title", "Of the page; default: the file's name")->type_name("TEXT");
     const auto exposure = std::make_shared<std::optional<float>>();
     declareExposure(*command, *exposure);
+    CLI::Option* description =
+        command->add_option("--description", "Of the page, for link previews; default: from the file")
+            ->type_name("TEXT");
+    CLI::Option* url =
+        command->add_option("--url", "Where the page will be; link previews show its poster then")
+            ->type_name("URL")
+            ->check([](const std::string& text) {
+                return text.starts_with("https://") || text.starts_with("http://")
+                           ? ""
+                           : "must begin with https:// or http://";
+            });
     CLI::Option* quiet = command->add_flag("--quiet")->description("Say nothing");
     command->footer(
         "The folder is complete: no other site is asked for anything. One with files of others is refused;\n"
@@ -207,6 +235,9 @@ void addWebCommand(CLI::App& app) {
         options.input = input->as<std::string>();
         options.site = site->as<std::string>();
         if (*title) options.title = title->as<std::string>();
+        if (*description) options.description = description->as<std::string>();
+        if (*url) options.url = url->as<std::string>();
+        if (!options.url.empty() && !options.url.ends_with('/')) options.url += '/';
         options.exposureStops = *exposure;
         options.quiet = quiet->count() > 0;
         writeSite(options);

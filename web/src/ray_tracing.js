@@ -8,3 +8,4 @@ export { poseScene } from './posed_trees.js';
 export { RayPass, RayPrograms, bindHitLights, shadeHits } from './ray_pass.js';
 export { RayScene } from './ray_scene.js';
 export { readTrees } from './trees.js';
+export { TreeRays } from './tree_rays.js';

@@ -2,10 +2,12 @@
 import './bundle.test.js';
 import './bvh.test.js';
 import './compositions.test.js';
+import './element.test.js';
 import './failures.test.js';
 import './hostile.test.js';
 import './lights.test.js';
 import './lint.test.js';
+import './looks.test.js';
 import './moves.test.js';
 import './npm.test.js';
 import './package.test.js';
@@ -21,3 +23,4 @@ import './site.test.js';
 import './site_folder.test.js';
 import './still.test.js';
 import './types.test.js';
+import './walks.test.js';

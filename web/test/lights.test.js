@@ -138,8 +138,8 @@ test('says why light does not follow, and leaves the room as it was', async (t) 
     const baked = await pixelsOf(page);
     const message = await page.evaluate(() => viewer.light.lights.catch((error) => error.message));
     assert.equal(message, 'the light of this room stays as it was baked: the file has no trees for rays');
-    await page.click('summary');
-    await page.waitForFunction(() => !document.getElementById('lamps').hidden);
+    await page.click('#settings');
+    await page.waitForSelector('#lamps', { state: 'visible' });
     assert.equal(await page.textContent('#light'), message);
     assert.ok(await page.isDisabled('#lit'));
     assert.deepEqual(await pixelsOf(page), baked);

@@ -98,7 +98,7 @@ test('a box that is movable is dragged over the floor, and its light follows', a
 test("the file's animation plays, and its light follows", async (t) => {
     const page = await pages.open(t, await pages.bake('animated', { ...lamps, box: { ...start, travels: end.at } }, { resolution: fewest }));
     await page.waitForFunction(() => viewer.moves);
-    await page.click('summary');
+    await page.click('#settings');
     assert.equal(await page.textContent('#play'), 'Play');
     assert.deepEqual(await placeOf(page), start.at);
     await page.click('#play');

@@ -96,7 +96,7 @@ test('is tone mapped as the poster is, at the exposure of its slider', async () 
     await rest(page);
     const shown = (exposure) =>
         page.evaluate((stops) => {
-            const slider = document.getElementById('exposure');
+            const slider = document.getElementById('room').find('exposure');
             slider.value = stops;
             viewer.render(4, 'default');
             slider.dispatchEvent(new Event('input')); // presents
@@ -105,7 +105,7 @@ test('is tone mapped as the poster is, at the exposure of its slider', async () 
                 copy.drawImage(picture, 0, 0, 160, 90);
                 return [...copy.getImageData(0, 0, 160, 90).data];
             };
-            return ['view', 'poster'].map((id) => bytesOf(document.getElementById(id)));
+            return [viewer.canvas, document.getElementById('poster')].map(bytesOf);
         }, exposure);
     assert.equal(await page.inputValue('#exposure'), '1');
     const [picture, poster] = await shown(1),

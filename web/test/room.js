@@ -6,6 +6,7 @@ import { join } from 'node:path';
 import { promisify } from 'node:util';
 import { FloatType } from 'three';
 import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';
+import { houseGlb } from './house.js';
 import { lampRoom } from './lamp_room.js';
 import { shared } from './shared.js';
 
@@ -40,12 +41,14 @@ function scaledGlb(bytes, factor) {
     return Buffer.concat([head, json, bytes.subarray(end)]);
 }
 
-// tabletop: area lights, a textured metal and diffuse things; gallery has a point light, too; lamps: both, and few texels.
+const made = { lamps: () => lampRoom({ ceiling: 8, point: 6 }), house: houseGlb };
+
+// tabletop: area lights, a textured metal and diffuse things; gallery has a point light, too; lamps: both; house: two rooms and what is in a tour; these have few texels.
 // Small, because SwiftShader draws it. 'lamps x 1000' is a thousand times as large.
 async function makeRoom(name) {
     const [scene, factor = 1] = name.split(' x '),
-        isMade = scene === 'lamps',
-        bytes = isMade ? Buffer.from(lampRoom({ ceiling: 8, point: 6 })) : await readFile(join(scenes, `${scene}.glb`));
+        isMade = scene in made,
+        bytes = isMade ? Buffer.from(made[scene]()) : await readFile(join(scenes, `${scene}.glb`));
     const folder = await mkdtemp(join(tmpdir(), 'phat-web-')),
         source = join(folder, `${scene}.glb`);
     await writeFile(source, factor === 1 ? bytes : scaledGlb(bytes, Number(factor)));

@@ -76,14 +76,16 @@ test('rough glass blurs what is behind it by its distance', (t) => {
 });
 
 test('two nodes with one camera are two views', async () => {
-    const views = await page.evaluate(() =>
-        [...document.getElementById('camera').options].map(({ value, text }) => {
-            const select = document.getElementById('camera');
-            select.value = value;
-            select.dispatchEvent(new Event('change'));
-            return [text, viewer.camera.position.toArray().map((x) => Math.round(1e4 * x) / 1e4)];
-        }),
-    );
+    const names = await page.evaluate(() => document.getElementById('room').viewpoints),
+        views = [];
+    for (const [i, name] of names.entries()) {
+        await page.selectOption('#camera', String(i));
+        const at = await page.evaluate(() => {
+            document.getElementById('room').jumpCameraToGoal();
+            return viewer.camera.position.toArray().map((x) => Math.round(1e4 * x) / 1e4);
+        });
+        views.push([name, at]);
+    }
     assert.deepEqual(views, [
         ['middle', [0, 1.4, 1.9]],
         ['aside', [1, 1.4, 1.9]],
@@ -108,37 +110,56 @@ test('in a room the head turns, and the wheel walks', async () => {
     await page.evaluate(() => viewer.navigation.goTo(viewer.navigation.first));
 });
 
-test('who leaves the room orbits, and who comes back turns the head', async () => {
-    const walk = (key, until) =>
-        page.evaluate(
-            ([code, z]) => {
-                const { navigation, camera } = viewer,
-                    before = camera.position.z < z;
-                navigation.pressed.add(code);
-                for (let i = 0; i < 1000 && camera.position.z < z === before; ++i) navigation.fly(0.02);
+const isInside = ([x, y, z]) => Math.abs(x) < 2 && y > 0 && y < 3 && Math.abs(z) < 2;
+
+test('walls hold who walks, by keys and by the wheel', async () => {
+    const walked = await page.evaluate(() => {
+        const { navigation, camera } = viewer;
+        navigation.pressed.add('s');
+        for (let i = 0; i < 100; ++i) navigation.advance(0.02);
+        navigation.pressed.clear();
+        return camera.position.toArray();
+    });
+    assert.ok(isInside(walked) && walked[2] > 1.7, walked.join());
+    await page.mouse.move(40, 60);
+    for (let i = 0; i < 10; ++i) await page.mouse.wheel(0, 300);
+    assert.ok(isInside(await eyeOf(page)));
+    await page.evaluate(() => viewer.navigation.goTo(viewer.navigation.first));
+});
+
+test('who orbits stays in the room, and outside orbits the whole of it', async () => {
+    const orbited = () =>
+        page.evaluate(() => {
+            const { navigation, camera } = viewer,
+                places = [];
+            for (const key of ['ArrowLeft', 'ArrowUp', 'ArrowDown', '-', 'q', 'e', 'd']) {
+                navigation.pressed.add(key);
+                for (let i = 0; i < 150; ++i) {
+                    navigation.advance(0.02);
+                    places.push(camera.position.toArray());
+                }
                 navigation.pressed.clear();
-                return navigation.inside;
-            },
-            [key, until],
-        );
-    const dragged = async () => {
-        const from = await eyeOf(page);
-        await drag(page, [60, 45], [100, 50]);
-        return distance(await eyeOf(page), from);
-    };
-    await page.focus('#view');
-    assert.equal(await walk('KeyS', 1.95), true, 'at the wall');
-    assert.equal(await walk('KeyS', 2.6), false, 'behind it');
-    assert.ok((await dragged()) > 0.1, 'outside, the eye orbits');
-    await page.evaluate(() => viewer.navigation.goTo(viewer.navigation.first));
-    assert.equal(await walk('KeyS', 2.6), false);
-    assert.equal(await walk('KeyW', 1.5), true);
-    assert.ok((await dragged()) < 0.01, 'back inside, the head turns');
-    await page.evaluate(() => viewer.navigation.goTo(viewer.navigation.first));
-    for (let i = 0; i < 30 && (await page.evaluate(() => viewer.navigation.inside)); ++i)
-        await page.mouse.wheel(0, 300);
-    assert.equal(await page.evaluate(() => viewer.navigation.inside), false, 'by the wheel, too');
-    await page.evaluate(() => viewer.navigation.goTo(viewer.navigation.first));
+            }
+            return places;
+        });
+    await page.evaluate(() => viewer.navigation.ask('orbit'));
+    const inside = await orbited();
+    assert.ok(inside.every(isInside), inside.find((place) => !isInside(place))?.join());
+    const far = Math.max(...inside.map(([x]) => x)) - Math.min(...inside.map(([x]) => x));
+    assert.ok(far > 1, `moves by ${far}`);
+    await page.evaluate(() => {
+        viewer.navigation.ask('');
+        const outside = viewer.camera.clone();
+        outside.position.set(0, 1.5, 8);
+        outside.lookAt(0, 1.5, 0);
+        outside.updateMatrixWorld();
+        viewer.navigation.goTo(outside);
+    });
+    const from = await eyeOf(page);
+    await drag(page, [60, 45], [100, 50]);
+    assert.ok(distance(await eyeOf(page), from) > 0.1, 'the eye orbits');
+    assert.equal(await page.evaluate(() => viewer.navigation.mode), 'orbit');
+    await page.evaluate(() => viewer.navigation.goTo(viewer.cameras[0]));
 });
 
 // The page of a baked room, when it is at rest.

@@ -5,11 +5,11 @@ import { borrowRoom } from './room.js';
 
 export const viewport = { width: 160, height: 90 };
 
-// A browser, a baked room, and a server of its site. `close` gives them back.
-export async function openRoom() {
-    const borrowed = await Promise.all([borrowBrowser('swiftshader'), borrowRoom('tabletop')]),
+// A browser, a baked room, and a server of its site and `more` files. `close` gives them back.
+export async function openRoom(name = 'tabletop', more = {}) {
+    const borrowed = await Promise.all([borrowBrowser('swiftshader'), borrowRoom(name)]),
         [browser, room] = borrowed.map(({ value }) => value),
-        server = await serve(room.site, '/some/where/');
+        server = await serve(room.site, '/some/where/', more);
     const close = async () => {
         server.close();
         for (const { dispose } of borrowed) await dispose();
@@ -98,9 +98,9 @@ export const eyeOf = (page) => page.evaluate(() => viewer.camera.position.toArra
 export const forwardOf = (page) =>
     page.evaluate(() => viewer.camera.getWorldDirection(viewer.camera.position.clone()).toArray());
 export const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
-// Whether a movement is straight ahead.
-export const isAlong = (moved, forward, cosine) =>
-    moved.reduce((sum, x, i) => sum + x * forward[i], 0) > cosine * Math.hypot(...moved);
+// Whether a movement is straight ahead, on the level.
+export const isAlong = ([x, , z], [ahead, , deep], cosine) =>
+    x * ahead + z * deep > cosine * Math.hypot(x, z) * Math.hypot(ahead, deep);
 
 export async function drag(page, [fromX, fromY], [toX, toY]) {
     await page.mouse.move(fromX, fromY);
@@ -112,7 +112,7 @@ export async function drag(page, [fromX, fromY], [toX, toY]) {
 // Of a page's view, which is restored then.
 export async function loseContext(page) {
     await page.evaluate(async () => {
-        const canvas = document.getElementById('view'),
+        const { canvas } = viewer,
             lose = viewer.renderer.getContext().getExtension('WEBGL_lose_context');
         const event = (name) =>
             new Promise((done) => {

@@ -74,7 +74,7 @@ test('shows more with each part that arrives', async () => {
 });
 
 test('is a page by itself, with a title, a poster and labels', async () => {
-    const page = await open(server.url);
+    const page = await open(server.url, null, { width: 640, height: 360 });
     assert.equal(await page.title(), 'A <table> & more');
     const poster = await page.evaluate(() =>
         document
@@ -85,33 +85,30 @@ test('is a page by itself, with a title, a poster and labels', async () => {
     assert.equal(poster, 960);
     await loaded(page);
     await page.waitForFunction(() => document.getElementById('poster').hidden);
-    const unnamed = await page.$$eval('input, select, button, canvas, progress', (elements) =>
+    await page.waitForSelector('#settings');
+    const unnamed = await page.$$eval('input, select, button, canvas, progress, [role=slider]', (elements) =>
         elements
             .filter((e) => !(e.labels?.length || e.textContent.trim() || e.getAttribute('aria-label')))
             .map((e) => e.id),
     );
     assert.deepEqual(unnamed, []);
     // Everything can be reached by the keyboard.
-    await page.keyboard.press('Tab');
-    assert.equal(await page.evaluate(() => document.activeElement.id), 'view');
-    await page.keyboard.press('Tab');
-    await page.keyboard.press('Enter');
-    for (const id of [
-        'material',
-        'roughness',
-        'metalness',
-        'color',
-        'reset',
-        'wipe',
-        'exposure',
-        'quality',
-        'camera',
-    ]) {
+    const focused = () => page.evaluate(() => document.getElementById('room').shadowRoot.activeElement?.id);
+    const tools = ['view', 'camera', 'orbit', 'measure', 'screenshot', 'share', 'fullscreen', 'settings'];
+    for (const id of tools) {
         await page.keyboard.press('Tab');
-        while ((await page.evaluate(() => document.activeElement.id)) === 'color' && id !== 'color')
-            await page.keyboard.press('Tab');
-        assert.equal(await page.evaluate(() => document.activeElement.id), id);
+        assert.equal(await focused(), id);
     }
+    await page.keyboard.press('Enter');
+    for (const id of ['close', 'material', 'roughness', 'metalness', 'color', 'reset', 'wipe', 'exposure', 'quality']) {
+        while ((await focused()) === 'color' && id !== 'color') await page.keyboard.press('Tab');
+        assert.equal(await focused(), id);
+        await page.keyboard.press('Tab');
+    }
+    await page.focus('#close');
+    await page.keyboard.press('Escape');
+    assert.equal(await focused(), 'settings');
+    assert.ok(await page.isHidden('#panel'));
     assert.deepEqual(page.problems, []);
     await page.close();
 });
@@ -218,7 +215,9 @@ test('follows its sliders', async (t) => {
     await page.$eval('#reset', (button) => button.click());
     assert.ok(maeOverMean(await pixelsOf(page), pixels) < 1e-6, 'as it was baked');
     // Right of the middle only direct light.
-    await slide('wipe', '0.5');
+    await page.click('#settings');
+    await page.check('#wipe');
+    assert.equal(await page.getAttribute('#border', 'aria-valuenow'), '50');
     const wiped = await pixelsOf(page);
     const half = (all, side) => all.filter((_, i) => (i / 4) % 160 < 80 === (side === 'left'));
     assert.ok(maeOverMean(half(wiped, 'left'), half(pixels, 'left')) < 1e-6, 'left of the wipe');

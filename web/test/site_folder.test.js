@@ -127,3 +127,18 @@ test('the licences are there', async () => {
     assert.equal(scripts.length, 1);
     assert.match(scripts[0][1], /Three\.js Authors\s*\*\s*SPDX-License-Identifier: MIT/);
 });
+
+test('a page says what it is told of itself, and where its poster is', async () => {
+    const site = await folderOf({}),
+        told = ['--url', 'https://example.org/room', '--description', 'Rooms <to> "let"'];
+    await phat('web', baked, '-o', site, '--quiet', ...told);
+    const page = await readFile(join(site, 'index.html'), 'utf8');
+    assert.ok(page.includes('<meta property="og:image" content="https://example.org/room/poster.jpg">'));
+    for (const name of ['name="description"', 'property="og:description"'])
+        assert.ok(page.includes(`<meta ${name} content="Rooms &lt;to&gt; &quot;let&quot;">`), name);
+    assert.ok(!page.includes('@'), 'all is filled in');
+    await assert.rejects(
+        phat('web', baked, '-o', site, '--quiet', '--url', 'javascript:alert(1)'),
+        ({ code, stderr }) => code === 2 && /must begin with https/.test(stderr),
+    );
+});

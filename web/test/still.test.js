@@ -58,7 +58,7 @@ function slowDown() {
             const { present } = viewer;
             viewer.present = () => {
                 present.call(viewer);
-                globalThis.sizes.push(document.getElementById('view').width);
+                globalThis.sizes.push(viewer.canvas.width);
             };
         },
     });
@@ -123,8 +123,8 @@ test('?quality= chooses the quality', async () => {
         ['', 'default'],
     ]) {
         const page = await open(browser, server.url, { query });
-        await page.waitForFunction(() => globalThis.viewer);
-        const chosen = await page.evaluate(() => [viewer.quality, document.getElementById('quality').value]);
+        await page.waitForFunction(() => document.getElementById('room').ui);
+        const chosen = await page.evaluate(() => [viewer.quality, document.getElementById('room').find('quality').value]);
         assert.deepEqual(chosen, [expected, expected], query);
         await page.close();
     }

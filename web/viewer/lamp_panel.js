@@ -2,11 +2,11 @@
 
 const kStatusMilliseconds = 300;
 
-const element = (id) => document.getElementById(id);
-
-// `changed` is called when the picture is another one; `viewer`: see viewer.js.
-export async function createLampPanel(viewer, changed) {
-    const { light } = viewer,
+// `host`: see element.js.
+export async function createLampPanel(host) {
+    const { viewer, words } = host,
+        { light } = viewer,
+        element = (id) => host.find(id),
         controls = ['lamp', 'lit', 'brightness', 'lampcolor', 'relight'].map(element),
         [lamp, lit, brightness, color, relight] = controls;
     let lamps;
@@ -18,7 +18,7 @@ export async function createLampPanel(viewer, changed) {
         element('lamps').hidden = false;
         return;
     }
-    lamp.append(...lamps.map(({ name }, i) => new Option(name || `Lamp ${i + 1}`, i)));
+    lamp.append(...lamps.map(({ name }, i) => new Option(name || words('lampNumber', { number: i + 1 }), i)));
     const chosen = () => lamps[lamp.value];
     const show = () => {
         lit.checked = chosen().visible;
@@ -26,12 +26,13 @@ export async function createLampPanel(viewer, changed) {
         color.value = `#${chosen().color.getHexString()}`;
     };
     const tell = () => {
-        element('light').textContent = light.isSettled ? (light.updates.failure?.message ?? '') : 'The light follows.';
+        if (!element('light')) return; // the controls are gone
+        element('light').textContent = light.isSettled ? (light.updates.failure?.message ?? '') : words('lightFollows');
         if (!light.isSettled) setTimeout(tell, kStatusMilliseconds);
     };
     const set = (name, value) => {
         chosen()[name] = value;
-        changed();
+        viewer.changed();
         tell();
     };
     lamp.addEventListener('change', show);
@@ -41,7 +42,7 @@ export async function createLampPanel(viewer, changed) {
     relight.addEventListener('click', () => {
         lamps.forEach((each) => each.reset());
         show();
-        changed();
+        viewer.changed();
         tell();
     });
     if (lamps.length > 0) show();

@@ -4,8 +4,6 @@ import { Box3, Plane, PropertyBinding, Raycaster, Vector2, Vector3 } from 'three
 const kMaxStep = 0.1; // seconds of an animation a picture
 const kTracks = /\.(position|quaternion|scale)$/;
 
-const element = (id) => document.getElementById(id);
-
 // All clips at once, over and over.
 class Player {
     constructor(root, clips) {
@@ -27,28 +25,44 @@ class Player {
 }
 
 export class Moves {
-    constructor(viewer, { scene, animations }) {
-        Object.assign(this, { viewer, root: scene, player: new Player(scene, animations), canvas: element('view') });
+    // `host`: see element.js.
+    constructor(host, { scene, animations }) {
+        const { viewer } = host;
+        Object.assign(this, { host, viewer, root: scene, player: new Player(scene, animations), canvas: viewer.canvas });
         this.bounds = new Box3().setFromObject(scene);
         this.movable = [];
         scene.traverse((object) => {
             if (object.userData.phat?.movable) this.movable.push(object);
         });
         this.ray = new Raycaster();
-        this.offerPlayer();
         this.offerDrags();
-        element('motion').hidden = false;
+        this.offer();
     }
 
-    offerPlayer() {
-        const play = element('play');
+    // In the settings, if there are any.
+    offer() {
+        const { host, movable } = this,
+            play = host.find('play');
+        if (!play) return;
+        const showPlayer = () => {
+            play.textContent = host.words(this.playing ? 'pause' : 'play');
+        };
         play.hidden = this.player.tracks.length === 0;
         play.addEventListener('click', async () => {
             this.playing = !this.playing;
-            play.textContent = this.playing ? 'Pause' : 'Play';
+            showPlayer();
             await this.follow();
             this.tick(performance.now());
         });
+        showPlayer();
+        const names = movable.map(({ name }) => name).filter(Boolean);
+        if (movable.length > 0) this.say(host.words('draggable', { names: names.join(', ') || movable.length }));
+        host.find('motion').hidden = false;
+    }
+
+    say(text) {
+        const state = this.host.find('motionstate');
+        if (state) state.textContent = text;
     }
 
     // Light follows from the first move on.
@@ -57,13 +71,13 @@ export class Moves {
         try {
             await this.following;
         } catch (error) {
-            element('motionstate').textContent = error.message;
+            this.say(error.message);
         }
     }
 
     tick(before) {
         requestAnimationFrame((now) => {
-            if (!this.playing) return;
+            if (!this.playing || this.host.viewer !== this.viewer) return;
             this.player.advance(Math.min((now - before) / 1000, kMaxStep));
             this.moved();
             this.tick(now);
@@ -71,15 +85,14 @@ export class Moves {
     }
 
     moved() {
+        this.viewer.walls.still = false;
         this.viewer.drawShadows();
         this.viewer.viewChanged();
     }
 
     offerDrags() {
-        const { canvas, movable } = this,
-            names = movable.map(({ name }) => name).filter(Boolean);
+        const { canvas, movable } = this;
         if (movable.length === 0) return;
-        element('motionstate').textContent = `Can be dragged: ${names.join(', ') || movable.length}.`;
         // Before the view's own controls see it.
         canvas.addEventListener('pointerdown', (event) => this.grab(event), { capture: true });
         canvas.addEventListener('pointermove', (event) => this.drag(event), { capture: true });

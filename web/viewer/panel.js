@@ -1,34 +1,28 @@
-// The material panel and the picture's settings.
+// The settings: variants, materials and the picture.
 
-const kNames = { roughness: 'Roughness', metalness: 'Metalness', color: 'Colour' };
+const kValues = ['roughness', 'metalness', 'color'];
+const kTextured = {
+    roughness: (m) => m.roughnessMap,
+    metalness: (m) => m.metalnessMap,
+    color: (m) => m.map,
+};
 
-const element = (id) => document.getElementById(id);
-
-// `changed` is called when the picture is another one; `viewer`: see viewer.js.
-export function createPanel(viewer, materials, cameras, goTo, changed) {
-    const baked = new Map(
-        materials.map((m) => [m, { roughness: m.roughness, metalness: m.metalness, color: m.color.clone() }]),
-    );
-    const material = element('material'),
-        inputs = ['roughness', 'metalness', 'color'].map(element);
-    const named = (names, select) => select.append(...names.map((name, i) => new Option(name, i)));
-    named(
-        materials.map((m, i) => m.name || `Material ${i + 1}`),
-        material,
-    );
-    named(
-        cameras.map((c, i) => c.name || `Camera ${i + 1}`),
-        element('camera'),
-    );
-    const chosen = () => materials[material.value];
-    const isTextured = {
-        roughness: (m) => m.roughnessMap,
-        metalness: (m) => m.metalnessMap,
-        color: (m) => m.map,
+function createMaterials(host, signal) {
+    const { viewer, words } = host,
+        material = host.find('material'),
+        inputs = kValues.map((id) => host.find(id)),
+        chosen = () => viewer.materials[material.value];
+    // Those of a variant come when it is chosen.
+    const list = () => {
+        const { value } = material,
+            names = viewer.materials.map(({ name }, i) => name || words('materialNumber', { number: i + 1 }));
+        material.replaceChildren(...names.map((name, i) => new Option(name, i)));
+        material.value = value;
     };
     const show = () => {
+        list();
         for (const { id, labels } of inputs)
-            labels[0].textContent = kNames[id] + (isTextured[id](chosen()) ? ' × texture' : '');
+            labels[0].textContent = kTextured[id](chosen()) ? words('timesTexture', { name: words(id) }) : words(id);
         for (const input of inputs)
             input.value = input.id === 'color' ? `#${chosen().color.getHexString()}` : chosen()[input.id];
     };
@@ -37,37 +31,64 @@ export function createPanel(viewer, materials, cameras, goTo, changed) {
         input.addEventListener('input', () => {
             if (input.id === 'color') chosen().color.set(input.value);
             else chosen()[input.id] = Number(input.value);
-            changed();
+            viewer.changed();
         });
     }
-    element('reset').addEventListener('click', () => {
-        const { roughness, metalness, color } = baked.get(chosen());
+    host.find('reset').addEventListener('click', () => {
+        const { roughness, metalness, color } = viewer.asBaked.get(chosen());
         Object.assign(chosen(), { roughness, metalness });
         chosen().color.copy(color);
         show();
-        changed();
+        viewer.changed();
     });
-    element('camera').addEventListener('change', (event) => goTo(cameras[event.target.value]));
-    element('wipe').addEventListener('input', (event) => {
-        viewer.light.wipe = Number(event.target.value);
-        changed();
-    });
-    element('quality').addEventListener('change', (event) => {
-        viewer.quality = event.target.value;
-        changed();
-    });
-    element('exposure').addEventListener('input', (event) => {
-        viewer.exposure = Number(event.target.value);
-        viewer.present();
-    });
-    element('exposure').value = viewer.exposure;
+    list();
     // A metal shows the effect of the sliders best.
     material.value = Math.max(
         0,
-        materials.findIndex((m) => m.metalness > 0.5 && !m.metalnessMap),
+        viewer.materials.findIndex((m) => m.metalness > 0.5 && !m.metalnessMap),
     );
-    if (materials.length > 0) show();
-    element('controls').disabled = materials.length === 0;
-    const loadLamps = async () => (await import('./lamp_panel.js')).createLampPanel(viewer, changed);
-    element('panel').addEventListener('toggle', loadLamps, { once: true });
+    host.find('materials').disabled = viewer.materials.length === 0;
+    if (viewer.materials.length === 0) return;
+    show();
+    for (const name of ['material-change', 'variant-applied']) host.addEventListener(name, show, { signal });
+}
+
+function createVariants(host, signal) {
+    const { words } = host;
+    const choices = [{ name: null, color: 'transparent' }, ...host.variants].map(({ name, color }) => {
+        const button = document.createElement('button'),
+            swatch = document.createElement('span');
+        button.type = 'button';
+        swatch.className = 'swatch';
+        swatch.style.background = color;
+        button.append(swatch, name ?? words('asInFile'));
+        button.addEventListener('click', () => {
+            host.variantName = name;
+        });
+        return { name, button };
+    });
+    const show = () => choices.forEach(({ name, button }) => button.setAttribute('aria-pressed', name === host.variantName));
+    host.find('swatches').append(...choices.map(({ button }) => button));
+    host.find('variants').hidden = choices.length === 1;
+    host.addEventListener('variant-applied', show, { signal });
+    show();
+}
+
+// `signal`: ends what listens to the viewer.
+export function createPanel(host, signal) {
+    const { viewer } = host,
+        [quality, exposure] = ['quality', 'exposure'].map((id) => host.find(id));
+    createVariants(host, signal);
+    createMaterials(host, signal);
+    quality.value = viewer.quality;
+    quality.addEventListener('change', () => {
+        viewer.quality = quality.value;
+        viewer.changed();
+    });
+    exposure.value = viewer.exposure;
+    exposure.addEventListener('input', () => {
+        host.exposure = exposure.value;
+    });
+    const loadLamps = async () => (await import('./lamp_panel.js')).createLampPanel(host);
+    host.find('settings').addEventListener('click', loadLamps, { once: true });
 }

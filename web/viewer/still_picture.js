@@ -21,8 +21,10 @@ export class StillPicture {
         this.row = 0; // the first that is not drawn yet
         this.rows = kMinRows; // of the next part
         this.isTouched = false; // whether the visitor has done anything
+        this.listening = new AbortController();
+        const { signal } = this.listening;
         for (const event of ['pointerdown', 'wheel', 'keydown'])
-            addEventListener(event, () => (this.isTouched = true), { once: true, capture: true });
+            addEventListener(event, () => (this.isTouched = true), { once: true, capture: true, signal });
     }
 
     setSize(width, height) {
@@ -78,7 +80,7 @@ export class StillPicture {
             this.row = 0;
             picture.accumulate(Infinity);
             this.viewer.present();
-            if (picture.samples >= kBetterSamples) document.getElementById('poster').hidden = true;
+            if (picture.samples >= kBetterSamples) this.viewer.host.drawn();
         }
         return rows;
     }
@@ -87,5 +89,9 @@ export class StillPicture {
     learn(rows, seconds) {
         const fitting = (kPartSeconds / Math.max(seconds, 1e-3)) * rows;
         this.rows = Math.max(Math.floor(Math.min(fitting, kMaxGrowth * this.rows)), kMinRows);
+    }
+
+    dispose() {
+        this.listening.abort();
     }
 }

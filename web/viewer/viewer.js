@@ -1,13 +1,12 @@
-// The page that `phat web` writes: a baked room to walk through.
-import { LinearSRGBColorSpace, PerspectiveCamera, Scene, ShaderChunk, Vector2, WebGLRenderer } from 'three';
-import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
-import { PhatexturesExtension, isSupported, jitterOf, prepareLights } from '../src/index.js';
-import { chainShader } from '../src/hooks.js';
+// A baked room in a canvas: draws it as fast as the device can while the view moves, and ever better at rest.
+import { PerspectiveCamera, Scene, Vector2 } from 'three';
+import { jitterOf, prepareLights } from '../src/index.js';
 import { kRelativeCost } from '../src/passes.js';
-import { Navigation, defaultCamera, sphereOf } from './navigation.js';
-import { createPanel } from './panel.js';
+import { Navigation, sphereOf } from './navigation.js';
 import { Picture } from './picture.js';
+import { prepareMaterial } from './room.js';
 import { StillPicture } from './still_picture.js';
+import { Walls } from './walls.js';
 
 // Pictures that a view at rest is averaged from, and while its light changes.
 const kSamples = 32,
@@ -27,76 +26,30 @@ const kNear = 0.01; // units of length
 const kMinScale = 0.25,
     kScaleSteps = 8;
 
-const { sayFailure } = globalThis; // of begin.js
-const element = (id) => document.getElementById(id);
-const canvas = element('view');
+// 'fast', 'default' or 'high'; 'default' for anything else.
+const qualityOf = (name) => (Object.hasOwn(kRelativeCost, name) ? name : 'default');
 
-function say(text) {
-    element('message').textContent = text;
-    element('message').hidden = text === '';
-}
-
-function createRenderer(context) {
-    if (!isSupported(context)) throw new Error('This room needs WebGL 2.');
-    const renderer = new WebGLRenderer({ canvas, context });
-    renderer.outputColorSpace = LinearSRGBColorSpace; // present.frag encodes
-    renderer.shadowMap.autoUpdate = false;
-    return renderer;
-}
-
-// Four things that three.js does to punctual light, and glTF and hence the bake do not: a highlight is blunted where
-// normals turn within a pixel (here many pictures are averaged), and brightened on rough metals for light that would
-// be reflected twice; a light nearer than 10 cm counts as that far; and spots have another profile.
-function keepToGltf(material) {
-    const edits = [
-        ['lights_physical_fragment', /.* \+= geometryRoughness;/g, ''],
-        [
-            'lights_pars_begin',
-            'pow( lightDistance, decayExponent ), 0.01',
-            'pow( lightDistance, decayExponent ), 1e-30',
-        ],
-        [
-            'lights_pars_begin',
-            'smoothstep( coneCosine, penumbraCosine, angleCosine )',
-            'pow2( saturate( ( angleCosine - coneCosine ) / max( penumbraCosine - coneCosine, 1e-3 ) ) )',
-        ],
-        ['lights_fragment_begin', /(multiScatteringCompensation =).*;/g, '$1 vec3(1.0);'],
-    ];
-    chainShader(material, 'keepToGltf', (shader) => {
-        for (const [name] of edits)
-            shader.fragmentShader = shader.fragmentShader.replace(`#include <${name}>`, ShaderChunk[name]);
-        for (const [, pattern, by] of edits) shader.fragmentShader = shader.fragmentShader.replaceAll(pattern, by);
-    });
-}
-
-// With ?quality=fast and the like.
-function qualityAsked() {
-    const asked = new URLSearchParams(location.search).get('quality');
-    return Object.hasOwn(kRelativeCost, asked) ? asked : 'default';
-}
-
-function load(url, onProgress) {
-    const loader = new GLTFLoader();
-    loader.register((parser) => new PhatexturesExtension(parser));
-    return loader.loadAsync(url, onProgress);
-}
-
-class Viewer {
-    constructor(renderer, gltf) {
+export class Viewer {
+    // `settings`: exposure, in stops; quality, as BakedLight has it; rooms, as Navigation takes them; reducesMotion(). `host` is told what happens:
+    // viewChanged(byUser), drawn(), failed(error).
+    constructor(renderer, gltf, { exposure, quality, rooms, reducesMotion }, host) {
         Object.assign(this, {
             renderer,
-            quality: qualityAsked(),
-            exposure: Number(canvas.dataset.exposure),
+            host,
+            exposure,
+            canvas: renderer.domElement,
             light: gltf.userData.bakedLight,
         });
+        this.quality = qualityOf(quality);
         this.scene = new Scene();
         this.scene.add(gltf.scene);
         gltf.scene.updateMatrixWorld(true);
-        const sphere = sphereOf(gltf.scene);
+        const sphere = sphereOf(gltf.scene),
+            { unitMeters } = this.light;
         this.camera = new PerspectiveCamera(
             40,
             1,
-            Math.min(1e-3 * sphere.radius, kNear * this.light.unitMeters),
+            Math.min(1e-3 * sphere.radius, kNear * unitMeters),
             50 * sphere.radius,
         );
         this.picture = new Picture(renderer);
@@ -107,33 +60,49 @@ class Viewer {
         this.pending = null;
         this.isWhole = false; // whether the last picture showed all that is loaded
         this.light.waitsForPrograms = false;
-        this.navigation = new Navigation(this.camera, canvas, gltf.scene, () => this.viewChanged());
+        this.walls = new Walls(gltf.scene, this.light);
+        this.navigation = new Navigation({
+            camera: this.camera,
+            canvas: this.canvas,
+            root: gltf.scene,
+            walls: this.walls,
+            unitMeters,
+            rooms,
+            reducesMotion,
+            changed: (byUser) => this.viewChanged(byUser),
+        });
+        this.findParts(gltf.scene);
+        prepareLights(renderer, this.scene);
+    }
+
+    // The file's materials and viewpoints.
+    findParts(root) {
         const materials = new Set(),
             cameras = [];
-        gltf.scene.traverse((object) => {
+        root.traverse((object) => {
             // Those of the nodes: of a camera that several nodes have, gltf.cameras is none of theirs.
             if (object.isPerspectiveCamera) cameras.push(object);
             if (object.isMesh && object.material.isMeshStandardMaterial) materials.add(object.material);
         });
-        const anisotropy = Math.min(8, renderer.capabilities.getMaxAnisotropy()); // twin: mostAnisotropy
-        for (const material of materials) {
-            for (const texture of Object.values(material))
-                if (texture?.isTexture) Object.assign(texture, { anisotropy });
-            keepToGltf(material);
-        }
-        prepareLights(renderer, this.scene);
-        createPanel(
-            this,
-            [...materials],
-            cameras,
-            (camera) => this.navigation.goTo(camera),
-            () => this.changed(),
-        );
-        element('quality').value = this.quality;
-        this.navigation.goTo(cameras[0] ?? defaultCamera(canvas.dataset.camera));
+        Object.assign(this, { materials: [], asBaked: new Map(), cameras });
+        materials.forEach((material) => this.addMaterial(material));
+        this.navigation.viewpoints = cameras;
+    }
+
+    addMaterial(material) {
+        const { roughness, metalness, color } = material;
+        prepareMaterial(material, this.renderer);
+        this.materials.push(material);
+        this.asBaked.set(material, { roughness, metalness, color: color.clone() });
+    }
+
+    // Draws from now on, from `view` first.
+    begin(view) {
+        this.navigation.goTo(view);
         this.resize();
-        new ResizeObserver(() => this.resize()).observe(canvas);
-        canvas.addEventListener('webglcontextrestored', () => {
+        this.resizing = new ResizeObserver(() => this.resize());
+        this.resizing.observe(this.canvas);
+        this.canvas.addEventListener('webglcontextrestored', () => {
             this.pending = null;
             this.drawShadows();
             this.changed();
@@ -148,8 +117,7 @@ class Viewer {
                 this.frame(now);
             } catch (error) {
                 this.stop();
-                sayFailure(`The room cannot be drawn: ${error.message}`);
-                console.error(error);
+                this.host.failed(error);
             }
         });
     }
@@ -158,13 +126,18 @@ class Viewer {
         this.renderer.setAnimationLoop(null);
     }
 
+    setQuality(name) {
+        this.quality = qualityOf(name);
+        this.changed();
+    }
+
     // Again where something has moved.
     drawShadows() {
         this.renderer.shadowMap.needsUpdate = true;
     }
 
     resize() {
-        const { clientWidth: width, clientHeight: height } = canvas;
+        const { clientWidth: width, clientHeight: height } = this.canvas;
         if (!width || !height) return;
         const ratio = Math.min(devicePixelRatio, 1.5);
         this.renderer.setPixelRatio(this.scale * ratio);
@@ -218,9 +191,10 @@ class Viewer {
         return moving ? kMovingLightSeconds : Math.max(seconds, kRestLightSeconds);
     }
 
-    viewChanged() {
+    viewChanged(byUser = false) {
         this.lastMove = performance.now();
         this.changed();
+        this.host.viewChanged(byUser);
     }
 
     changed() {
@@ -229,7 +203,7 @@ class Viewer {
     }
 
     frame(now) {
-        if (this.navigation.fly(Math.min((now - this.previous) / 1000, 0.1))) this.viewChanged();
+        this.navigation.advance(Math.min((now - this.previous) / 1000, 0.1));
         this.previous = now;
         const gl = this.renderer.getContext();
         if (gl.isContextLost() || !this.isIdle(gl, now)) return;
@@ -254,7 +228,7 @@ class Viewer {
         // Of 'fast'. Time in which programs are compiled, or light is made, says nothing.
         const isMeasured = wasWhole && this.isWhole && this.light.isSettled;
         this.awaitGpu(now, { pixels: isMeasured ? width * height * kRelativeCost[quality] : 0 });
-        if (!this.still.hasBetterPoster) element('poster').hidden = true;
+        if (!this.still.hasBetterPoster) this.host.drawn();
     }
 
     awaitGpu(now, about) {
@@ -288,6 +262,13 @@ class Viewer {
         if (shown.samples > 0) shown.present(this.exposure);
     }
 
+    // Returns the canvas, in which a picture is until the browser shows the next one.
+    presentSome() {
+        if (this.picture.samples === 0) this.addSample(this.quality);
+        this.present();
+        return this.canvas;
+    }
+
     // For scripts: the mean of `count` pictures, linear radiance as RGBA floats, row 0 at the bottom.
     render(count, quality = this.quality) {
         this.setScale(1);
@@ -297,51 +278,16 @@ class Viewer {
         this.light.waitsForPrograms = false;
         return this.picture.read();
     }
-}
 
-// With ?bench, once all is loaded.
-async function showBench(viewer) {
-    if (!new URLSearchParams(location.search).has('bench')) return;
-    element('status').textContent = 'Measuring.';
-    try {
-        const { bench, framesAsked } = await import('./bench.js'),
-            text = JSON.stringify(await bench(viewer, framesAsked(location.search)), null, 2);
-        console.log(text);
-        element('bench').textContent = text;
-        element('bench').hidden = false;
-    } catch (error) {
-        say(`This device could not be measured: ${error.message}`);
-        console.error(error);
+    // Stops, and frees what is on the GPU. The canvas cannot be used again.
+    dispose() {
+        this.stop();
+        clearTimeout(this.settled);
+        this.resizing?.disconnect();
+        this.still.dispose();
+        this.navigation.dispose();
+        this.light.detach();
+        this.renderer.dispose();
+        this.renderer.forceContextLoss();
     }
 }
-
-async function start() {
-    const { room } = canvas.dataset,
-        context = canvas.getContext('webgl2', { antialias: false, powerPreference: 'high-performance' });
-    try {
-        const renderer = createRenderer(context);
-        const progress = element('progress');
-        const gltf = await load(room, ({ loaded, total }) => {
-            if (total) progress.value = loaded / total / 2;
-        });
-        const viewer = (globalThis.viewer = new Viewer(renderer, gltf));
-        element('status').textContent = 'Reflections are still to come.';
-        viewer.light.onProgress = () => {
-            progress.value = 0.5 + viewer.light.progress / 2;
-            viewer.changed();
-        };
-        await viewer.light.ready;
-        if (gltf.animations[0] || gltf.parser.json.nodes.some(({ extras }) => extras?.phat?.movable))
-            viewer.moves = new (await import('./moves.js')).Moves(viewer, gltf);
-        await showBench(viewer);
-        element('loading').hidden = true;
-    } catch (error) {
-        console.error(error);
-        const general = `The room could not be loaded: ${error.message}`,
-            cause = import('./failure.js').then(({ causeOf }) => causeOf({ error, room, context }));
-        sayFailure(await cause.catch(() => general));
-    }
-}
-
-globalThis.viewerBegan = true;
-start();
