@@ -113,7 +113,6 @@ Poster drawPoster(const WebOptions& options, const SiteFolder& site, Progress& p
     poster.input = options.input;
     poster.output = file.path;
     poster.width = kPosterWidth;
-    poster.reflections = Reflections::lookup;  // as the page draws
     poster.exposureStops = options.exposureStops;
     const double stops = renderDrawn(poster, progress).front().at("exposure").at("stops").get<double>();
     const std::string bytes = readText(file.path);
