@@ -1,5 +1,6 @@
 #include "io/base/atomic_file.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
@@ -13,6 +14,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 
 #include "io/base/file_error.h"
 
@@ -101,14 +103,15 @@ bool isInUse(const std::string& temporary) {
     return !free;
 }
 
-// What runs that were killed have left: no process has the number in the name, nor a lock on the file.
+// What runs that were killed have left: no process has the number in the name, nor a lock on the file. Not by
+// std::filesystem, in which libstdc++ ends the program where memory runs out.
 void removeStale(const std::string& target) {
-    namespace fs = std::filesystem;
-    std::error_code ignored;
-    const fs::path folder = fs::path(target).parent_path();
-    for (fs::directory_iterator it(folder.empty() ? "." : folder, ignored), end; !ignored && it != end;
-         it.increment(ignored)) {
-        const std::string name = (folder / it->path().filename()).string();
+    const std::filesystem::path folder = std::filesystem::path(target).parent_path();
+    const std::unique_ptr<DIR, int (*)(DIR*)> entries(opendir(folder.empty() ? "." : folder.c_str()),
+                                                      closedir);
+    if (!entries) return;
+    while (const dirent* entry = readdir(entries.get())) {
+        const std::string name = (folder / entry->d_name).string();
         const pid_t writer = writerOf(name, target);
         const bool gone = writer > 0 && kill(writer, 0) != 0 && errno == ESRCH;
         if (gone && !isInUse(name)) unlink(name.c_str());
