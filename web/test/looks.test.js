@@ -148,6 +148,7 @@ test('a picture is saved, a link copied, and the whole screen filled', async () 
 
 test('a tape measures between two taps, or by Enter, and takes no steps', async () => {
     await page.setViewportSize({ width: 1000, height: 600 });
+    await page.waitForFunction(() => viewer.canvas.clientWidth === 1000 && Math.abs(viewer.camera.aspect - 10 / 6) < 1e-3);
     await page.evaluate(() => viewer.navigation.goTo(viewer.cameras[0]));
     await page.click('#measure');
     await page.waitForSelector('#tape');
