@@ -99,7 +99,8 @@ test('is tone mapped as the poster is, at the exposure of its slider', async () 
             const slider = document.getElementById('room').find('exposure');
             slider.value = stops;
             viewer.render(4, 'default');
-            slider.dispatchEvent(new Event('input')); // presents
+            slider.dispatchEvent(new Event('input'));
+            viewer.present();
             const bytesOf = (picture) => {
                 const copy = new OffscreenCanvas(160, 90).getContext('2d');
                 copy.drawImage(picture, 0, 0, 160, 90);
