@@ -242,7 +242,7 @@ export class PhatViewer extends HTMLElement {
             has = (test) => (gltf.parser.json.nodes ?? []).some(({ extras }) => test(extras?.phat ?? {}));
         viewer.light.onProgress = () => {
             if (isOld()) return;
-            this.#progress(0.5 + viewer.light.progress / 2);
+            if (viewer.light.progress < 1) this.#progress(0.5 + viewer.light.progress / 2);
             viewer.changed();
         };
         const loading = [this.#showControls()];
