@@ -213,6 +213,7 @@ export class Viewer {
         if (!this.light.isSettled) this.still.forget();
         if (!moving && wasWhole && this.still.isDue) {
             if (!this.still.isDone) this.awaitGpu(now, { rows: this.still.advance() });
+            if (!this.still.hasBetterPoster) this.host.drawn();
             return;
         }
         if (!moving && this.light.isSettled && this.picture.samples >= kSamples) return;
