@@ -76,7 +76,7 @@ struct Components {
 // Lobes below hold too little of the hemisphere to say what its irradiance is; those above, nearly all.
 const vec2 kControlAlpha = vec2(0.3, 0.7);
 // So far the irradiance of a few samples may be off.
-const float kMostControl = 2.0;
+const float kMaxControl = 2.0;
 
 // The albedo of the lobe without colour that lookup.frag samples.
 float scalarAlbedo(vec3 albedo) {
@@ -89,7 +89,7 @@ vec3 indirectUnderLobe(LobeSums sums, vec3 irradiance) {
     if (sums.indirect.a <= 0.0) return irradiance / kPi;
     vec3 light = sums.indirect.rgb / sums.indirect.a;
     float bySamples = sums.cosine / sums.indirect.a;
-    float times = clamp(luminance(irradiance) / kPi / max(bySamples, 1e-20), 1.0 / kMostControl, kMostControl);
+    float times = clamp(luminance(irradiance) / kPi / max(bySamples, 1e-20), 1.0 / kMaxControl, kMaxControl);
     return light * mix(1.0, times, smoothstep(kControlAlpha.x, kControlAlpha.y, sums.alpha));
 }
 

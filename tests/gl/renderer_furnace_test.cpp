@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/phatexel/lookup_tables.h"
 #include "core/scene/brdf.h"
 #include "gl/renderer_world.h"
 
@@ -171,9 +170,7 @@ TEST_F(RendererFurnace, RoughLobesHaveTheNoiseOfTheIrradiance) {
         world.phatexture.indirect[0] = layerInBakedOrder(world, [&](glm::vec3, glm::vec3 direction) {
             return glm::vec3(direction.y > cosine ? bright : dark);
         });
-        SilentProgress silent;
-        prepareLookup(world.phatexture, world.atlas, world.points, blockFrames(world.atlas, world.points),
-                      RayScene(world.scene), silent);
+        prepareLookup(world);
         Renderer renderer(world.input(), kShaderFolder);
         const Image image = renderer.render(frame(camera, Component::glossyIndirect));
         const Brdf brdf = metalBrdf(world, roughness * roughness);

@@ -84,10 +84,14 @@ RendererWorld worldOfQuads(Scene scene, uint32_t tiles) {
     world.phatexture.indirect[0].texels.resize(texels);
     for (uint32_t b = 0; b < atlas.blockCount; ++b) world.phatexture.indirectGuides.push_back(bumpyGuide(b));
     world.phatexture.indirectIrradiance.assign(texels, 0);
-    SilentProgress silent;
-    prepareLookup(world.phatexture, atlas, world.points, blockFrames(atlas, world.points),
-                  RayScene(world.scene), silent);
+    prepareLookup(world);
     return world;
+}
+
+void prepareLookup(RendererWorld& world) {
+    SilentProgress silent;
+    prepareLookup(world.phatexture, world.atlas, world.points, blockFrames(world.atlas, world.points),
+                  RayScene(world.scene), silent);
 }
 
 void fillPhatexels(RendererWorld& world, uint32_t surface, const LightAt& light, float distance) {

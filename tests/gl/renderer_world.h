@@ -40,6 +40,9 @@ void fillPhatexels(RendererWorld& world, uint32_t surface, const LightAt& light,
 PhatexelLayer layerInBakedOrder(const RendererWorld& world, const LightAt& light,
                                 float distance = kFarDistance);
 
+/// The tables that are read beside the PHATexels: made with the world, and anew where its layers are others.
+void prepareLookup(RendererWorld& world);
+
 /// Of the colour of gold.
 Material metal(float roughness);
 

@@ -2,9 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/phatexel/lookup_tables.h"
-
 namespace phat::test {
+
 Material whiteMetal(float roughness) {
     Material material;
     material.roughness = roughness;
@@ -66,9 +65,7 @@ void fillWithLookups(RendererWorld& world, float indirect, float area) {
     world.phatexture.area = {layerOf(area)};
     world.phatexture.areaGuides = world.phatexture.indirectGuides;
     world.phatexture.areaIrradiance.assign(world.atlas.texelCount(), packRgb9e5(glm::vec3(kPi * area)));
-    SilentProgress silent;
-    prepareLookup(world.phatexture, world.atlas, world.points, blockFrames(world.atlas, world.points),
-                  RayScene(world.scene), silent);
+    prepareLookup(world);
 }
 
 }  // namespace phat::test

@@ -61,10 +61,10 @@ async function buildPage(project) {
 async function settledPicture() {
     const kSame = 3,
         kLit = 20, // mean of a byte
-        kMostMilliseconds = 600_000, // a guard against hanging
+        kMaxMilliseconds = 600_000, // a guard against hanging
         // After the page's own callback, which asks for the next frame in its turn: later the canvas is cleared.
         frame = () => new Promise((done) => setTimeout(() => requestAnimationFrame(done)));
-    for (let last = '', same = 0; performance.now() < kMostMilliseconds; ) {
+    for (let last = '', same = 0; performance.now() < kMaxMilliseconds; ) {
         await frame();
         const canvas = document.querySelector('canvas');
         if (!canvas?.width) continue;

@@ -82,8 +82,7 @@ export function createPanel(host, signal) {
     createMaterials(host, signal);
     quality.value = viewer.quality;
     quality.addEventListener('change', () => {
-        viewer.quality = quality.value;
-        viewer.changed();
+        host.quality = quality.value;
     });
     exposure.value = viewer.exposure;
     exposure.addEventListener('input', () => {

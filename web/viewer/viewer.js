@@ -212,7 +212,8 @@ export class Viewer {
         if (!wasWhole) this.changed();
         if (!this.light.isSettled) this.still.forget();
         if (!moving && wasWhole && this.still.isDue) {
-            if (!this.still.isDone) this.awaitGpu(now, { rows: this.still.advance() });
+            if (this.still.isDone) return;
+            this.awaitGpu(now, { rows: this.still.advance() });
             if (!this.still.hasBetterPoster) this.host.drawn();
             return;
         }

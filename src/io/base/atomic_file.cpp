@@ -45,13 +45,15 @@ std::string resolveTarget(const std::string& path) {
 
 // Temporary files are TARGET.tmp-PROCESS-ATTEMPT. The process id keeps two programs apart that write the same
 // file, O_EXCL two threads.
+constexpr const char* kTemporary = ".tmp-";
+
 std::string temporaryName(const std::string& target, int attempt) {
-    return nameBeside(target, fmt::format(".tmp-{}-{}", getpid(), attempt));
+    return nameBeside(target, fmt::format("{}{}-{}", kTemporary, getpid(), attempt));
 }
 
 // The process of a temporary file of `target`; 0: it is none.
 pid_t writerOf(const std::string& name, const std::string& target) {
-    const size_t at = name.rfind(".tmp-");
+    const size_t at = name.rfind(kTemporary);
     if (at == std::string::npos || nameBeside(target, name.substr(at)) != name) return 0;
     int process = 0, attempt = 0, length = 0;
     if (std::sscanf(name.c_str() + at, ".tmp-%d-%d%n", &process, &attempt, &length) != 2) return 0;
@@ -111,6 +113,7 @@ void removeStale(const std::string& target) {
                                                       closedir);
     if (!entries) return;
     while (const dirent* entry = readdir(entries.get())) {
+        if (!std::strstr(entry->d_name, kTemporary)) continue;  // most of a large folder
         const std::string name = (folder / entry->d_name).string();
         const pid_t writer = writerOf(name, target);
         const bool gone = writer > 0 && kill(writer, 0) != 0 && errno == ESRCH;
