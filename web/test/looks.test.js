@@ -137,6 +137,12 @@ test('a picture is saved, a link copied, and the whole screen filled', async () 
     await page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
     await page.click('#share');
     await page.waitForFunction(() => document.getElementById('room').find('toast').textContent === 'The link is copied.');
+    const below = await page.evaluate(() => {
+        const { shadowRoot } = document.getElementById('room'),
+            { left, top, width, height } = shadowRoot.getElementById('toast').getBoundingClientRect();
+        return shadowRoot.elementFromPoint(left + width / 2, top + height / 2).id;
+    });
+    assert.equal(below, 'view', 'words do not take what is meant for the picture');
     const copied = await page.evaluate(() => navigator.clipboard.readText());
     assert.equal(copied, await page.evaluate(() => location.href));
     assert.match(copied, /#view=2\.4,1\.6,1\.5;/);
