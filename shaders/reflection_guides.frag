@@ -42,7 +42,7 @@ ReflectionGuide guideAt(ivec2 pixel, vec3 position) {
 float sharedAlong(ReflectionGuide mine, vec3 position, ivec2 pixel) {
     ivec2 last = textureSize(points, 0) - 1;
     vec3 there = positionAt(min(pixel, last));
-    float like = likeness(mine, guideAt(min(pixel, last), there), (there - position) / originUnitMeters);
+    float like = likeness(mine, guideAt(min(pixel, last), there), (there - position) / originUnitMeters, towardEyeAt(position));
     float square = like * like, fourth = square * square;
     return 1.0 + 0.5 * (3.0 * like + 2.0 * fourth + fourth * fourth * like);
 }

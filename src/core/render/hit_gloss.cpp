@@ -20,6 +20,7 @@ bool HitGlossSum::add(const GlossyHit& hit, glm::vec3 weight) {
     if (weight_ > 0 && hit.side != sum_.side) return false;
     sum_.side = hit.side;
     sum_.position += mean * hit.point.position;
+    sum_.towardEye -= mean * hit.arriving;
     sum_.mirror += mean * glm::reflect(hit.arriving, hit.point.shading.normal);
     sum_.alpha += mean * sharpestAlpha(hit.point.brdf);
     sum_.distance += mean * hit.reflected.nearness;
@@ -35,6 +36,7 @@ HitGloss HitGlossSum::mean(float weights) const {
     HitGloss gloss;
     gloss.lobe = sum_;
     gloss.lobe.position /= weight_;
+    gloss.lobe.towardEye = glm::normalize(sum_.towardEye);
     gloss.lobe.mirror = glm::normalize(sum_.mirror);
     gloss.lobe.alpha /= weight_;
     gloss.lobe.distance = weight_ / sum_.distance;

@@ -37,7 +37,7 @@ class HitGlossSum {
     HitGloss mean(float weights) const;
 
   private:
-    PooledLobe sum_;  // times the weight of each, `distance` its inverse
+    PooledLobe sum_{.towardEye = glm::vec3(0)};  // times the weight of each, `distance` its inverse
     glm::vec3 light_{0}, albedo_{0};
     float weight_ = 0;
     int walks_ = 0;

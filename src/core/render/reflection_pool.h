@@ -13,12 +13,13 @@ namespace phat {
 
 /// A lobe that a pixel shows.
 struct PooledLobe {
-    uint32_t pixel = 0;     // y * width + x
-    uint32_t side = 0;      // of which surface: lobes of one side may be pooled
-    glm::vec3 position{0};  // world
-    glm::vec3 mirror{0};    // world, unit: the eye's, reflected
-    float alpha = 0;        // 0: no lobe
-    float distance = 0;     // metres to the nearest surface around `mirror`
+    uint32_t pixel = 0;            // y * width + x
+    uint32_t side = 0;             // of which surface: lobes of one side may be pooled
+    glm::vec3 position{0};         // world
+    glm::vec3 towardEye{0, 1, 0};  // world, unit
+    glm::vec3 mirror{0};           // the same, reflected
+    float alpha = 0;               // 0: no lobe
+    float distance = 0;            // metres to the nearest surface around `mirror`
 };
 
 /// Incident radiance by the rays of a lobe.

@@ -132,8 +132,8 @@ class LobeTracer {
             const TracedLobe& lobe = s.*lobe_;
             lobes.push_back({s.pixel, 2 * scene.triangleSurface[s.triangle] + uint32_t(s.back),
                              positionAt(scene, s.triangle, primaryRays_[i].barycentric),
-                             glm::reflect(primaryRays_[i].direction, lobe.normal), lobe.alpha,
-                             std::max(lobe.distance, 1e-3f * scene_.rays.unitMeters())});
+                             -primaryRays_[i].direction, glm::reflect(primaryRays_[i].direction, lobe.normal),
+                             lobe.alpha, std::max(lobe.distance, 1e-3f * scene_.rays.unitMeters())});
         }
         return lobes;
     }

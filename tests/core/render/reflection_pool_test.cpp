@@ -66,6 +66,24 @@ TEST(ReflectionPool, OtherSurfacesAndOtherLobesDoNotCount) {
     EXPECT_LT(changed([](PooledLobe& lobe) { lobe.mirror = glm::vec3(0.6f, 0.8f, 0); }), 1.001f);
 }
 
+// At 60 degrees a lobe is half as wide from side to side as it is toward the eye and away from it.
+TEST(ReflectionPool, GrazingLobesAreNarrowAside) {
+    const auto turned = [](glm::vec3 change) {
+        std::vector<PooledLobe> lobes = flatFloor(0.02f, 1e4f);
+        for (size_t i = 0; i < lobes.size(); ++i) {
+            lobes[i].towardEye = {0, 0.5f, -std::sqrt(0.75f)};
+            lobes[i].mirror = {0, 0.5f, std::sqrt(0.75f)};
+            if (i != kMiddle) lobes[i].mirror += change;
+        }
+        return raysForMiddle(std::move(lobes));
+    };
+    constexpr float kTurn = 0.016f;  // the pool's width
+    const float upward = turned(kTurn * glm::vec3(0, std::sqrt(0.75f), -0.5f)), aside = turned({kTurn, 0, 0});
+    EXPECT_NEAR(upward, 1 + 15 * std::exp(-0.5f), 0.01f);
+    EXPECT_NEAR(aside, 1 + 15 * std::exp(-2.0f), 0.02f);
+    EXPECT_NEAR(turned({kTurn / 2, 0, 0}), upward, 0.02f);
+}
+
 TEST(ReflectionPool, MirrorsKeepToTheirOwnRays) {
     EXPECT_EQ(raysForMiddle(flatFloor(1e-3f, 1e4f)), 1);
 }
