@@ -27,6 +27,7 @@ uniform vec3 brightest;             // radiance that nothing exceeds
 uniform float raySpread;            // radians that a ray of a mirror stands for
 uniform int ray;
 uniform float regularized;          // of the ray's alpha, see below; 0: nothing is
+uniform float sharpAtHits;          // rougher lobes, by alpha, take area lights' highlights from glossOfEmitters()
 
 layout(location = 0) out vec4 indirectOut;  // times the ray's weight; the weight
 layout(location = 1) out vec4 areaOut;      // the same of emitters and the environment; weight over metres
@@ -40,13 +41,16 @@ const int kSources = 1;
 // first's width, and its light at most so much brighter than the mean: both are biases.
 // source: Kaplanyan and Dachsbacher 2013, "Path Space Regularization".
 const float kMaxOverMean = 4.0;
-// Rougher lobes at hits take area lights' highlights from the irradiance and the directions of points of the emitters.
-const float kSharpAtHits = 0.15;
 #ifdef TEXELS
 const int kEmitterPoints = 8;
 #else
 const int kEmitterPoints = 4;
 #endif
+
+// Mirrors' rays are not pooled, and would show one direction of a rough metal in each pixel.
+const float kMirror = 0.005;  // alpha. twin: kMinPooledAlpha in lib/reflection_pool.glsl
+const float kRoughInMirrors = 0.1;
+const int kDrawsInMirrors = 8;
 
 // The specular lobes' BRDF, 1/sr.
 vec3 evaluateGloss(ViewedBrdf viewed, vec3 towardLight) {
@@ -63,6 +67,11 @@ vec3 arrivingAt(vec2 texel, int source) {
     return READ(textureLod(irradiance, vec3(texel / size, float(source)), 0.0)).rgb;
 }
 
+// source: Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences".
+vec2 quasirandom(vec2 first, int i) {
+    return fract(first + float(i) * vec2(0.754877666, 0.569840291));
+}
+
 // What rough lobes reflect of the area lights for each unit of their irradiance, 1/sr, were all of the emitters visible:
 // the mean over the light of some of their points. Negative where none of these shines.
 // source of the correction of the ratio's bias: Quenouille 1956, "Notes on Bias in Estimation".
@@ -70,10 +79,8 @@ vec3 glossOfEmitters(vec3 position, ViewedBrdf viewed, mat3 worldFromLocal, vec3
     vec3 sums[2] = vec3[2](vec3(0.0), vec3(0.0));
     vec2 weights = vec2(0.0);
     for (int i = 0; i < kEmitterPoints; ++i) {
-        // source: Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences".
-        vec2 square = fract(u.xy + float(i) * vec2(0.754877666, 0.569840291));
         HitEmitter emitter = hitEmitter(chooseEmitter((float(i) + u.z) / float(kEmitterPoints)));
-        EmitterSample light = sampleEmitter(emitter, square, position);
+        EmitterSample light = sampleEmitter(emitter, quasirandom(u.xy, i), position);
         vec3 toward = light.direction * worldFromLocal;
         if (light.pdf <= 0.0 || toward.z <= 0.0) continue;
         float weight = luminance(light.radiance) * toward.z / light.pdf;
@@ -87,37 +94,41 @@ vec3 glossOfEmitters(vec3 position, ViewedBrdf viewed, mat3 worldFromLocal, vec3
     return max(2.0 * mean - 0.5 * (sums[0] / weights.x + sums[1] / weights.y), vec3(0.0));
 }
 
-vec3 bakedLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFromLocal, vec4 u,
-                float sharpest) {
+// `sharpest`: the least alpha that the lobes are taken with. `draws`: directions of the lobe that is chosen.
+vec3 bakedLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFromLocal, vec4 u, float sharpest, int draws) {
     if (s.chart == kHitNoChart) return vec3(0.0);
-    // One of the lobes, by its albedo, and one of its directions.
+    // One of the lobes, by its albedo.
     float coat = 1.0 - viewed.transmission;
     float coatChance = coat / max(coat + viewed.transmission * maxComponent(viewed.specularAlbedo), 1e-6);
     bool coated = u.w < coatChance;
     float alpha = max(coated ? viewed.brdf.clearcoatAlpha : viewed.brdf.alpha, sharpest);
-    vec3 wo = viewed.towardEye, h = squareToVisibleNormal(u.xy, wo, alpha), wi = reflect(-wo, h);
-    vec3 fresnel = coated ? viewed.brdf.clearcoat / coatChance * schlick(vec3(kClearcoatF0), 1.0, dot(wo, h))
-                          : viewed.transmission / (1.0 - coatChance) * schlick(viewed.brdf.f0, viewed.brdf.f90, dot(wo, h));
-    vec3 weight = fresnel * visibleNormalWeight(wi, wo, alpha), sum = vec3(0.0);
-    vec3 direction = worldFromLocal * wi;
-    HitLookup lookup = hitLookup(position, s.texel, s.chart);
+    vec3 wo = viewed.towardEye, sum = vec3(0.0), means[kSources];
+    int drawn = kSources;  // sources whose PHATexels the lobe reflects
     for (int source = 0; source < kSources; ++source) {
         vec3 arriving = arrivingAt(s.texel, source);
         sum += viewed.diffuse * arriving;
-        if (source == 1 && emitterCount > 0 && alpha > kSharpAtHits) {
+        means[source] = arriving / kPi;
+        if (source == 1 && emitterCount > 0 && alpha > sharpAtHits) {
             vec3 gloss = glossOfEmitters(position, viewed, worldFromLocal, u.xyz);
-            if (gloss.x >= 0.0) {
-                sum += gloss * arriving;
-                continue;
-            }
+            if (gloss.x < 0.0) continue;
+            sum += gloss * arriving;
+            drawn = 1;
         }
+    }
+    HitLookup lookup = hitLookup(position, s.texel, s.chart);
+    for (int i = 0; i < draws; ++i) {
+        vec3 h = squareToVisibleNormal(quasirandom(u.xy, i), wo, alpha), wi = reflect(-wo, h);
         if (wi.z <= 0.0) continue;
-        vec3 found = phatexelToward(lookup, direction, source == 0 ? 0 : layerCount);
-        vec3 mean = arriving / kPi;
-        if (found.x >= 0.0)
-            sum += weight * min(found, kMaxOverMean / max(sharpest, 1e-4) * mean);
-        else if (source == 0)  // no PHATexel looks there where something is near, which hides the emitters
-            sum += weight * mean;
+        vec3 fresnel = coated ? viewed.brdf.clearcoat / coatChance * schlick(vec3(kClearcoatF0), 1.0, dot(wo, h))
+                              : viewed.transmission / (1.0 - coatChance) * schlick(viewed.brdf.f0, viewed.brdf.f90, dot(wo, h));
+        vec3 weight = fresnel * visibleNormalWeight(wi, wo, alpha) / float(draws);
+        for (int source = 0; source < drawn; ++source) {
+            vec3 found = phatexelToward(lookup, worldFromLocal * wi, source == 0 ? 0 : layerCount);
+            if (found.x >= 0.0)
+                sum += weight * min(found, kMaxOverMean / max(sharpest, 1e-4) * means[source]);
+            else if (source == 0)  // no PHATexel looks there where something is near, which hides the emitters
+                sum += weight * means[source];
+        }
     }
     return sum;
 }
@@ -177,7 +188,9 @@ void main() {
         area = s.emission * emissionWeight(found, s);
         if (reflects(s.brdf)) {
             vec4 u = numbersOf(pixel, found);
-            indirect = bakedLight(found.position, s, viewed, worldFromLocal, u, regularized * rayAlpha(found)) +
+            float alpha = rayAlpha(found);
+            int draws = alpha < kMirror && s.brdf.alpha > kRoughInMirrors ? kDrawsInMirrors : 1;
+            indirect = bakedLight(found.position, s, viewed, worldFromLocal, u, regularized * alpha, draws) +
                        punctualLight(found.position, s, viewed, worldFromLocal);
 #ifdef GLASS
             indirect *= reflectedWeight(found.triangle, s, eye);

@@ -17,6 +17,10 @@ constexpr int kPointsUnit = kLobeUnits, kGuidesUnit = kPointsUnit + 1, kBvhUnit 
 
 // Of a reflection's alpha: what its hits reflect is so wide at least. See shade_reflections.frag.
 constexpr float kRegularized = 0.5f;
+// Lobes at hits below this alpha reflect area lights by PHATexels, others by the irradiance and points of the
+// emitters, which PHATexels of narrow surfaces are too few for. A sky's part of the irradiance does not come
+// from there.
+constexpr float kSharpAtHits = 0.05f, kSharpUnderSky = 0.15f;
 
 void bindEye(const ShaderProgram& program, const RayFrame& frame) {
     program.set("eyeWorld", frame.eye.position);
@@ -207,6 +211,7 @@ void bindHitShading(const ShaderProgram& program, const LitWorld& world, const G
     program.bind("environment", unit++, sky.name(), sky ? world.surfaces.environmentSampler.name() : 0);
     program.set("lightCount", world.shadows.lightCount);
     program.set("turn", world.environmentTurn);
+    program.set("sharpAtHits", sky ? kSharpUnderSky : kSharpAtHits);
     program.set("brightest", world.rays.brightest);
 }
 

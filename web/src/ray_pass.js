@@ -14,6 +14,9 @@ const kPointsUnit = 3,
     kUnused = 15;
 // twin: kRegularized in src/gl/ray_pass.cpp.
 const kRegularized = 0.5;
+// twin: kSharpAtHits in src/gl/ray_pass.cpp.
+const kSharpAtHits = 0.05,
+    kSharpUnderSky = 0.15;
 // twin: kCountedRays in shaders/reflection_guides.frag.
 const kCountedRays = 64;
 
@@ -61,6 +64,7 @@ export function shadeHits(program, world, targets, { spread, regularized }, draw
     program.bind('irradiance', unit, gl.TEXTURE_2D_ARRAY, passes.atlas.irradiance);
     program.set('turn', 0);
     program.set('regularized', regularized);
+    program.set('sharpAtHits', scene.environmentFrom ? kSharpUnderSky : kSharpAtHits);
     draw();
     gl.bindSampler(unit, null);
 }
