@@ -14,7 +14,8 @@ float luminance(vec3 rgb) {
     return dot(rgb, vec3(0.2126, 0.7152, 0.0722));
 }
 
-// Rays that reach an emitter by way of two sharp lobes are rare and bright. A clamp of what exceeds those around.
+// Rays that reach an emitter by way of two sharp lobes are rare and bright. A clamp of what exceeds those around; where
+// these brought nothing, the few rays of a lobe's tail are all the light that there is.
 float kept(ivec2 pixel, vec4 own) {
     ivec2 last = textureSize(indirectSums, 0) - 1;
     vec4 around = vec4(0.0);
@@ -22,8 +23,8 @@ float kept(ivec2 pixel, vec4 own) {
         ivec2 p = pixel + 2 * ivec2(i == 0 ? 1 : i == 1 ? -1 : 0, i == 2 ? 1 : i == 3 ? -1 : 0);
         around += texelFetch(indirectSums, clamp(p, ivec2(0), last), 0);
     }
-    if (around.a <= 0.0) return 1.0;
-    float most = kMaxOverNeighbors * luminance(around.rgb) / around.a;
+    float most = kMaxOverNeighbors * luminance(around.rgb) / max(around.a, 1e-20);
+    if (most == 0.0) return 1.0;
     return min(1.0, most / max(luminance(own.rgb) / own.a, 1e-20));
 }
 
