@@ -8,6 +8,7 @@ import './hostile.test.js';
 import './lights.test.js';
 import './lint.test.js';
 import './looks.test.js';
+import './memory.test.js';
 import './moves.test.js';
 import './npm.test.js';
 import './package.test.js';
