@@ -4,6 +4,7 @@ import './bvh.test.js';
 import './compositions.test.js';
 import './element.test.js';
 import './failures.test.js';
+import './headset.test.js';
 import './hostile.test.js';
 import './lights.test.js';
 import './lint.test.js';
