@@ -84,6 +84,11 @@ test('a room is entered where there is a headset, and the page asks for it', asy
         document.getElementById('room').xr = true;
     });
     await page.waitForFunction(() => document.getElementById('room').ui?.element && !document.getElementById('room').find('headset').hidden);
+    const [width, fitting] = await page.evaluate(() => {
+        const { scrollWidth, clientWidth } = document.getElementById('room').find('tools');
+        return [scrollWidth, clientWidth];
+    });
+    assert.ok(width <= fitting, `buttons of ${width} pixels in ${fitting}`);
     const other = await loaded(await open(browser, server.url, { size }));
     await other.waitForFunction(() => document.getElementById('room').ui);
     await other.evaluate(() => navigator.xr.isSessionSupported('immersive-vr'));

@@ -201,6 +201,7 @@ export class Headset {
         const { viewer, floor } = this,
             { renderer, camera, navigation } = viewer;
         floor.removeFromParent();
+        floor.traverse(({ geometry, material }) => [geometry, material].forEach((part) => part?.dispose()));
         Object.assign(renderer, { outputColorSpace: LinearSRGBColorSpace, toneMapping: NoToneMapping });
         this.ended();
         if (viewer.headset !== this) return; // the room is gone
