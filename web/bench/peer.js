@@ -21,6 +21,8 @@ import { RectAreaLightUniformsLib } from 'three/addons/lights/RectAreaLightUnifo
 const kProbeDistance = 0.5,
     kMaxProbes = 8,
     kBounces = 3;
+const kShadowTexels = 1024,
+    kShadowBias = 0.02; // metres
 const hasGrid = new URLSearchParams(location.search).has('grid');
 
 RectAreaLightUniformsLib.init();
@@ -43,6 +45,13 @@ function addLamp(mesh) {
     lamp.position.y = box.min.y - 1e-3 * size.x; // before the surface
     lamp.lookAt(lamp.position.clone().add(new Vector3(0, -1, 0)));
     scene.add(lamp);
+}
+
+// Without a bias surfaces shade themselves in stripes.
+function castShadow(light) {
+    light.castShadow = true;
+    light.shadow.mapSize.setScalar(kShadowTexels);
+    light.shadow.normalBias = kShadowBias;
 }
 
 // Parallax correction [Lagarde and Zanuttini 2012]: the reflected ray meets the box, as seen from the probe's position.
@@ -76,7 +85,7 @@ const diffuseByGrid = '\n#define getIBLIrradiance(normal) vec3(0.0)\n';
 const materials = new Set(),
     lamps = [];
 gltf.scene.traverse((object) => {
-    if (object.shadow) object.castShadow = true; // punctual lights
+    if (object.shadow) castShadow(object); // punctual lights
     if (!object.isMesh) return;
     object.castShadow = object.receiveShadow = true;
     materials.add(object.material);
