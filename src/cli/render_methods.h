@@ -18,8 +18,8 @@ std::vector<nlohmann::json> renderAnimated(const RenderOptions& options, Progres
 std::vector<nlohmann::json> renderRefined(const RenderOptions& options, Progress& progress);
 std::vector<nlohmann::json> renderTraced(const RenderOptions& options, Progress& progress);
 
-/// renderDrawn of a file that is read; its light probes are completed where things need them. pre: it is baked,
-/// and the options change nothing of it.
+/// renderDrawn of a file that is read; its light probes are completed where things need them. pre: it is
+/// baked, and the options change nothing of it.
 std::vector<nlohmann::json> renderRead(const RenderOptions& options, SceneFile& file, Progress& progress);
 
 }  // namespace phat

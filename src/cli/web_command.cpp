@@ -178,7 +178,8 @@ void reportSizes(const std::string& site, const std::vector<SiteFile>& files, co
         all += bytes.size();
         if (name.ends_with(".js") && page.find('"' + name + '"') != std::string::npos) first += bytes.size();
     }
-    fmt::print("{}: {:.1f} MB; a first picture after {:.1f} MB\n", site, double(all) * 1e-6, double(first) * 1e-6);
+    fmt::print("{}: {:.1f} MB; a first picture after {:.1f} MB\n", site, double(all) * 1e-6,
+               double(first) * 1e-6);
 }
 
 void writeSite(const WebOptions& options) {
