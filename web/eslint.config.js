@@ -6,7 +6,7 @@ import globals from 'globals';
 const ofPages = Object.fromEntries(
     (
         'viewer THREE renderer countAlive workOf load loadPlain meshesOf draw readCanvas readTarget ' +
-        'meshesOfRoom withRenderer drawBy element applied told axe'
+        'meshesOfRoom withRenderer drawBy element applied told axe parts contexts shown device statuses'
     )
         .split(' ')
         .map((name) => [name, 'readonly']),

@@ -68,6 +68,10 @@ struct Things {
 
 std::vector<json> renderDrawn(const RenderOptions& options, Progress& progress) {
     SceneFile file = loadBaked(options, progress);
+    return renderRead(options, file, progress);
+}
+
+std::vector<json> renderRead(const RenderOptions& options, SceneFile& file, Progress& progress) {
     BakedScene& baked = file.baked;
     const Scene& scene = baked.loaded.scene;
     const std::vector<View> views = chooseViews(options, scene);

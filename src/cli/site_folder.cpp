@@ -61,25 +61,17 @@ void SiteFolder::writeList(const std::set<std::string>& names) const {
     replaceFile(file(kList), bytesOf(std::span<const char>(text)));
 }
 
-void SiteFolder::write(const std::string& name, std::span<const uint8_t> bytes) {
-    written_.insert(name);
+void SiteFolder::write(const std::vector<SiteFile>& files) {
+    std::set<std::string> names, all = old_;
+    for (const SiteFile& each : files) names.insert(each.name);
+    all.insert(names.begin(), names.end());
     // Listed first, so that the folder is known as a page's own wherever the program stops.
-    std::set<std::string> all = old_;
-    all.insert(written_.begin(), written_.end());
     writeList(all);
-    replaceFile(file(name), bytes);
-    bytes_ += bytes.size();
-}
-
-void SiteFolder::write(const std::string& name, const std::string& text) {
-    write(name, bytesOf(std::span<const char>(text)));
-}
-
-void SiteFolder::finish() {
+    for (const SiteFile& each : files) replaceFile(file(each.name), each.bytes);
     std::error_code ignored;
     for (const std::string& name : old_)
-        if (!written_.contains(name)) fs::remove(file(name), ignored);
-    writeList(written_);
+        if (!names.contains(name)) fs::remove(file(name), ignored);
+    writeList(names);
 }
 
 }  // namespace phat

@@ -5,8 +5,14 @@
 #include <set>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace phat {
+
+struct SiteFile {
+    std::string name;
+    std::span<const uint8_t> bytes;
+};
 
 class SiteFolder {
   public:
@@ -16,23 +22,17 @@ class SiteFolder {
     /// else's that is named so.
     SiteFolder(const std::string& path, const std::string& input, const std::set<std::string>& names);
 
-    /// Throws FileError.
-    void write(const std::string& name, std::span<const uint8_t> bytes);
-    void write(const std::string& name, const std::string& text);
-
-    /// Removes what an older page left.
-    void finish();
+    /// Writes the page's files in this order, and removes what an older page left. Throws FileError.
+    void write(const std::vector<SiteFile>& files);
 
     std::string file(const std::string& name) const { return path_ + "/" + name; }
-    uint64_t bytes() const { return bytes_; }  // of all that was written
 
   private:
     void checkOwn(const std::string& input) const;
     void writeList(const std::set<std::string>& names) const;
 
     std::string path_;
-    std::set<std::string> old_, written_;
-    uint64_t bytes_ = 0;
+    std::set<std::string> old_;
 };
 
 }  // namespace phat

@@ -23,7 +23,8 @@
 #include "io/base/content_name.h"
 #include "io/base/file_error.h"
 #include "io/gltf/gltf_source.h"
-#include "io/phat/baked_file.h"
+#include "io/phat/phat_payload.h"
+#include "io/phat/scene_file.h"
 #include "io/phat/web_parts.h"
 
 namespace phat {
@@ -92,6 +93,10 @@ std::map<std::string, std::string> readViewer(const fs::path& built) {
     return files;
 }
 
+std::span<const uint8_t> bytesOf(const std::string& text) {
+    return phat::bytesOf(std::span<const char>(text));
+}
+
 // A file that is gone when this is.
 struct TemporaryFile {
     explicit TemporaryFile(std::string file) : path(std::move(file)) {}
@@ -107,14 +112,14 @@ struct Poster {
     double exposureStops;
 };
 
-Poster drawPoster(const WebOptions& options, const SiteFolder& site, Progress& progress) {
+Poster drawPoster(const WebOptions& options, const SiteFolder& site, SceneFile& scene, Progress& progress) {
     const TemporaryFile file(site.file(fmt::format("poster.tmp-{}.jpg", getpid())));
     RenderOptions poster;
     poster.input = options.input;
     poster.output = file.path;
     poster.width = kPosterWidth;
     poster.exposureStops = options.exposureStops;
-    const double stops = renderDrawn(poster, progress).front().at("exposure").at("stops").get<double>();
+    const double stops = renderRead(poster, scene, progress).front().at("exposure").at("stops").get<double>();
     const std::string bytes = readText(file.path);
     return {{bytes.begin(), bytes.end()}, stops};
 }
@@ -151,11 +156,10 @@ std::string descriptionOf(const std::string& title, const Scene& scene) {
 }
 
 // The page with all but what is known when the poster is drawn.
-std::string readPage(const WebOptions& options) {
+std::string readPage(const WebOptions& options, const Scene& scene) {
     std::string page = readText(fs::path(siteFolder()) / kPage);
     const std::string name = fs::path(options.input).filename().string(),
                       title = options.title.empty() ? name.substr(0, name.find('.')) : options.title;
-    const Scene scene = readBakedFile(options.input).loaded.scene;
     const RayScene rays(scene);
     const std::string& given = options.description;
     fill(page, "@DESCRIPTION@", escaped(given.empty() ? descriptionOf(title, scene) : given));
@@ -164,6 +168,18 @@ std::string readPage(const WebOptions& options) {
     fill(page, "@CAMERA@", defaultCameraOf(rays));
     fill(page, "@ROOMS@", roomsOf(rays));
     return page;
+}
+
+// All that was written, and what a page needs for its first picture.
+void reportSizes(const std::string& site, const std::vector<SiteFile>& files, const WebParts& parts,
+                 const std::string& page) {
+    uint64_t all = 0, first = parts.room.bytes.size();
+    for (const auto& [name, bytes] : files) {
+        all += bytes.size();
+        if (name.ends_with(".js") && page.find('"' + name + '"') != std::string::npos) first += bytes.size();
+    }
+    fmt::print("{}: {:.1f} MB; a first picture after {:.1f} MB\n", site, double(all) * 1e-6,
+               double(first) * 1e-6);
 }
 
 void writeSite(const WebOptions& options) {
@@ -177,26 +193,23 @@ void writeSite(const WebOptions& options) {
     std::set<std::string> names{kPage, kPoster};
     for (const auto& [name, text] : viewer) names.insert(name);
     const WebParts parts = splitForWeb(source, kPartsStem);
-    std::string page = readPage(options);
+    SceneFile scene{readBakedFile(source), {}};
+    std::string page = readPage(options, scene.baked.loaded.scene);
     SiteFolder site(options.site, options.input, names);
     catchInterrupts();
     ProgressBar progress(progressStyle(options.quiet), {});
-    const Poster poster = drawPoster(options, site, progress);
+    const Poster poster = drawPoster(options, site, scene, progress);
     fill(page, "@EXPOSURE@", fmt::format("{}", poster.exposureStops));
     fill(page, "@ROOM@", parts.room.uri);
     fill(page, "@POSTER@", std::string(kPoster) + "?" + contentHash(poster.jpeg));
-    for (const WebPart& part : parts.later) site.write(part.uri, part.bytes);
-    site.write(parts.room.uri, parts.room.bytes);
-    site.write(kPoster, poster.jpeg);
-    for (const auto& [name, text] : viewer) site.write(name, text);
-    site.write(kPage, page);  // the last, so that whoever loads it finds all the others
-    site.finish();
-    if (options.quiet) return;
-    uint64_t first = parts.room.bytes.size();
-    for (const auto& [name, text] : viewer)
-        if (name.ends_with(".js") && page.find('"' + name + '"') != std::string::npos) first += text.size();
-    fmt::print("{}: {:.1f} MB; a first picture after {:.1f} MB\n", options.site, double(site.bytes()) * 1e-6,
-               double(first) * 1e-6);
+    std::vector<SiteFile> files;
+    for (const WebPart& part : parts.later) files.push_back({part.uri, part.bytes});
+    files.push_back({parts.room.uri, parts.room.bytes});
+    files.push_back({kPoster, poster.jpeg});
+    for (const auto& [name, text] : viewer) files.push_back({name, bytesOf(text)});
+    files.push_back({kPage, bytesOf(page)});  // the last, so that whoever loads it finds all the others
+    site.write(files);
+    if (!options.quiet) reportSizes(options.site, files, parts, page);
 }
 
 }  // namespace

@@ -1,8 +1,12 @@
 // phat web and the size of what it sends, through the whole program.
 
 #include <gtest/gtest.h>
+#include <sys/inotify.h>
+#include <unistd.h>
 
+#include <array>
 #include <filesystem>
+#include <stdexcept>
 
 #include "support/run_program.h"
 #include "support/temporary_folder.h"
@@ -11,6 +15,47 @@ namespace phat {
 namespace {
 
 const std::string kScene = PHAT_SOURCE_DIR "/scenes/cornell-glossy.glb";
+
+// What others do with a file or in a folder from now on.
+class Watch {
+  public:
+    explicit Watch(const std::string& path, uint32_t events) : queue_(inotify_init1(IN_NONBLOCK)) {
+        if (inotify_add_watch(queue_, path.c_str(), events) < 0) throw std::runtime_error(path);
+    }
+    ~Watch() { close(queue_); }
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
+
+    // Of the file that was named, or of that one in the folder.
+    int count(const std::string& name = "") {
+        int result = 0;
+        alignas(inotify_event) std::array<char, 4096> buffer;
+        for (ssize_t size; (size = read(queue_, buffer.data(), buffer.size())) > 0;)
+            for (ssize_t at = 0; at < size;) {
+                const auto* event = reinterpret_cast<const inotify_event*>(buffer.data() + at);
+                result += name == (event->len > 0 ? event->name : "");
+                at += ssize_t(sizeof(inotify_event)) + event->len;
+            }
+        return result;
+    }
+
+  private:
+    int queue_;
+};
+
+TEST(WebFiles, APageIsWrittenWithoutReadingTheBakeTwice) {
+    const TemporaryFolder folder, site;
+    const std::string baked = folder.file("room.phat.glb");
+    const auto result = runPhat(
+        {"bake", kScene, "-o", baked, "--resolution", "8k", "--photons", "1k", "--probes", "8", "--quiet"});
+    ASSERT_EQ(result.exitCode, 0) << result.err;
+    Watch reads(baked, IN_OPEN), writes(site.file("."), IN_MOVED_TO);
+    const auto written = runPhat({"web", baked, "-o", site.file("."), "--quiet"});
+    ASSERT_EQ(written.exitCode, 0) << written.err;
+    EXPECT_EQ(reads.count(), 1);
+    // Its list before all others, and, where an older page may have left some, after them.
+    EXPECT_EQ(writes.count("phat-web.txt"), 2);
+}
 
 TEST(WebFiles, MaxMegabytesIsKept) {
     const TemporaryFolder folder;

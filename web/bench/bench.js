@@ -106,10 +106,10 @@ async function measurePhat(browser, scene, reference) {
     return result;
 }
 
-async function measurePeer(browser, scene, reference) {
+async function measurePeer(browser, scene, reference, query = '') {
     const room = join(repository, `scenes/${scene}.glb`);
     const server = await serve(join(repository, 'web'), '/', { 'bench/room.glb': room });
-    const { page, ...times } = await timeBoth(browser, `${server.url}bench/peer.html`, {
+    const { page, ...times } = await timeBoth(browser, `${server.url}bench/peer.html${query}`, {
         firstPicture: () => globalThis.peer,
     });
     const bytes = (await stat(room)).size;
@@ -133,6 +133,7 @@ for (const [scene, glossy] of [
     result[scene] = {
         phat: await measurePhat(browser, scene, { pixels, mask }),
         threeAlone: await measurePeer(browser, scene, { pixels, mask }),
+        threeGrid: await measurePeer(browser, scene, { pixels, mask }, '?grid'),
     };
 }
 await browser.close();
@@ -164,16 +165,21 @@ const rows = [
     ],
     ['MAE/mean, relMSE, default: whole; table or floor', ({ phat }) => bothErrors(phat.default)],
     ['the same, fast', ({ phat }) => bothErrors(phat.fast)],
-    [
-        'three.js alone: MB; s loopback, throttled; s a picture',
-        ({ threeAlone: { bytes, loopback, throttled, frameMs } }) =>
-            [
-                fixed(bytes / 1e6, 1),
-                `${fixed(loopback.firstPicture, 1)}, ${fixed(throttled.firstPicture, 1)}`,
-                fixed(frameMs / 1000, 2),
-            ].join('; '),
-    ],
-    ['three.js alone: MAE/mean, relMSE', ({ threeAlone }) => bothErrors(threeAlone)],
+    ...[
+        ['three.js alone', 'threeAlone'],
+        ['three.js with a grid of probes', 'threeGrid'],
+    ].flatMap(([name, key]) => [
+        [
+            `${name}: MB; s loopback, throttled; s a picture`,
+            ({ [key]: { bytes, loopback, throttled, frameMs } }) =>
+                [
+                    fixed(bytes / 1e6, 1),
+                    `${fixed(loopback.firstPicture, 1)}, ${fixed(throttled.firstPicture, 1)}`,
+                    fixed(frameMs / 1000, 2),
+                ].join('; '),
+        ],
+        [`${name}: MAE/mean, relMSE`, ({ [key]: of }) => bothErrors(of)],
+    ]),
 ];
 console.error('| | tabletop | gallery |\n|---|---|---|');
 for (const [name, cell] of rows)

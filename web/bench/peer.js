@@ -1,6 +1,6 @@
-// What people use: MeshStandardMaterial, a RectAreaLight for each area light, and a prefiltered probe whose
-// reflections are projected on the room's box. The probe is made here from the directly lit scene, as a page
-// without a bake would.
+// What people use: MeshStandardMaterial, a RectAreaLight for each area light, shadow maps for the others, and a prefiltered
+// probe whose reflections are projected on the room's box. With ?grid diffuse light is that of three.js's grid of irradiance
+// probes, which the environment probe shows, too. All probes are made here, as a page without a bake would.
 import {
     Box3,
     FloatType,
@@ -14,7 +14,16 @@ import {
     WebGLRenderer,
 } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { LightProbeGridWebGL } from 'three/addons/lighting/LightProbeGridWebGL.js';
 import { RectAreaLightUniformsLib } from 'three/addons/lights/RectAreaLightUniformsLib.js';
+
+// Metres between irradiance probes, and along a side at most so many; how often light is reflected.
+const kProbeDistance = 0.5,
+    kMaxProbes = 8,
+    kBounces = 3;
+const kShadowTexels = 1024,
+    kShadowBias = 0.02; // metres
+const hasGrid = new URLSearchParams(location.search).has('grid');
 
 RectAreaLightUniformsLib.init();
 const renderer = new WebGLRenderer({ canvas: document.getElementById('view'), antialias: false });
@@ -38,6 +47,13 @@ function addLamp(mesh) {
     scene.add(lamp);
 }
 
+// Without a bias surfaces shade themselves in stripes.
+function castShadow(light) {
+    light.castShadow = true;
+    light.shadow.mapSize.setScalar(kShadowTexels);
+    light.shadow.normalBias = kShadowBias;
+}
+
 // Parallax correction [Lagarde and Zanuttini 2012]: the reflected ray meets the box, as seen from the probe's position.
 function projectOnBox(material, box, probe) {
     material.onBeforeCompile = (shader) => {
@@ -52,7 +68,7 @@ function projectOnBox(material, box, probe) {
         )}`;
         shader.fragmentShader = `varying vec3 vBoxPosition;\nuniform vec3 boxLow, boxHigh, probe;\n${shader.fragmentShader.replace(
             '#include <envmap_physical_pars_fragment>',
-            boxedChunk,
+            hasGrid ? boxedChunk + diffuseByGrid : boxedChunk,
         )}`;
     };
 }
@@ -64,18 +80,36 @@ const boxedChunk = ShaderChunk.envmap_physical_pars_fragment.replace(
     reflectVec = vBoxPosition + reflectVec * min(min(toward.x, toward.y), toward.z) - probe;`,
 );
 if (!boxedChunk.includes('boxHigh')) throw new Error('three.js has another chunk than this page knows');
+const diffuseByGrid = '\n#define getIBLIrradiance(normal) vec3(0.0)\n';
 
-const materials = new Set();
+const materials = new Set(),
+    lamps = [];
 gltf.scene.traverse((object) => {
-    if (object.shadow) object.castShadow = true; // punctual lights
+    if (object.shadow) castShadow(object); // punctual lights
     if (!object.isMesh) return;
     object.castShadow = object.receiveShadow = true;
     materials.add(object.material);
-    if (object.material.emissive?.getHex() && object.material.emissiveIntensity > 1) addLamp(object);
+    if (object.material.emissive?.getHex() && object.material.emissiveIntensity > 1) {
+        addLamp(object);
+        lamps.push(object);
+    }
 });
 const box = new Box3().setFromObject(gltf.scene),
     probe = box.getCenter(new Vector3());
+
+function bakeGrid() {
+    const size = box.getSize(new Vector3()).toArray(),
+        counts = size.map((meters) => Math.min(Math.max(Math.round(meters / kProbeDistance), 2), kMaxProbes));
+    const grid = new LightProbeGridWebGL(...size, ...counts);
+    grid.position.copy(probe);
+    scene.add(grid);
+    grid.bake(renderer, scene, { bounces: kBounces, near: 0.01 });
+}
+// Probes of both kinds do not see the lamps then, whose light and highlights are those of the RectAreaLights.
+for (const lamp of lamps) lamp.visible = !hasGrid;
+if (hasGrid) bakeGrid();
 const environment = new PMREMGenerator(renderer).fromScene(scene, 0, 0.01, 100, { position: probe }).texture;
+for (const lamp of lamps) lamp.visible = true;
 for (const material of materials) {
     projectOnBox(material, box, probe);
     material.needsUpdate = true;

@@ -15,6 +15,8 @@ export interface PhatViewerElement extends HTMLElement {
     quality: '' | 'fast' | 'default' | 'high';
     /** Attribute `controls`: buttons and settings in the picture. The pointer and keys move the view without them, too. */
     controls: boolean;
+    /** Attribute `xr`: with `controls` a button that enters the room in a headset, where the browser offers `immersive-vr`. */
+    xr: boolean;
     /** Attribute `mode`; empty: on foot inside rooms, else in orbit. */
     mode: '' | 'walk' | 'orbit';
     /** Attribute `variant-name`: of the file's `KHR_materials_variants`; null: as in the file. Unknown names change nothing. */
@@ -59,6 +61,8 @@ export interface PhatViewerEventMap {
     'poster-dismissed': CustomEvent<object>;
     'camera-change': CustomEvent<{ source: 'user-interaction' | 'automatic' }>;
     'variant-applied': CustomEvent<{ name: string | null }>;
+    /** Of the room in a headset; `failed`: it could not be entered. */
+    'xr-status': CustomEvent<{ status: 'session-started' | 'not-presenting' | 'failed' }>;
     /** By `setMaterial`. */
     'material-change': CustomEvent<{ name: string }>;
 }

@@ -72,6 +72,53 @@ test('clones of a room show its light, wherever they are, with it or alone', asy
     assert.ok(maeOverMean(own, still) < kMoved, `the room beside it: ${maeOverMean(own, still)}`);
 });
 
+// drei 10.7's <Clone> makes new objects of the same types with these properties; React Three Fiber copies those that are
+// vectors, and frees nothing of them where it is unmounted.
+test("what drei's <Clone> makes shows the light, and only what is adopted where it has materials of its own", async () => {
+    const { still, alone, deep, adopted, unmounted } = await page.evaluate(async () => {
+        const world = await load(true),
+            { scene, camera, gltf, light } = world,
+            result = { still: draw(world) };
+        const keys = ['castShadow', 'receiveShadow', 'visible', 'name', 'geometry', 'material', 'position', 'rotation', 'scale', 'up', 'userData'];
+        const cloneOf = (object, copyMaterials) => {
+            const made = new THREE[object.type]();
+            for (const key of keys) {
+                if (made[key]?.set && made[key].copy) made[key].copy(object[key]);
+                else if (object[key] !== undefined) made[key] = object[key];
+            }
+            if (copyMaterials && made.material) made.material = made.material.clone();
+            made.add(...object.children.map((child) => cloneOf(child, copyMaterials)));
+            return made;
+        };
+        const drawMoved = (clone) => {
+            scene.add(clone);
+            clone.position.set(5, 1, -2);
+            clone.rotation.set(0, 0.5, 0);
+            clone.updateMatrixWorld(true);
+            const moved = camera.clone();
+            camera.matrixWorld.clone().premultiply(clone.matrixWorld).decompose(moved.position, moved.quaternion, moved.scale);
+            return draw({ scene, camera: moved });
+        };
+        const shared = cloneOf(gltf.scene, false),
+            own = cloneOf(gltf.scene, true);
+        scene.remove(gltf.scene);
+        result.alone = drawMoved(shared);
+        scene.remove(shared);
+        result.deep = drawMoved(own);
+        own.traverse(({ material }) => material && light.adopt(material));
+        result.adopted = drawMoved(own);
+        scene.remove(own);
+        scene.add(gltf.scene);
+        result.unmounted = draw(world);
+        light.detach();
+        return result;
+    });
+    assert.ok(maeOverMean(alone, still) < kMoved, `${maeOverMean(alone, still)}`);
+    assert.ok(meanOf(deep) < 0.8 * meanOf(still), 'deep="materialsOnly"');
+    assert.ok(maeOverMean(adopted, still) < kMoved, `adopted: ${maeOverMean(adopted, still)}`);
+    assert.ok(maeOverMean(unmounted, still) < 1e-6, `${maeOverMean(unmounted, still)}`);
+});
+
 test('instances of a part show the light that it has', async () => {
     const { still, instanced, moved, movedSingle } = await page.evaluate(async () => {
         const world = await load(true),

@@ -5,11 +5,11 @@ import { borrowRoom } from './room.js';
 
 export const viewport = { width: 160, height: 90 };
 
-// A browser, a baked room, and a server of its site and `more` files. `close` gives them back.
-export async function openRoom(name = 'tabletop', more = {}) {
+// A browser, a baked room, and a server of its site and `more` files, a function of the room. `close` gives them back.
+export async function openRoom(name = 'tabletop', more = () => ({})) {
     const borrowed = await Promise.all([borrowBrowser('swiftshader'), borrowRoom(name)]),
         [browser, room] = borrowed.map(({ value }) => value),
-        server = await serve(room.site, '/some/where/', more);
+        server = await serve(room.site, '/some/where/', more(room));
     const close = async () => {
         server.close();
         for (const { dispose } of borrowed) await dispose();

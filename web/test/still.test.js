@@ -32,6 +32,7 @@ for (const angle of ['swiftshader', 'gl-egl'])
             viewer.changed();
             for (let i = 0; i < kSamples; ++i) viewer.addSample('default', kPlanned);
             const whole = viewer.picture.read();
+            still.rows = 16; // whatever it has learned
             let count = 0;
             for (; still.picture.samples < kSamples; ++count) still.advance();
             const inParts = still.picture.read();
@@ -46,26 +47,36 @@ for (const angle of ['swiftshader', 'gl-egl'])
         assert.equal(different, 0);
     });
 
-// A device that takes a second for some pixels, from the viewer's first picture on.
-function slowDown() {
+// A script of a page: on a device that takes a second for some pixels, from the viewer's first picture on, which `change`
+// has changed before.
+const onSlowDevice = (change) => `{
     let slowed;
     Object.defineProperty(globalThis, 'viewer', {
         get: () => slowed,
         set: (viewer) => {
             slowed = viewer;
             Object.defineProperty(viewer, 'secondsPerPixel', { get: () => 1e-3, set: () => {} });
-            globalThis.sizes = [];
-            const { present } = viewer;
-            viewer.present = () => {
-                present.call(viewer);
-                globalThis.sizes.push(viewer.canvas.width);
-            };
+            (${change})(viewer);
         },
     });
+}`;
+
+function noteSizes(viewer) {
+    globalThis.sizes = [];
+    const { present } = viewer;
+    viewer.present = () => {
+        present.call(viewer);
+        globalThis.sizes.push(viewer.canvas.width);
+    };
+}
+
+// That does not come to draw any part.
+function holdParts({ still }) {
+    still.advance = () => 0;
 }
 
 test('a slow device keeps the poster until a picture of all pixels is there', async () => {
-    const page = await open(browser, server.url, { prepare: slowDown, query: '?quality=fast' });
+    const page = await open(browser, server.url, { prepare: onSlowDevice(noteSizes), query: '?quality=fast' });
     await page.waitForFunction(() => globalThis.viewer?.picture.samples > 0);
     const shown = await page.evaluate(
         () =>
@@ -92,21 +103,8 @@ test('a slow device keeps the poster until a picture of all pixels is there', as
     await page.close();
 });
 
-// A slow device that does not come to draw any part.
-function holdParts() {
-    let held;
-    Object.defineProperty(globalThis, 'viewer', {
-        get: () => held,
-        set: (viewer) => {
-            held = viewer;
-            Object.defineProperty(viewer, 'secondsPerPixel', { get: () => 1e-3, set: () => {} });
-            viewer.still.advance = () => 0;
-        },
-    });
-}
-
 test('what the visitor does is drawn at once, as coarse as it is', async () => {
-    const page = await open(browser, server.url, { prepare: holdParts });
+    const page = await open(browser, server.url, { prepare: onSlowDevice(holdParts) });
     await page.waitForFunction(() => globalThis.viewer?.light.isWhole && viewer.still.isDue);
     assert.equal(await page.isVisible('#poster'), true);
     await page.mouse.move(80, 45);

@@ -2,6 +2,7 @@
 import styles from './controls.css';
 import { offerComparison } from './compare.js';
 import { kMarkup } from './controls_markup.js';
+import { offerHeadset } from './headset_button.js';
 import { createPanel } from './panel.js';
 import { addStyles } from './shadow.js';
 import { addressOf } from './share.js';
@@ -49,6 +50,8 @@ export class Controls {
         this.on(find('screenshot'), 'click', () => this.savePicture());
         find('share').hidden = !host.hasAttribute('share');
         this.on(find('share'), 'click', () => this.copyLink());
+        const { signal } = this.listening;
+        offerHeadset(host, find('headset'), { signal, say: (text) => this.say(text) });
         find('fullscreen').hidden = !document.fullscreenEnabled;
         this.on(find('fullscreen'), 'click', () =>
             document.fullscreenElement ? document.exitFullscreen() : host.requestFullscreen().catch(console.warn),

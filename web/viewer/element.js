@@ -16,7 +16,7 @@ const reducesMotion = () => matchMedia('(prefers-reduced-motion: reduce)').match
 const nameOf = ({ name, userData }) => userData.name ?? name;
 
 export class PhatViewer extends HTMLElement {
-    static observedAttributes = ['src', 'poster', 'camera', 'exposure', 'quality', 'controls', 'mode', 'variant-name'];
+    static observedAttributes = ['src', 'poster', 'camera', 'exposure', 'quality', 'controls', 'xr', 'mode', 'variant-name'];
 
     #attempt = null; // to load; another one has begun where it is not the same
     #variants = null;
@@ -49,7 +49,7 @@ export class PhatViewer extends HTMLElement {
             viewer.exposure = this.exposure;
             viewer.present();
         } else if (name === 'quality') viewer.setQuality(value);
-        else if (name === 'controls') this.#showControls();
+        else if (name === 'controls' || name === 'xr') this.#showControls();
         else if (name === 'mode') viewer.navigation.ask(this.mode);
         else if (name === 'variant-name') this.#applyVariant();
     }
@@ -344,6 +344,6 @@ function reflect(name, { read, write }) {
 const text = { read: (value) => value ?? '', write: String };
 for (const name of ['src', 'poster', 'camera', 'quality', 'mode']) reflect(name, text);
 reflect('exposure', { read: (value) => Number(value) || 0, write: String });
-reflect('controls', { read: (value) => value !== null, write: (value) => (value ? '' : null) });
+for (const name of ['controls', 'xr']) reflect(name, { read: (value) => value !== null, write: (value) => (value ? '' : null) });
 
 customElements.define('phat-viewer', PhatViewer);

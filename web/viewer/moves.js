@@ -1,5 +1,6 @@
 // What moves in a room: the file's animations, and things that are dragged over the floor. Loaded where a file has any.
-import { Box3, Plane, PropertyBinding, Raycaster, Vector2, Vector3 } from 'three';
+import { Box3, Plane, PropertyBinding, Vector3 } from 'three';
+import { rayThrough } from './taps.js';
 
 const kMaxStep = 0.1; // seconds of an animation a picture
 const kTracks = /\.(position|quaternion|scale)$/;
@@ -34,7 +35,6 @@ export class Moves {
         scene.traverse((object) => {
             if (object.userData.phat?.movable) this.movable.push(object);
         });
-        this.ray = new Raycaster();
         this.offerDrags();
         this.offer();
     }
@@ -100,11 +100,8 @@ export class Moves {
             canvas.addEventListener(name, (event) => this.release(event), { capture: true });
     }
 
-    aim({ clientX, clientY }) {
-        const { left, top, width, height } = this.canvas.getBoundingClientRect(),
-            at = new Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height);
-        this.ray.setFromCamera(at, this.viewer.camera);
-        return this.ray;
+    aim(event) {
+        return rayThrough(event, this.canvas, this.viewer.camera);
     }
 
     // The movable thing under the pointer, if nothing is before it.

@@ -1,10 +1,9 @@
 // A measuring tape: the distance between two points that are tapped, or of the picture's middle by Enter. Loaded when it is
 // asked for.
-import { Raycaster, Vector2 } from 'three';
 import { addStyles } from './shadow.js';
 import styles from './tape.css';
+import { kTapPixels, rayThrough } from './taps.js';
 
-const kTapPixels = 6;
 const kMarkup = `<svg aria-hidden="true" hidden><line/><circle r="5"/><circle r="5"/></svg><output role="status"></output>`;
 
 export class Tape {
@@ -22,24 +21,22 @@ export class Tape {
         [this.svg, this.output] = this.element.children;
         this.undoTaps = navigation.takeTaps();
         listen(canvas, 'pointerdown', ({ clientX: x, clientY: y }) => (this.down = { x, y }));
-        listen(canvas, 'click', ({ clientX: x, clientY: y }) => {
-            if (Math.hypot(x - this.down?.x, y - this.down?.y) <= kTapPixels) this.pick(x, y);
+        listen(canvas, 'click', (event) => {
+            const { x, y } = this.down ?? {};
+            if (Math.hypot(event.clientX - x, event.clientY - y) <= kTapPixels) this.pick(event);
         });
         listen(canvas, 'keydown', ({ key }) => {
             const { left, top, width, height } = canvas.getBoundingClientRect();
-            if (key === 'Enter') this.pick(left + width / 2, top + height / 2);
+            if (key === 'Enter') this.pick({ clientX: left + width / 2, clientY: top + height / 2 });
         });
         listen(host, 'camera-change', () => this.draw());
         this.draw();
     }
 
     // A third point begins anew.
-    pick(x, y) {
-        const { left, top, width, height } = this.canvas.getBoundingClientRect(),
-            ray = new Raycaster(),
-            { camera, walls } = this.host.viewer;
-        ray.setFromCamera(new Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height), camera);
-        const [hit] = ray.intersectObject(walls.root, true);
+    pick(place) {
+        const { camera, walls } = this.host.viewer,
+            [hit] = rayThrough(place, this.canvas, camera).intersectObject(walls.root, true);
         if (!hit) return;
         if (this.points.length === 2) this.points = [];
         this.points.push(hit.point);

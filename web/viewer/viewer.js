@@ -58,6 +58,7 @@ export class Viewer {
         this.scale = 0.5; // of the sides; until the device is known
         this.secondsPerPixel = 0; // 'fast'; 0: not known yet
         this.pending = null;
+        this.headset = null; // where the room is shown in one
         this.isWhole = false; // whether the last picture showed all that is loaded
         this.light.waitsForPrograms = false;
         this.walls = new Walls(gltf.scene, this.light);
@@ -138,7 +139,7 @@ export class Viewer {
 
     resize() {
         const { clientWidth: width, clientHeight: height } = this.canvas;
-        if (!width || !height) return;
+        if (!width || !height || this.renderer.xr.isPresenting) return;
         const ratio = Math.min(devicePixelRatio, 1.5);
         this.renderer.setPixelRatio(this.scale * ratio);
         this.renderer.setSize(width, height, false);
@@ -283,6 +284,9 @@ export class Viewer {
 
     // Stops, and frees what is on the GPU. The canvas cannot be used again.
     dispose() {
+        const { headset } = this;
+        this.headset = null;
+        headset?.leave();
         this.stop();
         clearTimeout(this.settled);
         this.resizing?.disconnect();

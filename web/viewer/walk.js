@@ -1,25 +1,20 @@
 // Walking: the head turns by dragging, the feet stay on the floor, walls hold.
-import { Euler, MathUtils, Raycaster, Vector2, Vector3 } from 'three';
+import { Euler, MathUtils, Vector3 } from 'three';
+import { Body, floorAt } from './body.js';
+import { kTapPixels, rayThrough } from './taps.js';
 
 // Metres.
 const kEyeHeight = 1.6,
     kLowestEye = 1, // an eye that is lower is the author's choice, and stays there
     kHighestEye = 2,
-    kBodyRadius = 0.25, // half of a narrow door's width
-    kStep = 0.45, // what is lower than a seat is stepped over
     kWalkPerSecond = 1.4,
     kGoPerSecond = 3, // to where the floor was tapped
-    kFallPerSecond = 2,
     kPerWheelPixel = 0.003,
     kPerPinch = 2; // for fingers that get twice as far apart
 const kTurnPerSecond = 1.2; // radians
 const kMaxPitch = 1.5;
-const kTapPixels = 6,
-    kTapMilliseconds = 300,
-    kFloorSlope = 0.7; // a floor's normal points upward at least that much
+const kTapMilliseconds = 300;
 const kArrived = 0.05;
-
-const down = new Vector3(0, -1, 0);
 
 // right, ahead; left and upward turn
 export const walkKeys = {
@@ -42,7 +37,7 @@ export const walkKeys = {
 export class Walk {
     // `changed` is called when the view is another one.
     constructor({ camera, canvas, root, walls, meter, reducesMotion, changed }, signal) {
-        Object.assign(this, { camera, canvas, root, walls, meter, reducesMotion, changed });
+        Object.assign(this, { camera, canvas, root, meter, reducesMotion, changed, body: new Body(walls, meter) });
         this.enabled = false;
         this.goesToTaps = true;
         this.pointers = new Map();
@@ -67,23 +62,14 @@ export class Walk {
             euler = new Euler().setFromQuaternion(camera.quaternion, 'YXZ');
         this.yaw = euler.y;
         this.pitch = MathUtils.clamp(euler.x, -kMaxPitch, kMaxPitch);
-        const height = this.heightOf(camera.position);
-        this.eyeHeight = height > kHighestEye * meter ? kEyeHeight * meter : height;
-        this.body = {
-            radius: Math.min(kBodyRadius * meter, this.eyeHeight / 2),
-            depths: [0, this.eyeHeight / 3, this.eyeHeight - Math.min(kStep * meter, this.eyeHeight / 2)],
-        };
+        const height = this.body.heightOf(camera.position);
+        this.body.eyeHeight = height > kHighestEye * meter ? kEyeHeight * meter : height;
         this.staysUp = height < kLowestEye * meter;
     }
 
     leave() {
         this.enabled = false;
         this.goal = null;
-    }
-
-    // Above the floor.
-    heightOf(eye) {
-        return this.walls.distance(eye, down, 100 * this.meter);
     }
 
     turn(left, up) {
@@ -98,7 +84,7 @@ export class Walk {
         const { camera } = this,
             before = camera.position.clone();
         const motion = new Vector3(right, 0, -ahead).multiplyScalar(this.meter).applyAxisAngle(camera.up, this.yaw);
-        camera.position.copy(this.walls.move(before, motion, this.body));
+        camera.position.copy(this.body.move(before, motion));
         this.changed();
         return camera.position.distanceTo(before) > 0.2 * motion.length();
     }
@@ -112,12 +98,10 @@ export class Walk {
 
     // The feet come down, or up, to the floor. Returns whether they did.
     settle(seconds) {
-        if (this.staysUp) return false;
-        const height = this.heightOf(this.camera.position),
-            most = kFallPerSecond * this.meter * seconds;
-        const rise = MathUtils.clamp(this.eyeHeight - height, -most, most);
-        if (height >= 100 * this.meter || Math.abs(rise) < 1e-3 * this.meter) return false;
-        this.camera.position.y += rise;
+        const { camera, body } = this,
+            rise = this.staysUp ? 0 : body.rise(camera.position, seconds);
+        if (rise === 0) return false;
+        camera.position.y += rise;
         this.changed();
         return true;
     }
@@ -153,12 +137,7 @@ export class Walk {
 
     // To the floor that was tapped.
     goTo({ x, y }) {
-        const { left, top, width, height } = this.canvas.getBoundingClientRect(),
-            ray = new Raycaster();
-        ray.setFromCamera(new Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height), this.camera);
-        const [hit] = ray.intersectObject(this.root, true);
-        if (!hit || hit.face.normal.clone().transformDirection(hit.object.matrixWorld).y < kFloorSlope) return;
-        this.goal = hit.point;
+        this.goal = floorAt(rayThrough({ clientX: x, clientY: y }, this.canvas, this.camera), this.root);
         while (this.reducesMotion() && this.approach(1 / kGoPerSecond));
     }
 

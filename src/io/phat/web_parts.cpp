@@ -89,7 +89,7 @@ WebParts split(const GltfSource& source, const std::string& stem) {
 
 }  // namespace
 
-WebParts splitForWeb(GltfSource& source, const std::string& stem) {
+WebParts splitForWeb(GltfSource source, const std::string& stem) {
     assert(source.buffers.empty());
     try {
         readGltfBuffers(source);

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-namespace phat {
+#include "io/gltf/gltf_source.h"
 
-struct GltfSource;  // io/gltf/gltf_source.h
+namespace phat {
 
 struct WebPart {
     std::string uri;
@@ -21,8 +21,8 @@ struct WebParts {
 };
 
 /// `stem`: of the names, by contentName: STEM.HASH.glb, STEM.lamps.HASH.bin, STEM.reflections.HASH.bin,
-/// STEM.reflections-2.HASH.bin ... Together they are the same baked file. Reads the buffers of `source`.
-/// Throws FileError. pre: they are not read yet.
-WebParts splitForWeb(GltfSource& source, const std::string& stem);
+/// STEM.reflections-2.HASH.bin ... Together they are the same baked file. Takes a copy of `source`,
+/// since its buffers are read. Throws FileError. pre: they are not read yet.
+WebParts splitForWeb(GltfSource source, const std::string& stem);
 
 }  // namespace phat

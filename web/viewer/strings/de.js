@@ -20,6 +20,8 @@ export default {
     share: 'Link zu dieser Ansicht kopieren',
     shared: 'Der Link ist kopiert.',
     notShared: 'Der Link steht in der Adresszeile.',
+    headset: 'Den Raum mit einer VR-Brille betreten',
+    noHeadset: 'Die VR-Brille kann den Raum nicht zeigen.',
     fullscreen: 'Vollbild',
     settings: 'Einstellungen',
     close: 'Schließen',

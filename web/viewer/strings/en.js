@@ -20,6 +20,8 @@ export default {
     share: 'Copy a link to this view',
     shared: 'The link is copied.',
     notShared: 'Copy the link from the address bar.',
+    headset: 'Enter the room in a headset',
+    noHeadset: 'The headset cannot show the room.',
     fullscreen: 'Full screen',
     settings: 'Settings',
     close: 'Close',
