@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "gl/gl_error.h"
 #include "io/phat/bake_record.h"
 #include "viewer/sentence.h"
@@ -33,7 +35,8 @@ void LightFollower::follow(ViewerState& state, bool changed, bool visible) {
         const bool byGpu = state.lightEngine == LightEngine::gpu;
         followByBaker(state, changed, visible, !byGpu);
         roundsGoOn_ = byGpu && state.view.liveLight;
-        if (roundsGoOn_ && rounds_.follow(state, changed)) ++state.lightVersion;
+        roundsBehind_ |= changed;
+        if (roundsGoOn_ && rounds_.follow(state, std::exchange(roundsBehind_, false))) ++state.lightVersion;
     } catch (const GlError&) {
         throw;
     } catch (const std::exception& error) {

@@ -33,6 +33,7 @@ class LightFollower {
     std::unique_ptr<BakerThread> light_;
     LightRounds rounds_;
     bool roundsGoOn_ = false;
+    bool roundsBehind_ = false;  // of changes, also of those while they did not go on
     bool failed_ = false;
     LightUpdate update_;  // not uploaded yet
     bool updates_ = false, refines_ = false;

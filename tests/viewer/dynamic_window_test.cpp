@@ -32,9 +32,10 @@ struct LiveWindow : testing::Test {
     }
     static void TearDownTestSuite() { delete folder; }
     static std::string baked() { return folder->file("tabletop.phat.glb"); }
-    static void bake(const std::string& scene, const std::string& out) {
+    static void bake(const std::string& scene, const std::string& out,
+                     const std::string& resolution = "16k") {
         const auto result =
-            runPhat({"bake", scene, "-o", out, "--resolution", "16k", "--photons", "20k", "--quiet"});
+            runPhat({"bake", scene, "-o", out, "--resolution", resolution, "--photons", "20k", "--quiet"});
         ASSERT_EQ(result.exitCode, 0) << result.err;
     }
     static Image rendered(const std::string& file, std::vector<std::string> flags = {}) {
@@ -115,6 +116,27 @@ TEST_F(LiveWindow, LightFollowsWhatIsMoved) {
     EXPECT_EQ(window.close(), 0);
     EXPECT_EQ(window.errors(), "");
     EXPECT_EQ(readBytes(baked()), before);
+}
+
+// Of few texels, and not to its end: a software driver takes minutes. The change was made while light waited.
+TEST_F(LiveWindow, LightOfTheGpuFollowsOnceItIsAskedTo) {
+    const std::string few = folder->file("few.phat.glb");
+    bake(PHAT_SOURCE_DIR "/scenes/tabletop-animated.glb", few, "4k");
+    const auto before = readBytes(few);
+    WindowDriver window(kWindow, {few, "--engine", "gpu", "--ui-scale", "0.5"});
+    window.settle();
+    window.key("l");
+    moveCrate(window, "0.15");
+    window.settle();
+    const Image unlit = pictureOf(window.screenshot());
+    window.key("l");
+    EXPECT_TRUE(comesTrue([&] { return meanDifference(pictureOf(window.screenshot()), unlit) > 0.002; }));
+    // Frames are drawn while the light is made.
+    const Image first = pictureOf(window.screenshot());
+    EXPECT_TRUE(comesTrue([&] { return largestDifference(pictureOf(window.screenshot()), first) > 0; }));
+    EXPECT_EQ(window.close(), 0);
+    EXPECT_EQ(window.errors(), "");
+    EXPECT_EQ(readBytes(few), before);
 }
 
 // The window's picture comes nearer to that of many bakes, and rests once nobody wants more.

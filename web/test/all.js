@@ -23,6 +23,7 @@ import './recipes.test.js';
 import './rooms.test.js';
 import './site.test.js';
 import './site_folder.test.js';
+import './soak.test.js';
 import './still.test.js';
 import './types.test.js';
 import './walks.test.js';

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <utility>
 
 #include "core/dynamic/view_test.h"
@@ -31,6 +32,11 @@ uint32_t keptSamples(float change) {
     return uint32_t(std::clamp(square(kFilteredNoise / change), 1.0f, float(kMaxKept)));
 }
 
+// The part of a change that irradiance has not followed after so many samples.
+float leftAfter(uint32_t samples, uint32_t kept) {
+    return std::pow(float(kept) / float(kept + 1), float(samples));
+}
+
 }  // namespace
 
 BlockOrder::BlockOrder(const Atlas& atlas, const TexelPoints& points) {
@@ -57,9 +63,10 @@ uint32_t BlockOrder::roundsOf(const State& state) const {
 void BlockOrder::noteChange() {
     for (State& state : states_) {
         state.changed = state.changed && state.rounds < kCalmRounds;
+        state.change *= state.changed ? leftAfter(state.rounds - 1, keptSamples(state.change)) : 0;
+        state.checkDue = state.changed;
         state.rounds = state.changed ? 1 : 0;
         state.checks = 0;
-        if (!state.changed) state.change = 0;
     }
     unsettled_ = places_.size();
 }
@@ -80,25 +87,32 @@ std::vector<BlockTurn> BlockOrder::next(size_t count, const Camera& eye) {
     std::partial_sort(order.begin(), order.begin() + ptrdiff_t(count), order.end());
     std::vector<BlockTurn> turns;
     for (size_t i = 0; i < count; ++i) {
-        const uint32_t block = order[i].second;
-        State& state = states_[block];
-        const uint32_t rounds = roundsOf(state);
-        if (state.changed)
-            turns.push_back({block, rounds, workOf(rounds), keptSamples(state.change)});
-        else
-            turns.push_back({block, rounds, BlockWork::check});
-        ++(state.changed ? state.rounds : state.checks);
+        turns.push_back(turnOf(order[i].second));
+        State& state = states_[order[i].second];
         state.turn = ++turns_;
         unsettled_ -= isSettled(state);
     }
     return turns;
 }
 
+BlockTurn BlockOrder::turnOf(uint32_t block) {
+    State& state = states_[block];
+    const uint32_t rounds = roundsOf(state);
+    // Alternately: what changes all the time is checked all the time, and is to be lit, too.
+    if (state.changed && !(state.checkDue && state.lit)) {
+        ++state.rounds;
+        state.lit = true;
+        return {block, rounds, workOf(rounds), keptSamples(state.change)};
+    }
+    if (!state.changed) ++state.checks;
+    state.checkDue = state.lit = false;
+    return {block, rounds, BlockWork::check};
+}
+
 void BlockOrder::noteCheck(uint32_t block, float change) {
     State& state = states_[block];
-    if (state.changed) return;
     state.change += change;
-    if (state.change <= kAgrees) return;
+    if (state.changed || state.change <= kAgrees) return;
     unsettled_ += isSettled(state);
     state.changed = true;
     state.rounds = 1;

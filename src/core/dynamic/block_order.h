@@ -49,15 +49,18 @@ class BlockOrder {
         glm::vec3 center{0}, normal{0};
         float radius = 0;
     };
-    /// A block is checked until a check finds a change; then its light is made anew.
+    /// A block is checked until a check finds a change; then its light is made anew. Where a further change
+    /// comes meanwhile, it is checked once more.
     struct State {
-        bool changed = false;
+        bool changed = false, checkDue = false;
+        bool lit = false;  // had a sample of irradiance since its last check
         uint32_t rounds = 0, checks = 0;
-        float change = 0;   // that checks have found
+        float change = 0;   // that checks have found, as far as irradiance has not followed
         uint64_t turn = 0;  // its last
     };
     bool isSettled(const State& state) const;
     uint32_t roundsOf(const State& state) const;
+    BlockTurn turnOf(uint32_t block);
 
     std::vector<Place> places_;
     std::vector<State> states_;

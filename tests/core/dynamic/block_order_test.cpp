@@ -103,6 +103,45 @@ TEST(BlockOrder, ChangesAddUp) {
     EXPECT_GT(kept, 50u);
 }
 
+// A small change, and a large one before the light has followed: what was there before either does not count.
+TEST(BlockOrder, ALaterChangeIsFoundAsLargeAsItIs) {
+    const Room room;
+    BlockOrder order(room.atlas, room.points);
+    note(order, order.next(order.size(), middle()), 0.02f);
+    for (int round = 0; round < 3; ++round)
+        for (const BlockTurn& turn : order.next(order.size(), middle())) EXPECT_EQ(turn.kept, 64u);
+    order.noteChange();
+    std::vector<uint32_t> kept(order.size());
+    while (!order.settled()) {
+        const std::vector<BlockTurn> turns = order.next(order.size(), middle());
+        note(order, turns, 0.5f);
+        for (const BlockTurn& turn : turns)
+            if (turn.work != BlockWork::check) kept[turn.block] = turn.kept;
+    }
+    for (const uint32_t samples : kept) EXPECT_EQ(samples, 1u);
+}
+
+// Steps of a hundredth, which the light follows between them.
+TEST(BlockOrder, WhatTheLightHasFollowedIsNoChangeAnyMore) {
+    const Room room;
+    BlockOrder order(room.atlas, room.points);
+    uint32_t least = 64, lit = 0, checked = 0;
+    for (int frame = 0; frame < 400; ++frame) {
+        const std::vector<BlockTurn> turns = order.next(order.size(), middle());
+        note(order, turns, 0.015f);
+        for (const BlockTurn& turn : turns) {
+            (turn.work == BlockWork::check ? checked : lit) += 1;
+            if (turn.work != BlockWork::check) least = std::min(least, turn.kept);
+        }
+        order.noteChange();
+    }
+    // Where a step c leaves the share k / (k + 1) of what was off, it is off by c (k + 1) in the long run,
+    // which is as much as k samples are for k = (0.3 / (0.015 (k + 1)))^2: 6.7.
+    EXPECT_GE(least, 6u);
+    EXPECT_LE(least, 7u);
+    EXPECT_NEAR(double(checked) / double(lit), 1, 0.02);
+}
+
 // Something that moves in every frame leaves no block without its turn.
 TEST(BlockOrder, NoBlockWaitsForTheEndOfAMotion) {
     const Room room;
