@@ -5,6 +5,7 @@
 #include "core/bake/gather_parts.h"
 #include "core/bake/irradiance_ray.h"
 #include "core/scene/glass.h"
+#include "core/transport/area_irradiance.h"
 
 namespace phat {
 namespace {
@@ -76,12 +77,16 @@ PackedPhatexel packed(const GatherInput& input, const TexelDirection& chosen, gl
                         input.atlas.unitMeters);
 }
 
-/// Texels that deserve further rounds, judged by their eight neighbours alone: had a texel's own first
-/// samples a say in how many follow, the mean of them all would be biased.
+/// The further rounds that a texel deserves.
+enum class Further : uint8_t { none, sparse, all };
+
+/// Judged by a texel's eight neighbours alone: had its own first samples a say in how many follow, the mean
+/// of them all would be biased. Where all that they sampled is seen, what is left is the noise of the lights'
+/// samples, for which few shadow rays do.
 template <typename FirstEstimate>
-bool isHardTexel(const GatherInput& input, glm::ivec2 texel, const FirstEstimate& first) {
+Further furtherRounds(const GatherInput& input, glm::ivec2 texel, const FirstEstimate& first) {
     const glm::ivec2 size(input.atlas.sizeTexels);
-    bool shadowed = false;
+    bool shadowed = false, dark = input.rays.hasGlass();  // whose shadows are neither
     float light = 0, variance = 0, count = 0;
     for (int i = 0; i < 9; ++i) {
         const glm::ivec2 p = texel + glm::ivec2(i % 3 - 1, i / 3 - 1);
@@ -90,22 +95,46 @@ bool isHardTexel(const GatherInput& input, glm::ivec2 texel, const FirstEstimate
         if (!input.irradianceTexels[neighbor]) continue;
         const IrradianceEstimate& estimate = first(neighbor);
         shadowed |= estimate.partlyShadowed;
+        dark |= maxComponent(estimate.value) <= 0.0f;
         light += luminance(estimate.value);
         variance += estimate.variance;
         count += 1;
     }
+    if (shadowed) return Further::all;
     const bool noisy = variance * count > square(kQuietRelativeError * light);
-    return shadowed || noisy;
+    if (!noisy) return Further::none;
+    return dark ? Further::all : Further::sparse;
 }
 
-IrradianceEstimate estimateArea(const GatherInput& input, const BakeSettings& settings, GatherStage stage,
-                                size_t texel, uint64_t& rays) {
-    const int samplesPerRound = std::max(settings.irradianceSamples / kFirstRounds, 1);
-    const IrradianceSampling sampling{samplesPerRound,
-                                      stage == GatherStage::areaIrradiance ? kFirstRounds : kFurtherRounds};
-    return areaIrradiance(input.scene(), input.points.position[texel], input.points.normal[texel], sampling,
-                          Rng(hashOf(settings.seed + 0x17, uint64_t(stage), texel)), rays);
-}
+/// The rounds of a texel.
+class AreaRounds {
+  public:
+    AreaRounds(const GatherInput& input, const BakeSettings& settings)
+        : input_(input), settings_(settings), sampler_(input.scene()) {}
+
+    IrradianceEstimate first(size_t texel, uint64_t& rays) const {
+        return rounds(GatherStage::areaIrradiance, texel, ShadowRays::all, rays);
+    }
+    /// pre: further != Further::none.
+    IrradianceEstimate more(size_t texel, Further further, uint64_t& rays) const {
+        return rounds(GatherStage::moreAreaIrradiance, texel,
+                      further == Further::sparse ? ShadowRays::sparse : ShadowRays::all, rays);
+    }
+
+  private:
+    IrradianceEstimate rounds(GatherStage stage, size_t texel, ShadowRays shadowRays, uint64_t& rays) const {
+        const IrradianceSampling sampling{
+            std::max(settings_.irradianceSamples / kFirstRounds, 1),
+            stage == GatherStage::areaIrradiance ? kFirstRounds : kFurtherRounds};
+        return sampler_.areaIrradiance(input_.points.position[texel], input_.points.normal[texel], sampling,
+                                       shadowRays, Rng(hashOf(settings_.seed + 0x17, uint64_t(stage), texel)),
+                                       rays);
+    }
+
+    const GatherInput& input_;
+    const BakeSettings& settings_;
+    AreaIrradianceSampler sampler_;
+};
 
 IrradianceEstimate joined(const IrradianceEstimate& first, const IrradianceEstimate& further) {
     constexpr float kAll = kFirstRounds + kFurtherRounds;
@@ -159,31 +188,30 @@ PhatexelLayer gatherArea(const GatherContext& context, const ChosenDirections& c
 
 std::vector<IrradianceEstimate> gatherAreaIrradiance(const GatherContext& context) {
     const GatherInput& input = context.input;
-    const auto estimate = [&](GatherStage stage, const auto& selects) {
-        std::vector<IrradianceEstimate> estimates(input.atlas.texelCount());
-        fillParts(estimates, uint64_t(stage), context, [&](size_t texel, uint64_t& rays) {
-            if (!input.irradianceTexels[texel] || !selects(texel)) return;
-            estimates[texel] = estimateArea(input, context.settings, stage, texel, rays);
-        });
-        return estimates;
-    };
-    std::vector<IrradianceEstimate> estimates =
-        estimate(GatherStage::areaIrradiance, [](size_t) { return true; });
-    std::vector<uint8_t> hard(estimates.size());
-    for (size_t texel = 0; texel < hard.size(); ++texel)
-        hard[texel] =
-            isHardTexel(input, glm::ivec2(texel % input.atlas.sizeTexels.x, texel / input.atlas.sizeTexels.x),
-                        [&](size_t i) -> const IrradianceEstimate& { return estimates[i]; });
-    const std::vector<IrradianceEstimate> further =
-        estimate(GatherStage::moreAreaIrradiance, [&](size_t texel) { return hard[texel] != 0; });
-    for (size_t texel = 0; texel < estimates.size(); ++texel)
-        if (hard[texel]) estimates[texel] = joined(estimates[texel], further[texel]);
+    const AreaRounds rounds(input, context.settings);
+    const size_t count = input.atlas.texelCount(), width = input.atlas.sizeTexels.x;
+    std::vector<IrradianceEstimate> estimates(count);
+    fillParts(estimates, uint64_t(GatherStage::areaIrradiance), context, [&](size_t texel, uint64_t& rays) {
+        if (input.irradianceTexels[texel]) estimates[texel] = rounds.first(texel, rays);
+    });
+    std::vector<Further> further(count);
+    for (size_t texel = 0; texel < count; ++texel)
+        further[texel] = furtherRounds(input, {texel % width, texel / width},
+                                       [&](size_t i) -> const IrradianceEstimate& { return estimates[i]; });
+    std::vector<IrradianceEstimate> more(count);
+    fillParts(more, uint64_t(GatherStage::moreAreaIrradiance), context, [&](size_t texel, uint64_t& rays) {
+        if (input.irradianceTexels[texel] && further[texel] != Further::none)
+            more[texel] = rounds.more(texel, further[texel], rays);
+    });
+    for (size_t texel = 0; texel < count; ++texel)
+        if (further[texel] != Further::none) estimates[texel] = joined(estimates[texel], more[texel]);
     return estimates;
 }
 
 void updateAreaIrradiance(const GatherInput& input, const BakeSettings& settings, glm::uvec2 corner,
                           glm::uvec2 size, std::vector<IrradianceEstimate>& estimates, uint64_t& rays) {
-    // With a ring around, whose first rounds decide which texels at the border are hard.
+    // With a ring around, whose first rounds decide which texels at the border get further ones.
+    const AreaRounds rounds(input, settings);
     const glm::ivec2 low = glm::max(glm::ivec2(corner) - 1, glm::ivec2(0));
     const glm::ivec2 high = glm::min(glm::ivec2(corner + size) + 1, glm::ivec2(input.atlas.sizeTexels));
     const int width = high.x - low.x, atlasWidth = int(input.atlas.sizeTexels.x);
@@ -195,17 +223,16 @@ void updateAreaIrradiance(const GatherInput& input, const BakeSettings& settings
     for (int y = low.y; y < high.y; ++y)
         for (int x = low.x; x < high.x; ++x) {
             const size_t texel = size_t(y) * atlasWidth + x;
-            if (input.irradianceTexels[texel])
-                firstAt(texel) = estimateArea(input, settings, GatherStage::areaIrradiance, texel, rays);
+            if (input.irradianceTexels[texel]) firstAt(texel) = rounds.first(texel, rays);
         }
     for (uint32_t y = corner.y; y < corner.y + size.y; ++y)
         for (uint32_t x = corner.x; x < corner.x + size.x; ++x) {
             const size_t texel = size_t(y) * atlasWidth + x;
             estimates[texel] = firstAt(texel);
-            if (input.irradianceTexels[texel] && isHardTexel(input, {x, y}, firstAt))
-                estimates[texel] =
-                    joined(estimates[texel],
-                           estimateArea(input, settings, GatherStage::moreAreaIrradiance, texel, rays));
+            if (!input.irradianceTexels[texel]) continue;
+            const Further further = furtherRounds(input, {x, y}, firstAt);
+            if (further != Further::none)
+                estimates[texel] = joined(estimates[texel], rounds.more(texel, further, rays));
         }
 }
 

@@ -44,30 +44,21 @@ PerNode<Value> makePerNode(const std::vector<IrradianceLevel>& levels) {
     return result;
 }
 
-/// The nodes around a texel of its piece of surface.
-class Neighborhood {
-  public:
-    struct Neighbor {
-        uint32_t level, node;
-        glm::vec2 texels;  // from the texel to the node
-        float alike;       // of the normals
-        bool split;        // there are finer nodes in the same group
-    };
-    void add(const Neighbor& neighbor) { all_.push_back(neighbor); }
-
-    /// Calls visit(neighbor, weight, offset) for those nearer than a radius; the offset is in radii.
-    template <typename Visit>
-    void within(float radius, const Visit& visit) const {
-        for (const Neighbor& each : all_) {
-            const glm::vec2 offset = each.texels / radius;
-            const float fall = 1.0f - glm::dot(offset, offset);
-            if (fall > 0.0f) visit(each, fall * fall * each.alike, offset);
-        }
-    }
-
-  private:
-    std::vector<Neighbor> all_;
+/// A node near a texel, of its piece of surface.
+struct Neighbor {
+    uint32_t level, node;
+    glm::vec2 texels;  // from the texel to the node
+    float alike;       // of the normals
+    bool split;        // there are finer nodes in the same group
 };
+
+/// Calls visit(neighbor, weight, offset) if it is nearer than a radius; the offset is in radii.
+template <typename Visit>
+void visitWithin(float radius, const Neighbor& neighbor, const Visit& visit) {
+    const glm::vec2 offset = neighbor.texels / radius;
+    const float fall = 1.0f - glm::dot(offset, offset);
+    if (fall > 0.0f) visit(neighbor, fall * fall * neighbor.alike, offset);
+}
 
 /// Each step takes what the one before it found for all nodes.
 class Interpolator {
@@ -80,7 +71,11 @@ class Interpolator {
     /// Variance of the luminance that the narrowest fit around a node leaves unexplained.
     float noise(size_t level, uint32_t node) const {
         const float radius = kMinRadiusSteps * stepOf(level);
-        return fitWithin(around(levels_[level].texel[node], radius), radius).atOrigin().residual;
+        PlaneFit fit;
+        around(levels_[level].texel[node], radius, [&](const Neighbor& near, float weight, glm::vec2 offset) {
+            fit.add(weight, offset, values_[near.level][near.node]);
+        });
+        return fit.atOrigin().residual;
     }
 
     /// The excess of a node over its neighbours, if it is not noise.
@@ -89,7 +84,7 @@ class Interpolator {
         const uint32_t texel = levels_[level].texel[node];
         const float narrow = kMinRadiusSteps * stepOf(level), wide = widestRadius(level);
         PlaneFit others;
-        around(texel, narrow).within(narrow, [&](const Neighbor& near, float weight, glm::vec2 offset) {
+        around(texel, narrow, [&](const Neighbor& near, float weight, glm::vec2 offset) {
             if (near.level != level || near.node != node)
                 others.add(weight, offset, values_[near.level][near.node]);
         });
@@ -97,7 +92,7 @@ class Interpolator {
         const float light = luminance(value), expected = luminance(others.atOrigin().value);
         // The cheaper test first: an outlier also exceeds the noise of its own node.
         if (light - expected <= 2.0f * std::sqrt(noise[level][node])) return glm::vec3(0);
-        const float noiseAround = meanNoise(around(texel, wide), wide, noise);
+        const float noiseAround = meanNoise(neighborsOf(texel, wide), wide, noise);
         if (light - expected <= kOutlierErrors * std::sqrt(noiseAround)) return glm::vec3(0);
         return value * (1.0f - expected / light);
     }
@@ -119,12 +114,11 @@ class Interpolator {
     /// intersect. source: Katkovnik 1999, "A new method for varying adaptive bandwidth selection".
     glm::vec3 smoothed(size_t level, uint32_t node, const PerNode<float>& noiseOfNodes) const {
         const float narrowest = kMinRadiusSteps * stepOf(level), wide = widestRadius(level);
-        const Neighborhood neighbors = around(levels_[level].texel[node], wide);
+        const std::vector<Neighbor> neighbors = neighborsOf(levels_[level].texel[node], wide);
         const float noise = meanNoise(neighbors, wide, noiseOfNodes);
         float distance = 0;
-        neighbors.within(wide, [&](const Neighbor& near, float, glm::vec2) {
+        for (const Neighbor& near : neighbors)
             distance = std::max(distance, levels_[near.level].distanceTexels[near.node]);
-        });
         const float widest = std::clamp(kMaxRadiusOverDistance * distance, narrowest, wide);
         glm::vec3 best = values_[level][node];
         float low = -1e30f, high = 1e30f;
@@ -155,7 +149,7 @@ class Interpolator {
         PlaneFit fit;
         const float radius = kBetweenSteps * float(levels_[own].step);
         // Between nodes only the finest count: the others are smoothed more.
-        around(texel, radius).within(radius, [&](const Neighbor& near, float weight, glm::vec2 offset) {
+        around(texel, radius, [&](const Neighbor& near, float weight, glm::vec2 offset) {
             if (!near.split) fit.add(weight, offset, smooth[near.level][near.node]);
         });
         if (!fit.empty()) return fit.atOrigin().value;
@@ -164,19 +158,18 @@ class Interpolator {
     }
 
   private:
-    using Neighbor = Neighborhood::Neighbor;
-
     float stepOf(size_t level) const { return float(levels_[level].step); }
     float widestRadius(size_t level) const {
         return std::min(kMaxRadiusSteps * stepOf(level), kMaxRadiusTexels);
     }
 
     /// pre: `radius` is at most that of the neighbourhood.
-    PlaneFit fitWithin(const Neighborhood& neighbors, float radius) const {
+    PlaneFit fitWithin(const std::vector<Neighbor>& neighbors, float radius) const {
         PlaneFit fit;
-        neighbors.within(radius, [&](const Neighbor& near, float weight, glm::vec2 offset) {
-            fit.add(weight, offset, values_[near.level][near.node]);
-        });
+        for (const Neighbor& each : neighbors)
+            visitWithin(radius, each, [&](const Neighbor& near, float weight, glm::vec2 offset) {
+                fit.add(weight, offset, values_[near.level][near.node]);
+            });
         return fit;
     }
 
@@ -184,26 +177,26 @@ class Interpolator {
     /// agrees with no wider fit. Its excess is spread over the neighbourhood, which preserves the sum.
     void redistribute(size_t level, uint32_t node, glm::vec3 excess) {
         const float radius = widestRadius(level);
-        const Neighborhood neighbors = around(levels_[level].texel[node], radius);
         float area = 0;  // texels, by weight
-        neighbors.within(radius, [&](const Neighbor& near, float weight, glm::vec2) {
+        around(levels_[level].texel[node], radius, [&](const Neighbor& near, float weight, glm::vec2) {
             if (!near.split) area += weight * square(stepOf(near.level));
         });
         const glm::vec3 perTexel = excess * square(stepOf(level)) / area;
         values_[level][node] -= excess;
-        neighbors.within(radius, [&](const Neighbor& near, float weight, glm::vec2) {
+        around(levels_[level].texel[node], radius, [&](const Neighbor& near, float weight, glm::vec2) {
             values_[near.level][near.node] += weight * perTexel;
         });
     }
 
     /// Variance of the values around a node: the mean over the neighbourhood. By its own estimate a node that
     /// the rare bright rays missed would seem free of noise, and the result would be too dark.
-    float meanNoise(const Neighborhood& neighbors, float radius, const PerNode<float>& noise) const {
+    float meanNoise(const std::vector<Neighbor>& neighbors, float radius, const PerNode<float>& noise) const {
         float sum = 0, weights = 0;
-        neighbors.within(radius, [&](const Neighbor& near, float weight, glm::vec2) {
-            sum += weight * noise[near.level][near.node];
-            weights += weight;
-        });
+        for (const Neighbor& each : neighbors)
+            visitWithin(radius, each, [&](const Neighbor& near, float weight, glm::vec2) {
+                sum += weight * noise[near.level][near.node];
+                weights += weight;
+            });
         return sum / weights;
     }
 
@@ -214,8 +207,9 @@ class Interpolator {
         return {texel % atlas_.sizeTexels.x, texel / atlas_.sizeTexels.x};
     }
 
-    Neighborhood around(uint32_t texel, float radius) const {
-        Neighborhood result;
+    /// Calls visit(neighbor) for the nodes around a texel of its piece of surface.
+    template <typename Visit>
+    void forNeighbors(uint32_t texel, float radius, const Visit& visit) const {
         const glm::ivec2 center = positionOf(texel);
         const uint32_t chart = atlas_.chartAt(center);
         const glm::ivec2 low(atlas_.charts[chart].originTexel());
@@ -224,19 +218,33 @@ class Interpolator {
         const int reach = int(radius);
         const glm::ivec2 from = glm::max(center - reach, low) / int(kLevelSteps[0]);
         const glm::ivec2 to = glm::min(center + reach, high) / int(kLevelSteps[0]);
-        const auto visit = [&](size_t level, uint32_t node, bool split) {
+        const auto visitNode = [&](size_t level, uint32_t node, bool split) {
             const uint32_t other = levels_[level].texel[node];
             const glm::vec2 texels(positionOf(other) - center);
             if (glm::dot(texels, texels) >= square(radius)) return;
             const float cosine = glm::dot(points_.normal[texel], points_.normal[other]);
             const float alike = (cosine - kMinFitNormalCosine) / (1.0f - kMinFitNormalCosine);
             if (alike > 0.0f && plane.has(other, texels))
-                result.add({uint32_t(level), node, texels, alike, split});
+                visit(Neighbor{uint32_t(level), node, texels, alike, split});
         };
         for (int y = from.y; y <= to.y; ++y)
             for (int x = from.x; x <= to.x; ++x)
-                if (atlas_.chartAt(glm::uvec2(x, y) * kLevelSteps[0]) == chart) descend(0, {x, y}, visit);
-        return result;
+                if (atlas_.chartAt(glm::uvec2(x, y) * kLevelSteps[0]) == chart) descend(0, {x, y}, visitNode);
+    }
+
+    /// For those that are looked at more than once.
+    std::vector<Neighbor> neighborsOf(uint32_t texel, float radius) const {
+        std::vector<Neighbor> found;
+        const int across = 2 * int(radius) / int(kLevelSteps[0]) + 1;
+        found.reserve(size_t(across) * across);
+        forNeighbors(texel, radius, [&](const Neighbor& near) { found.push_back(near); });
+        return found;
+    }
+
+    /// Calls visit(neighbor, weight, offset) as visitWithin does.
+    template <typename Visit>
+    void around(uint32_t texel, float radius, const Visit& visit) const {
+        forNeighbors(texel, radius, [&](const Neighbor& near) { visitWithin(radius, near, visit); });
     }
 
     template <typename Visit>

@@ -24,11 +24,6 @@ constexpr float kGuidedFraction = 0.85f;
 // untuned: the rays of a bounce then cost a few times the path's own.
 constexpr size_t kMaxLightsEach = 4;
 
-glm::vec3 emissionToward(const LitScene& scene, const Hit& hit, glm::vec3 direction) {
-    if (!hit) return scene.lights.environmentRadiance(direction);
-    return surfaceAt(scene.rays.scene(), hit, direction).emission;
-}
-
 }  // namespace
 
 glm::vec3 originOn(const RayScene& rays, const SurfacePoint& point, glm::vec3 direction) {
@@ -184,53 +179,6 @@ glm::vec3 diffuseFractionOf(const LobeValues& lobes) {
     return lobes.diffuse / glm::max(lobes.diffuse + lobes.specular, glm::vec3(1e-30f));
 }
 
-/// One estimator round.
-struct IrradianceRound {
-    glm::vec3 light{0};    // W/m2
-    int contributing = 0;  // light samples that contribute unless they are occluded
-    int visible = 0;       // and are not occluded
-};
-
-IrradianceRound irradianceRound(const LitScene& scene, glm::vec3 position, const Frame& frame,
-                                int lightSamples, Rng& rng, uint64_t& rayCount) {
-    const int cosineSamples = std::max(lightSamples / 2, 1);
-    // Golden-ratio (R2) points with a random shift: stratified for any count (Roberts 2018).
-    constexpr glm::vec2 kR2(0.7548776662f, 0.5698402910f);
-    IrradianceRound round;
-    const glm::vec3 origin = scene.rays.offsetOrigin(position, frame.normal);
-
-    const float choiceShift = rng.uniform();
-    const glm::vec2 squareShift = rng.uniform2();
-    for (int i = 0; i < lightSamples; ++i) {
-        const float choice = (float(i) + choiceShift) / float(lightSamples);
-        const LightSample light =
-            scene.lights.sampleArea(position, choice, glm::fract(squareShift + float(i) * kR2));
-        const float cosine = glm::dot(light.towardLight, frame.normal);
-        if (light.pdf <= 0.0f || cosine <= 0.0f) continue;
-        // Both strategies' samples share one sum: value / (n_1 p_1 + n_2 p_2).
-        const float weight = cosine / (float(lightSamples) * light.pdf + float(cosineSamples) * cosine / kPi);
-        if (maxComponent(light.radiance) <= 0.0f) continue;
-        ++round.contributing;
-        const glm::vec3 transmittance = transmittanceToLight(scene.rays, position, origin, light, rayCount);
-        if (maxComponent(transmittance) <= 0.0f) continue;
-        ++round.visible;
-        round.light += weight * transmittance * light.radiance;
-    }
-    const glm::vec2 cosineShift = rng.uniform2();
-    for (int i = 0; i < cosineSamples; ++i) {
-        const glm::vec3 local = squareToCosineHemisphere(glm::fract(cosineShift + float(i) * kR2));
-        if (local.z <= 0.0f) continue;
-        const glm::vec3 direction = frame.toWorld(local);
-        ++rayCount;
-        const StraightView view = seeStraight(scene.rays, {origin, direction}, kFarDistance, rayCount);
-        const float pdf = areaPdf(scene.lights, position, view.hit, direction);
-        if (pdf <= 0.0f) continue;
-        const float weight = local.z / (float(lightSamples) * pdf + float(cosineSamples) * local.z / kPi);
-        round.light += weight * view.transmittance * emissionToward(scene, view.hit, direction);
-    }
-    return round;
-}
-
 }  // namespace
 
 ReflectedRadiance tracePath(const LitScene& scene, const PathStart& start, int maxBounces,
@@ -315,29 +263,6 @@ IncidentRadiance traceIncident(const LitScene& scene, const Ray& ray, const Path
     }
     incident.reflected *= seen.throughput / float(std::max(settings.pathsPerHit, 1));
     return incident;
-}
-
-IrradianceEstimate areaIrradiance(const LitScene& scene, glm::vec3 position, glm::vec3 normal,
-                                  const IrradianceSampling& sampling, Rng rng, uint64_t& rayCount) {
-    assert(sampling.rounds >= 2);
-    const int rounds = sampling.rounds;
-    const Frame frame = frameFromNormal(normal);
-    glm::vec3 sum(0);
-    double luminances = 0, squares = 0;
-    int contributing = 0, visible = 0;
-    for (int i = 0; i < rounds; ++i) {
-        const IrradianceRound round =
-            irradianceRound(scene, position, frame, sampling.lightSamplesPerRound, rng, rayCount);
-        const double value = luminance(round.light);
-        sum += round.light;
-        luminances += value;
-        squares += value * value;
-        contributing += round.contributing;
-        visible += round.visible;
-    }
-    const double spread = std::max(squares - luminances * luminances / rounds, 0.0);
-    return {sum / float(rounds), float(spread / (double(rounds) * (rounds - 1))),
-            visible > 0 && visible < contributing};
 }
 
 }  // namespace phat

@@ -1,4 +1,7 @@
+#include <algorithm>
+#include <array>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 #include "core/base/point_tree.h"
@@ -62,6 +65,29 @@ struct WithinSet {
     }
 };
 
+// In photon order. A radix sort by this many bits at a time; few are sorted by comparisons.
+void sortByPhoton(std::vector<PhotonIndex::Neighbor>& found) {
+    constexpr uint32_t kBits = 11, kBuckets = 1u << kBits;
+    constexpr size_t kFew = 256;
+    const auto byPhoton = [](const PhotonIndex::Neighbor& a, const PhotonIndex::Neighbor& b) {
+        return a.photon < b.photon;
+    };
+    if (found.size() < kFew) {
+        std::sort(found.begin(), found.end(), byPhoton);
+        return;
+    }
+    const uint32_t last = std::max_element(found.begin(), found.end(), byPhoton)->photon;
+    std::vector<PhotonIndex::Neighbor> sorted(found.size());
+    for (uint32_t shift = 0; shift < 32 && (last >> shift) != 0; shift += kBits) {
+        std::array<uint32_t, kBuckets> place{};
+        for (const PhotonIndex::Neighbor& each : found) ++place[(each.photon >> shift) % kBuckets];
+        std::exclusive_scan(place.begin(), place.end(), place.begin(), 0u);
+        for (const PhotonIndex::Neighbor& each : found)
+            sorted[place[(each.photon >> shift) % kBuckets]++] = each;
+        found.swap(sorted);
+    }
+}
+
 }  // namespace
 
 struct PhotonIndex::Tree {
@@ -107,8 +133,7 @@ void PhotonIndex::nearest(glm::vec3 position, uint32_t k, float maxRadiusMeters,
 void PhotonIndex::within(glm::vec3 position, float radiusMeters, std::vector<Neighbor>& out) const {
     out.clear();
     tree_->search(position, WithinSet{square(radiusMeters), out});
-    std::sort(out.begin(), out.end(),
-              [](const Neighbor& a, const Neighbor& b) { return a.photon < b.photon; });
+    sortByPhoton(out);
 }
 
 }  // namespace phat
