@@ -139,7 +139,8 @@ class AreaRounds {
 IrradianceEstimate joined(const IrradianceEstimate& first, const IrradianceEstimate& further) {
     constexpr float kAll = kFirstRounds + kFurtherRounds;
     constexpr float kFirstFraction = kFirstRounds / kAll, kFurtherFraction = kFurtherRounds / kAll;
-    return {kFirstFraction * first.value + kFurtherFraction * further.value,
+    // Of sparse rounds, the occluded samples may take away more than the others brought.
+    return {glm::max(kFirstFraction * first.value + kFurtherFraction * further.value, 0.0f),
             square(kFirstFraction) * first.variance + square(kFurtherFraction) * further.variance,
             first.partlyShadowed};
 }
