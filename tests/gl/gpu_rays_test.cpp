@@ -86,22 +86,31 @@ TEST(GpuRays, EmissionCountsOnceAndAsAreaLight) {
     }
 }
 
-// What a lobe reflects of a panel, by integration over it.
-double reflectedOf(float side, glm::vec3 middle, float radiance, float roughness) {
-    const glm::vec3 floorPoint(0.1f, 0, 0);
+/// A parallelogram of one radiance.
+struct Panel {
+    glm::vec3 corner, u, v;
+    float radiance;
+};
+
+// What the lobe of a white metal floor at `at` reflects of a panel, by integration over it.
+double reflectedOf(const Panel& panel, glm::vec3 at, glm::vec3 eye, float roughness) {
     const Frame frame = frameFromNormal({0, 1, 0});
-    const glm::vec3 towardEye = frame.toLocal(glm::normalize(glm::vec3(0, 1, 1) - floorPoint));
+    const glm::vec3 towardEye = frame.toLocal(glm::normalize(eye - at));
+    const glm::vec3 normal = glm::cross(panel.u, panel.v);  // its length is the area
     Brdf brdf;
     brdf.f0 = glm::vec3(1);
     brdf.alpha = square(roughness);
     constexpr int kSteps = 128;
     double sum = 0;
     for (int i = 0; i < kSteps * kSteps; ++i) {
-        const glm::vec2 at = (glm::vec2(i % kSteps, i / kSteps) + 0.5f) / float(kSteps) - 0.5f;
-        const glm::vec3 way = middle + side * glm::vec3(at.x, 0, at.y) - floorPoint;
-        const glm::vec3 toward = glm::normalize(way);
-        const float solidAngle = square(side / kSteps) * toward.y / glm::dot(way, way);
-        sum += double(radiance * solidAngle) * double(evaluateBrdf(brdf, towardEye, frame.toLocal(toward)).x);
+        const glm::vec2 square = (glm::vec2(i % kSteps, i / kSteps) + 0.5f) / float(kSteps);
+        const glm::vec3 way = panel.corner + square.x * panel.u + square.y * panel.v - at;
+        const float distance = glm::length(way);
+        const glm::vec3 toward = way / distance;
+        if (toward.y <= 0) continue;
+        const float solidAngle = std::abs(glm::dot(normal, toward)) / (kSteps * kSteps * distance * distance);
+        sum += double(panel.radiance * solidAngle) *
+               double(evaluateBrdf(brdf, towardEye, frame.toLocal(toward)).x);
     }
     return sum;
 }
@@ -124,9 +133,45 @@ TEST(GpuRays, LampsBringTheirShareOfTheLobe) {
         gpu.frame.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 0.2f);
         gpu.frame.samplesPerPixel = 256;
         Renderer renderer(gpu.input(), kShaderFolder);
-        const double expected = reflectedOf(c.side, glm::vec3(0, 2, 0) + shift, c.radiance, c.roughness);
+        const glm::vec3 corner = glm::vec3(-c.side / 2, 2, -c.side / 2) + shift;
+        const Panel panel{corner, {c.side, 0, 0}, {0, 0, c.side}, c.radiance};
+        const double expected = reflectedOf(panel, {0.1f, 0, 0}, {0, 1, 1}, c.roughness);
         EXPECT_NEAR(gpu.middle(renderer, Component::direct), expected, 0.03 * expected) << c.side;
     }
+}
+
+// At a grazing angle a lobe is narrow from side to side: neighbours whose lobes point elsewhere must not blur
+// a border that runs away from the eye.
+TEST(GpuRays, GrazingLobesKeepTheBordersThatTheyShow) {
+    constexpr float kRoughness = 0.3f, kFar = 2;
+    Scene scene;
+    addFloor(scene, whiteMetal(kRoughness), 8);
+    const auto addWall = [&](float left) {
+        addQuad(scene, lambert(0.5f), {left, 0, -kFar}, {4, 0, 0}, {0, 4, 0});
+    };
+    addWall(-4);  // surface 1, dark
+    addWall(0);
+    GpuWorld gpu(std::move(scene));
+    setIrradiance(gpu.world, 2, 2 * kPi);  // radiance 1
+    const glm::vec3 eye(0, 0.35f, 1.5f);
+    gpu.frame.camera = lookAtCamera(eye, {0, 0, 0}, 11);
+    gpu.frame.component = Component::glossyIndirect;
+    gpu.frame.samplesPerPixel = 64;
+    gpu.frame.filter = PixelFilter::center;
+    Renderer renderer(gpu.input(), kShaderFolder);
+    const Image image = renderer.render(gpu.frame);
+
+    const int y = image.height / 2;
+    double error = 0, mean = 0;
+    for (int x = 0; x < image.width; ++x) {
+        const glm::vec3 d = pixelDirection(gpu.frame.camera, x, y, image.width, image.height);
+        const glm::vec3 floor = eye - eye.y / d.y * d;
+        const Panel right{{0, 0, -kFar}, {4, 0, 0}, {0, 4, 0}, 1};
+        const double expected = reflectedOf(right, floor, eye, kRoughness);
+        error += std::abs(double(image.at(x, y).x) - expected);
+        mean += expected;
+    }
+    EXPECT_LT(error, 0.045 * mean);
 }
 
 // What a hit reflects sharply is the PHATexels' there: the paper's structure at the second bounce.
