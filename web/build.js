@@ -47,6 +47,7 @@ const laterRoots = [
     'pack_phatexels.frag',
     'estimate_irradiance.frag',
     'filter_irradiance.frag',
+    'bound_tiles.frag',
 ];
 const probeRoots = ['lib/probe_light.glsl'];
 

@@ -31,6 +31,7 @@ struct StoredLight {
     std::vector<std::vector<PackedPhatexel>> phatexels;  // [layer] of all sources
     std::array<std::vector<Guide>, 2> guides;            // [block] as Phatexture: indirect, area
     std::array<std::vector<glm::vec3>, 2> irradiance;    // W/m2: indirect, area lights
+    std::vector<glm::vec4> tileLight;                    // [tileY][tileX], see tileLight()
 };
 
 }  // namespace phat

@@ -216,6 +216,7 @@ LightUpdatePass createLightUpdatePass(const std::string& folder, const GpuAtlas&
     LightUpdatePass pass;
     pass.guides = createGuidePass(folder);
     pass.moved = createMovedTexelsPass(folder, bvhDefines);
+    pass.bounds = createTileBoundsPass(folder, atlas);
     pass.trace = FullscreenProgram(folder, "trace_texels.frag", bvhDefines);
     std::vector<std::string> shading = phatexelDefines(lookup);
     shading.push_back("TEXELS");

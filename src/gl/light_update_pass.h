@@ -13,6 +13,7 @@
 #include "gl/moved_texels.h"
 #include "gl/ray_pass.h"
 #include "gl/texel_points.h"
+#include "gl/tile_bounds_pass.h"
 
 namespace phat {
 
@@ -33,6 +34,7 @@ GpuLight createGpuLight(const Scene& scene, const Atlas& atlas, const TexelPoint
 struct LightUpdatePass {
     GuidePass guides;
     MovedTexelsPass moved;
+    TileBoundsPass bounds;
     FullscreenProgram trace, shade, lights, pack, compare, estimate, filterFirst, filter;
     GlTexture hits, places, codes;  // of the rays, see trace_texels.frag
     GlTexture indirect, area;       // RGBA16F: what they bring

@@ -237,6 +237,9 @@ StoredLight readLight(const GpuAtlas& gpu) {
         light.guides[source] = readGuides(gpu.sources[source]);
     for (int source = 0; source < 2; ++source)
         read(gpu.irradiance, source, GL_RGB, GL_FLOAT, light.irradiance[size_t(source)]);
+    light.tileLight.resize(count / (kTileSize * kTileSize));
+    glGetTextureImage(gpu.tileLight.name(), 0, GL_RGBA, GL_FLOAT,
+                      GLsizei(light.tileLight.size() * sizeof(glm::vec4)), light.tileLight.data());
     checkGl("reading light");
     return light;
 }

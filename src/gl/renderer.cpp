@@ -266,6 +266,15 @@ void Renderer::filterLight() {
     filterIrradiance(*state_->lightPass, *state_->light, state_->atlas);
 }
 
+void Renderer::unboundLight() {
+    unboundTiles(state_->lightPass->bounds);
+}
+
+void Renderer::boundLight() {
+    State& s = *state_;
+    boundTiles(s.lightPass->bounds, s.atlas, s.currentRayScene().brightest);
+}
+
 void Renderer::waitForLight() {
     glFinish();
 }

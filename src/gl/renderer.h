@@ -270,6 +270,10 @@ class Renderer {
     /// compares, for each of its blocks what BlockOrder::noteCheck asks for.
     std::vector<float> traceLight(const LightRound& round);
     void filterLight();
+    /// Nothing bounds what lobes receive, from a change of the light to the next boundLight().
+    void unboundLight();
+    /// By the PHATexels that there are now.
+    void boundLight();
     void waitForLight();
     /// Waits for the GPU.
     StoredLight readLight() const;

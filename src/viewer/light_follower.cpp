@@ -70,6 +70,8 @@ void LightFollower::followByBaker(ViewerState& state, bool changed, bool visible
         if (!update) return;
         update_ = std::move(*update);
         document.takeLight(update_);
+        // The baker, which updates nothing, knows the bounds of the light before alone.
+        if (state.lightEngine == LightEngine::gpu) update_.tileLight.clear();
     }
     const bool refined = update_.refined;
     state.renderer->takeUpdate(update_, kUploadSeconds);

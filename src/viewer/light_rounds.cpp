@@ -24,7 +24,10 @@ bool LightRounds::follow(ViewerState& state, bool changed) {
         state.renderer->beginLight({state.document->scene(), baked.atlas, baked.points, baked.phatexture});
         order_.emplace(baked.atlas, baked.points);
     }
-    if (changed) order_->noteChange();
+    if (changed) {
+        order_->noteChange();
+        state.renderer->unboundLight();
+    }
     if (order_->settled()) return false;
     const std::vector<BlockTurn> turns = order_->next(size_t(blocksPerFrame_), state.navigation.camera);
     const Stopwatch watch;
@@ -39,6 +42,7 @@ bool LightRounds::follow(ViewerState& state, bool changed) {
     if (unfiltered_ * kFiltersPerPass < order_->size() && !order_->settled()) return false;
     unfiltered_ = 0;
     state.renderer->filterLight();
+    if (order_->settled()) state.renderer->boundLight();
     return true;
 }
 

@@ -6,6 +6,8 @@
 
 #include "core/bake/bake.h"
 #include "core/dynamic/incremental_baker.h"
+#include "core/phatexel/radiance_bound.h"
+#include "core/scene/light_bound.h"
 #include "gl/light_turns.h"
 #include "gl/light_world.h"
 
@@ -93,6 +95,36 @@ TEST(GpuLight, ChecksTellWhatHasChanged) {
     renderer.setLights(dimmed);
     // Radiance is stored to a fivehundredth.
     for (const float change : changes(4)) EXPECT_NEAR(change, 0.5f, 0.005f);
+}
+
+// As tileLight() says of the PHATexels that the GPU has made.
+TEST(GpuLight, BoundsFollowThePhatexels) {
+    Scene scene = floorAndCeiling(lambert(0.5f), lambert(0.5f));
+    addQuad(scene, emitter(glm::vec3(7)), {-0.5f, 1.5f, -0.5f}, {1, 0, 0}, {0, 0, 1});
+    LightWorld gpu(std::move(scene));
+    Renderer renderer(gpu.input(), kShaderFolder);
+    const std::vector<glm::vec4> before = renderer.readLight().tileLight;
+    renderer.beginLight(gpu.input());
+    renderer.unboundLight();
+    const std::vector<glm::vec4> unbounded = renderer.readLight().tileLight;
+    for (uint32_t number = 1; number <= 3; ++number) renderer.traceLight(gpu.round(number));
+    renderer.boundLight();
+    const StoredLight light = renderer.readLight();
+    Phatexture made = gpu.world.phatexture;
+    made.indirect[0].texels = light.phatexels[0];
+    made.area[0].texels = light.phatexels[1];
+    const std::vector<glm::vec4> expected = tileLight(gpu.world.scene, gpu.world.atlas, made);
+    size_t changed = 0;
+    for (size_t tile = 0; tile < expected.size(); ++tile) {
+        if (gpu.world.atlas.tileChart[tile] == kNoChart) continue;
+        EXPECT_EQ(unbounded[tile], glm::vec4(glm::vec3(kUnbounded), before[tile].a));
+        // Light of both sources adds up.
+        EXPECT_GE(light.tileLight[tile].x, expected[tile].x * 0.999f);
+        EXPECT_LE(light.tileLight[tile].x, std::min(2 * expected[tile].x, 7.0f));
+        EXPECT_EQ(light.tileLight[tile].a, before[tile].a);
+        changed += light.tileLight[tile].x != before[tile].x;
+    }
+    EXPECT_GT(changed, 10u);
 }
 
 // The irradiance of a horizontal panel of radiance 1 over the origin, by integration.

@@ -1,17 +1,14 @@
 // The light of one renderer's passes, made anew while pictures are drawn.
 // twin: src/viewer/light_rounds.cpp.
 import { BlockOrder } from './block_order.js';
-import { prepareUploads } from './fixed.js';
 import { LightPrograms, LightUpdatePass, kGuided, kStored } from './light_update_pass.js';
 import { PassTimer } from './pass_timer.js';
-import { uploadTileLight } from './tables.js';
 
 // Irradiance is filtered so many times while all blocks are made once.
 const kFiltersPerPass = 4;
 // Blocks of a picture until it is known how long they take, and how many more of them the next one may have.
 const kFirstBlocks = 4,
     kMaxGrowth = 2;
-const kUnbounded = 1e30;
 
 export class LightRounds {
     // `points`: TexelPoints.
@@ -42,6 +39,7 @@ export class LightRounds {
         this.learn(light.updateMilliseconds);
         this.trace(scene, view, light);
         this.advanceFilter(light.updateMilliseconds === Infinity);
+        if (this.isSettled) this.pass.bounds.find(scene.brightest);
     }
 
     get isSettled() {
@@ -62,16 +60,11 @@ export class LightRounds {
     // From now on pictures show what is made here.
     begin() {
         const { passes } = this,
-            { gl, atlas } = passes,
-            { radianceBound, width, height } = passes.bake.atlas;
+            { gl, atlas } = passes;
         this.pass = new LightUpdatePass(passes, this.points, this.programs);
         Array.from(this.pass.filter());
         gl.deleteTexture(atlas.irradiance);
         atlas.irradiance = this.pass.irradiance;
-        // A bound of the light before would clamp what is brighter.
-        prepareUploads(gl);
-        gl.deleteTexture(atlas.tileLight);
-        atlas.tileLight = uploadTileLight(gl, radianceBound.map(() => kUnbounded), width / 8, height / 8);
     }
 
     move(motion) {
@@ -97,6 +90,7 @@ export class LightRounds {
             count = isBounded ? Math.floor(this.perPicture) : this.order.places.length,
             blocks = this.order.next(count, view);
         if (blocks.length === 0) return;
+        this.pass.bounds.forget();
         if (isBounded && !clock) this.timer.begin({ blocks: blocks.length });
         this.pass.begin();
         // First the light along the directions that there are; they follow it from then on.

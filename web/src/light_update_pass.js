@@ -12,6 +12,7 @@ import { createTable } from './tables.js';
 import { TexelBatch, batchTarget, kBatchBlocks } from './texel_batch.js';
 import { TexelCover } from './texel_cover.js';
 import { kBlockSize, shownNormals } from './texel_points.js';
+import { TileBounds } from './tile_bounds.js';
 
 // Steps of 1, 2, 4, 8 and 16 texels.
 const kFilterPasses = 5;
@@ -44,6 +45,8 @@ export class LightPrograms extends ProgramSet {
             lights: fullscreen('light_texels.frag', ofTrees),
             pack: fullscreen('pack_phatexels.frag'),
             estimate: fullscreen('estimate_irradiance.frag'),
+            brightest: fullscreen('bound_tiles.frag', ['FIRST']),
+            bounds: fullscreen('bound_tiles.frag'),
             filterFirst: fullscreen('filter_irradiance.frag', ['FIRST']),
             filter: fullscreen('filter_irradiance.frag'),
         });
@@ -74,6 +77,7 @@ export class LightUpdatePass {
         this.createTargets(atlas);
         this.cover = new TexelCover(this, points);
         this.probes = new ProbePass(this);
+        this.bounds = new TileBounds(this);
     }
 
     // What is known of the light beside what pictures are drawn from.
@@ -292,6 +296,7 @@ export class LightUpdatePass {
         this.guides.dispose();
         this.cover.dispose();
         this.probes.dispose();
+        this.bounds.dispose();
         this.set.dispose();
     }
 }

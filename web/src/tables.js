@@ -146,7 +146,7 @@ function uploadCharts(gl, charts) {
     return createTexture2D(gl, gl.RGBA32UI, kTableWidth, rows, table);
 }
 
-export function uploadTileLight(gl, radianceBound, tilesWide, tilesHigh) {
+function uploadTileLight(gl, radianceBound, tilesWide, tilesHigh) {
     const texels = new Float32Array((radianceBound.length / 3) * 4);
     for (let i = 0; i < radianceBound.length / 3; ++i)
         texels.set(radianceBound.subarray(3 * i, 3 * i + 3), 4 * i);
