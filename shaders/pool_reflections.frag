@@ -23,13 +23,13 @@ PooledLight pooledLight(ivec2 pixel, ReflectionGuide mine) {
     sum.indirect *= weights;
     sum.area *= weights;
     sum.nearness *= weights;
-    vec3 position = positionOf(mine, pixel), towardEye = -viewRay(vec2(pixel) + 0.5).direction;
+    vec3 position = positionOf(mine, pixel), squeeze = squeezeOf(mine, -viewRay(vec2(pixel) + 0.5).direction);
     ivec2 last = textureSize(lights, 0) - 1, along = (isWide ? wideStep(mine.alpha) : 1) * alongWhich;
     for (int i = -kReach; i <= kReach; ++i) {
         ivec2 p = pixel + i * along;
         if (i == 0 || p != clamp(p, ivec2(0), last)) continue;
         ReflectionGuide other = unpackGuide(texelFetch(guides, p, 0));
-        float weight = float(kReach + 1 - abs(i)) * likeness(mine, other, positionOf(other, p) - position, towardEye);
+        float weight = float(kReach + 1 - abs(i)) * likeness(mine, other, positionOf(other, p) - position, squeeze);
         if (weight <= 0.0) continue;
         PooledLight light = unpackPooledLight(texelFetch(lights, p, 0));
         weight *= light.weight;

@@ -39,10 +39,10 @@ ReflectionGuide guideAt(ivec2 pixel, vec3 position) {
 
 // How many pixels along an axis share the rays, 1 to 4: the sum of the tent times the likeness, if that falls off as it
 // does to the next pixel.
-float sharedAlong(ReflectionGuide mine, vec3 position, ivec2 pixel) {
+float sharedAlong(ReflectionGuide mine, vec3 position, vec3 squeeze, ivec2 pixel) {
     ivec2 last = textureSize(points, 0) - 1;
     vec3 there = positionAt(min(pixel, last));
-    float like = likeness(mine, guideAt(min(pixel, last), there), (there - position) / originUnitMeters, towardEyeAt(position));
+    float like = likeness(mine, guideAt(min(pixel, last), there), (there - position) / originUnitMeters, squeeze);
     float square = like * like, fourth = square * square;
     return 1.0 + 0.5 * (3.0 * like + 2.0 * fourth + fourth * fourth * like);
 }
@@ -55,7 +55,9 @@ void main() {
     if (l.weight <= 0.0 || l.alpha <= 0.0 || l.surface == 0u) return;
     vec3 position = positionAt(pixel);
     ReflectionGuide mine = guideAt(pixel, position);
-    float sharing = sharedAlong(mine, position, pixel + ivec2(1, 0)) * sharedAlong(mine, position, pixel + ivec2(0, 1));
+    vec3 squeeze = squeezeOf(mine, towardEyeAt(position));
+    float sharing = sharedAlong(mine, position, squeeze, pixel + ivec2(1, 0)) *
+                    sharedAlong(mine, position, squeeze, pixel + ivec2(0, 1));
     float wanted = min(raysPerNeighborhood * l.weight / sharing, kRaysPerAlpha * l.alpha);
     // A power of two, as the sequence of their random numbers asks for.
     mine.rays = clamp(int(exp2(ceil(log2(max(wanted, 1.0)) - 0.01))), 1, maxRays);

@@ -58,7 +58,7 @@ LightRange rangeAround(ivec2 pixel, ReflectionGuide mine, PooledLight light) {
 }
 
 // The mean light of the last frame at `place`, in pixels, as far as its lobes are like `mine`.
-PooledLight lastLight(vec2 place, ReflectionGuide mine, vec3 position, vec3 toward) {
+PooledLight lastLight(vec2 place, ReflectionGuide mine, vec3 position, vec3 squeeze) {
     PooledLight sum = PooledLight(vec3(0.0), vec3(0.0), 0.0, 0.0);
     ivec2 corner = ivec2(floor(place - 0.5)), last = textureSize(lastLights, 0) - 1;
     vec2 t = place - 0.5 - vec2(corner);
@@ -71,7 +71,7 @@ PooledLight lastLight(vec2 place, ReflectionGuide mine, vec3 position, vec3 towa
         ViewRay view = viewRayOf(lastWorldFromClip, lastEye, vec2(p) + 0.5);
         vec3 there = view.origin + view.direction * (other.eyeDistance * originUnitMeters);
         float share = (side.x == 1 ? t.x : 1.0 - t.x) * (side.y == 1 ? t.y : 1.0 - t.y) *
-                      likeness(mine, other, (there - position) / originUnitMeters, -toward);
+                      likeness(mine, other, (there - position) / originUnitMeters, squeeze);
         if (share <= 0.0) continue;
         PooledLight light = unpackPooledLight(texelFetch(lastLights, p, 0));
         float weight = share * light.weight;
@@ -94,7 +94,8 @@ PooledLight withLast(ivec2 pixel, ReflectionGuide mine, PooledLight light) {
     vec3 behind = position + view.direction / max(light.nearness, 1e-6);
     vec4 clip = lastClipFromWorld * vec4(behind, 1.0);
     if (clip.w <= 0.0) return light;
-    PooledLight before = lastLight((0.5 * clip.xy / clip.w + 0.5) * viewport, mine, position, view.direction);
+    vec2 place = (0.5 * clip.xy / clip.w + 0.5) * viewport;
+    PooledLight before = lastLight(place, mine, position, squeezeOf(mine, -view.direction));
     if (before.weight <= 0.0) return light;
     LightRange range = rangeAround(pixel, mine, light);
     before.indirect = clampTo(before.indirect, range.lowIndirect, range.highIndirect);

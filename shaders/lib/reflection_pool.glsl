@@ -13,17 +13,21 @@ int wideStep(float alpha) {
     return clamp(int(1.6 + 9.0 * alpha), 1, 4);
 }
 
-// `step`: from the lobe's position to the other's, units of length. `towardEye`: of the lobe, unit.
-float likeness(ReflectionGuide mine, ReflectionGuide other, vec3 step, vec3 towardEye) {
+// At a grazing angle a lobe is narrower from side to side: what likeness() multiplies differences by for that.
+// `towardEye`: of the lobe, unit.
+vec3 squeezeOf(ReflectionGuide mine, vec3 towardEye) {
+    vec3 across = cross(towardEye, mine.mirror);
+    float squared = min(0.5 + 0.5 * dot(towardEye, mine.mirror) + mine.alpha * mine.alpha, 1.0);
+    return across * sqrt((1.0 / squared - 1.0) / max(dot(across, across), 1e-4));
+}
+
+// `step`: from the lobe's position to the other's, units of length. `squeeze`: of `mine`.
+float likeness(ReflectionGuide mine, ReflectionGuide other, vec3 step, vec3 squeeze) {
     if (mine.surface != other.surface || mine.alpha < kMinPooledAlpha) return 0.0;
     if (max(mine.alpha, other.alpha) > kMaxAlphaRatio * min(mine.alpha, other.alpha)) return 0.0;
     step /= max(mine.distance, kMinDistance);
     step -= dot(step, mine.mirror) * mine.mirror;
     vec3 apart = (other.mirror - mine.mirror + step) / (kWidthPerAlpha * mine.alpha);
-    // At a grazing angle a lobe is narrower from side to side.
-    vec3 across = cross(towardEye, mine.mirror);
-    float squaredCosine = 0.5 + 0.5 * dot(towardEye, mine.mirror);
-    float aside = dot(apart, across);
-    aside *= aside / max(dot(across, across), 1e-4) * (1.0 / min(squaredCosine + mine.alpha * mine.alpha, 1.0) - 1.0);
-    return exp(-0.5 * (dot(apart, apart) + aside));
+    float aside = dot(apart, squeeze);
+    return exp(-0.5 * (dot(apart, apart) + aside * aside));
 }

@@ -2,6 +2,8 @@
 import { MathUtils, Vector3 } from 'three';
 
 // Metres.
+export const kWalkPerSecond = 1.4,
+    kArrived = 0.05; // so near is there
 const kBodyRadius = 0.25, // half of a narrow door's width
     kStep = 0.45, // what is lower than a seat is stepped over
     kFallPerSecond = 2,

@@ -18,7 +18,7 @@ import {
     Vector3,
 } from 'three';
 import shaders from 'phat:shaders';
-import { Body, floorAt } from './body.js';
+import { Body, floorAt, kArrived, kWalkPerSecond } from './body.js';
 import { Sticks } from './sticks.js';
 
 // None of these was tuned on a device.
@@ -27,10 +27,8 @@ const kFrameSeconds = 0.01, // of the 14 or less that a headset has
     kMinScale = 0.4; // of the sides of the headset's pictures
 const kRayMilliseconds = 1, // an eye
     kLightMilliseconds = 1;
-const kWalkPerSecond = 1.4; // metres
 const kPointerMeters = 3,
-    kStrideMeters = 0.3,
-    kArrived = 0.05;
+    kStrideMeters = 0.3;
 const up = new Vector3(0, 1, 0);
 
 // A head's heading, and how far it looks up.

@@ -7,7 +7,7 @@ const kTurnPerSecond = 1.2; // radians
 // Metres.
 const kBeforeSurface = 0.1,
     kFromWall = 0.15;
-const kLeast = 0.01; // of the scene's sphere: the nearest to the point
+const kMinDistance = 0.01; // of the scene's sphere: the nearest to the point
 const kDollyPerSecond = 0.8; // of the distance
 
 // right, up, ahead; left and upward turn
@@ -30,7 +30,7 @@ export class Orbit {
     constructor({ camera, canvas, walls, radius, meter, changed }) {
         Object.assign(this, { camera, walls, radius, meter, changed });
         this.controls = new OrbitControls(camera, canvas);
-        this.controls.minDistance = Math.min(kLeast * radius, kBeforeSurface * meter);
+        this.controls.minDistance = Math.min(kMinDistance * radius, kBeforeSurface * meter);
         this.controls.enabled = false;
         this.controls.addEventListener('change', () => {
             if (!this.controls.enabled) return;

@@ -1,20 +1,18 @@
 // Walking: the head turns by dragging, the feet stay on the floor, walls hold.
 import { Euler, MathUtils, Vector3 } from 'three';
-import { Body, floorAt } from './body.js';
+import { Body, floorAt, kArrived, kWalkPerSecond } from './body.js';
 import { kTapPixels, rayThrough } from './taps.js';
 
 // Metres.
 const kEyeHeight = 1.6,
     kLowestEye = 1, // an eye that is lower is the author's choice, and stays there
     kHighestEye = 2,
-    kWalkPerSecond = 1.4,
     kGoPerSecond = 3, // to where the floor was tapped
     kPerWheelPixel = 0.003,
     kPerPinch = 2; // for fingers that get twice as far apart
 const kTurnPerSecond = 1.2; // radians
 const kMaxPitch = 1.5;
 const kTapMilliseconds = 300;
-const kArrived = 0.05;
 
 // right, ahead; left and upward turn
 export const walkKeys = {

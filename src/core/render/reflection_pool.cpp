@@ -16,16 +16,15 @@ constexpr float kMaxOverNeighbors = 4.0f;
 // The redistributed light adds at most this fraction of the neighbours' mean at the centre: a clamp.
 constexpr float kMaxRedistributed = 1.0f;
 
-// At a grazing angle a lobe is narrower from side to side, by the cosine: what is added to the square of
-// `apart` for that. The normals of a rough surface are seen less aslant than its plane is. source: the change
-// of a mirror direction by a turn of the normal, about the axis in the plane of incidence and across it; that
+// At a grazing angle a lobe is narrower from side to side, by the cosine: what differences are multiplied by
+// for that. The normals of a rough surface are seen less aslant than its plane is. source: the change of a
+// mirror direction by a turn of the normal, about the axis in the plane of incidence and across it; that
 // roughness counts as alpha^2 is ours.
-float squeezedAside(const PooledLobe& lobe, glm::vec3 apart) {
+glm::vec3 squeezeOf(const PooledLobe& lobe) {
     const glm::vec3 across = glm::cross(lobe.towardEye, lobe.mirror);
-    const float squaredCosine = 0.5f + 0.5f * glm::dot(lobe.towardEye, lobe.mirror);
-    const float squeezed = std::min(squaredCosine + lobe.alpha * lobe.alpha, 1.0f);
-    const float aside = glm::dot(apart, across);
-    return aside * aside / std::max(glm::dot(across, across), 1e-4f) * (1.0f / squeezed - 1.0f);
+    const float squared =
+        std::min(0.5f + 0.5f * glm::dot(lobe.towardEye, lobe.mirror) + lobe.alpha * lobe.alpha, 1.0f);
+    return across * std::sqrt((1.0f / squared - 1.0f) / std::max(glm::dot(across, across), 1e-4f));
 }
 
 }  // namespace
@@ -48,7 +47,7 @@ float ReflectionPool::likeness(const PooledLobe& mine, const PooledLobe& other) 
     glm::vec3 step = (other.position - mine.position) / mine.distance;
     step -= glm::dot(step, mine.mirror) * mine.mirror;
     const glm::vec3 apart = (other.mirror - mine.mirror + step) / (kPoolWidthPerAlpha * mine.alpha);
-    return std::exp(-0.5f * (glm::dot(apart, apart) + squeezedAside(mine, apart)));
+    return std::exp(-0.5f * (glm::dot(apart, apart) + square(glm::dot(apart, squeezeOf(mine)))));
 }
 
 ReflectionPool::Steps ReflectionPool::steps(size_t i) const {

@@ -28,11 +28,12 @@ Bounds surfaceBounds(const Scene& scene, const Surface& surface) {
 
 bool meets(const Bounds& box, const Ray& ray) {
     // A zero would make infinities, whose products with zero are no numbers.
-    constexpr float kLeast = 1e-12f;
+    constexpr float kMinComponent = 1e-12f;
     float enter = 0, leave = 1e30f;
     for (int axis = 0; axis < 3; ++axis) {
         const float along = ray.direction[axis];
-        const float inverse = 1.0f / (std::abs(along) < kLeast ? std::copysign(kLeast, along) : along);
+        const float inverse =
+            1.0f / (std::abs(along) < kMinComponent ? std::copysign(kMinComponent, along) : along);
         const float a = (box.low[axis] - ray.origin[axis]) * inverse;
         const float b = (box.high[axis] - ray.origin[axis]) * inverse;
         enter = std::max(enter, std::min(a, b));
