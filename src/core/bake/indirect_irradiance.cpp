@@ -4,15 +4,11 @@
 
 #include "core/bake/gather_parts.h"
 #include "core/bake/irradiance_ray.h"
+#include "core/bake/irradiance_split.h"
 
 namespace phat {
 namespace {
 
-// Rays of a node of the finer levels, which lie closer.
-constexpr uint32_t kFineRays = 32;
-// Between nodes s texels apart the irradiance is a plane to within some (s / distance)^2 / 8: 1 %, with as
-// much again by the smoothing, where the harmonic mean distance of the hits is this many steps.
-constexpr float kSplitBelowSteps = 6.0f;
 // Bounces of a closed room of albedo .8 converge to a thousandth in thirty; the setting is mostly lower.
 constexpr float kConverged = 1e-4f;
 // Nodes that a bounce takes in the time of a ray.
@@ -63,12 +59,13 @@ struct Gatherer {
         return count;
     }
 
-    NodeRays keepRays(const IrradianceLevel& level, size_t node, uint64_t& rays) const {
-        NodeRays kept;
+    template <uint32_t kRays>
+    LinkedRays<kRays> keepRays(const IrradianceLevel& level, size_t node, uint64_t& rays) const {
+        LinkedRays<kRays> kept;
         kept.texel.fill(kNoTexel);
         kept.weight.fill(0);
         glm::vec3 weights(0), rounded(0);
-        kept.count = trace(level, node, kNodeRays, rays, [&](uint32_t i, const IrradianceRay& ray) {
+        kept.count = trace(level, node, kRays, rays, [&](uint32_t i, const IrradianceRay& ray) {
             kept.light += ray.light;
             kept.nearness += 1.0f / ray.distance;
             kept.texel[i] = ray.texel;
@@ -96,8 +93,8 @@ struct Gatherer {
     }
 };
 
-template <typename IrradianceOf>
-glm::vec3 bounced(const NodeRays& node, const IrradianceOf& irradianceOf) {
+template <uint32_t kRays, typename IrradianceOf>
+glm::vec3 bounced(const LinkedRays<kRays>& node, const IrradianceOf& irradianceOf) {
     glm::vec3 linked(0);
     for (uint32_t i = 0; i < node.count; ++i)
         if (node.texel[i] != kNoTexel) linked += unpackRgb9e5(node.weight[i]) * irradianceOf(node.texel[i]);
@@ -105,8 +102,8 @@ glm::vec3 bounced(const NodeRays& node, const IrradianceOf& irradianceOf) {
 }
 
 /// Irradiance at the nodes when the texels have that which `irradianceOf` says.
-template <typename IrradianceOf>
-std::vector<glm::vec3> bounce(const std::vector<NodeRays>& nodes, Progress& progress,
+template <uint32_t kRays, typename IrradianceOf>
+std::vector<glm::vec3> bounce(const std::vector<LinkedRays<kRays>>& nodes, Progress& progress,
                               const IrradianceOf& irradianceOf) {
     std::vector<glm::vec3> next(nodes.size());
     SilentProgress silent;
@@ -117,34 +114,61 @@ std::vector<glm::vec3> bounce(const std::vector<NodeRays>& nodes, Progress& prog
     return next;
 }
 
-/// [y][x] The node of each texel's group and piece.
-std::vector<uint32_t> nodesOfTexels(const IrradianceLevel& level, const GatherInput& input) {
-    std::vector<uint32_t> nodes(input.atlas.texelCount());
+/// The nodes that light bounces between: all of the coarsest level, and those that the level after it has.
+struct LinkedNodes {
+    std::vector<NodeRays> coarse;
+    std::vector<FineNodeRays> fine;
+
+    size_t size() const { return coarse.size() + fine.size(); }
+};
+
+/// One bounce of each level's nodes.
+template <typename IrradianceOf>
+void bounceInto(std::vector<IrradianceLevel>& levels, const LinkedNodes& nodes, Progress& progress,
+                const IrradianceOf& irradianceOf) {
+    std::vector<glm::vec3> coarse = bounce(nodes.coarse, progress, irradianceOf);
+    if (levels.size() > 1) levels[1].value = bounce(nodes.fine, progress, irradianceOf);
+    levels[0].value = std::move(coarse);
+}
+
+/// Of a texel's piece and group: its finest node.
+struct NodeOfTexel {
+    uint32_t level = 0, node = kNoNode;
+};
+
+/// [y][x]
+std::vector<NodeOfTexel> nodesOfTexels(const std::vector<IrradianceLevel>& levels, const GatherInput& input) {
+    std::vector<NodeOfTexel> nodes(input.atlas.texelCount());
     SilentProgress silent;
     parallelRanges(nodes.size(), 4096, silent, [&](size_t begin, size_t end) {
         for (size_t texel = begin; texel < end; ++texel)
-            nodes[texel] = level.nodeOf(input.atlas, input.points, uint32_t(texel));
+            for (uint32_t level = 0; level < levels.size(); ++level) {
+                const uint32_t node = levels[level].nodeOf(input.atlas, input.points, uint32_t(texel));
+                if (node != kNoNode) nodes[texel] = {level, node};
+            }
     });
     return nodes;
 }
 
-/// Light bounces between the nodes of the coarsest level, each hit taking that of the node of its group and
-/// piece, until nothing changes or all bounces are used up.
-ResumableTask solve(IrradianceLevel& level, const std::vector<NodeRays>& nodes, const GatherInput& input,
+/// Light bounces between the nodes, each hit taking that of the finest node of its group and piece, until
+/// nothing changes or all bounces are used up.
+ResumableTask solve(std::vector<IrradianceLevel>& levels, const LinkedNodes& nodes, const GatherInput& input,
                     int bounces, Progress& progress) {
-    level.value.assign(nodes.size(), glm::vec3(0));
-    const std::vector<uint32_t> nodeOf = nodesOfTexels(level, input);
+    for (IrradianceLevel& level : levels) level.value.assign(level.texel.size(), glm::vec3(0));
+    const std::vector<NodeOfTexel> nodeOf = nodesOfTexels(levels, input);
+    std::vector<std::vector<glm::vec3>> value(levels.size());
     for (int i = 0; i < bounces; ++i) {
-        std::vector<glm::vec3> next = bounce(nodes, progress, [&](uint32_t texel) {
-            const uint32_t node = nodeOf[texel];
-            return node != kNoNode ? level.value[node] : glm::vec3(0);
+        for (size_t level = 0; level < levels.size(); ++level) value[level] = levels[level].value;
+        bounceInto(levels, nodes, progress, [&](uint32_t texel) {
+            const NodeOfTexel at = nodeOf[texel];
+            return at.node != kNoNode ? value[at.level][at.node] : glm::vec3(0);
         });
         float change = 0, largest = 0;
-        for (size_t n = 0; n < next.size(); ++n) {
-            change = std::max(change, maxComponent(next[n] - level.value[n]));
-            largest = std::max(largest, maxComponent(next[n]));
-        }
-        level.value = std::move(next);
+        for (size_t level = 0; level < levels.size(); ++level)
+            for (size_t n = 0; n < value[level].size(); ++n) {
+                change = std::max(change, maxComponent(levels[level].value[n] - value[level][n]));
+                largest = std::max(largest, maxComponent(levels[level].value[n]));
+            }
         co_yield nodes.size() / kNodesARay;
         if (change <= kConverged * largest) break;
     }
@@ -158,69 +182,55 @@ void setDistances(IrradianceLevel& level, const Atlas& atlas, const std::vector<
     }
 }
 
-/// Whether one of a group's nodes or of its neighbours in the same chart has a small harmonic mean distance.
-std::vector<uint8_t> groupsToSplit(const IrradianceLevel& level, const Atlas& atlas) {
-    const glm::ivec2 size(level.size);
-    std::vector<uint8_t> split(level.node.size(), 0);
-    for (int y = 0; y < size.y; ++y)
-        for (int x = 0; x < size.x; ++x) {
-            const uint32_t chart = atlas.chartAt(glm::uvec2(x, y) * level.step);
-            for (int i = 0; i < 9 && chart != kNoChart; ++i) {
-                const glm::ivec2 p =
-                    glm::clamp(glm::ivec2(x, y) + glm::ivec2(i % 3 - 1, i / 3 - 1), glm::ivec2(0), size - 1);
-                if (atlas.chartAt(glm::uvec2(p) * level.step) != chart) continue;
-                for (uint32_t n = level.node[size_t(p.y) * size.x + p.x]; n != kNoNode; n = level.next[n])
-                    if (level.distanceTexels[n] < kSplitBelowSteps * float(level.step))
-                        split[size_t(y) * size.x + x] = 1;
-            }
-        }
-    return split;
+/// Fills `results` of a level's nodes by traceOne(node, rays).
+template <typename Value, typename TraceOne>
+ResumableTask traceLevel(const GatherContext& context, const IrradianceLevel& level,
+                         std::vector<Value>& results, TraceOne traceOne) {
+    results.resize(level.texel.size());
+    const size_t most = itemsPerSlice(context.sliceWork, kFineRays);
+    if (results.size() <= most) {
+        const ProgressStage stage(context.progress, "diffuse contacts", results.size());
+        const uint64_t before = context.rayCount;
+        fillParts(results, hashOf(uint64_t(GatherStage::indirectIrradiance), level.step), context,
+                  [&](size_t node, uint64_t& rays) { results[node] = traceOne(node, rays); });
+        co_yield context.rayCount - before;
+        co_return;
+    }
+    SilentProgress silent;
+    for (size_t first = 0, last = 0; first < results.size(); first = last) {
+        last = first + std::min(most, results.size() - first);
+        std::atomic<uint64_t> sliceRays = 0;
+        parallelRanges(last - first, 32, silent, [&](size_t begin, size_t end) {
+            uint64_t rays = 0;
+            for (size_t node = first + begin; node < first + end; ++node)
+                results[node] = traceOne(node, rays);
+            sliceRays += rays;
+        });
+        context.rayCount += sliceRays;
+        co_yield sliceRays.load();
+    }
+}
+
+template <typename Nodes>
+std::vector<float> nearnessOf(const Nodes& nodes) {
+    std::vector<float> nearness;
+    for (const auto& node : nodes) nearness.push_back(node.nearness);
+    return nearness;
 }
 
 /// Appends a finer level to `levels`, gathered in the light of `map`.
 ResumableTask refine(const GatherContext& context, const Gatherer& gatherer,
                      std::vector<IrradianceLevel>& levels, uint32_t step, const IrradianceMap& map,
                      const ChartSet& charts) {
-    const Atlas& atlas = context.input.atlas;
-    const IrradianceLevel& coarse = levels.back();
-    const std::vector<uint8_t> split = groupsToSplit(coarse, atlas);
-    const uint32_t ratio = coarse.step / step;
-    IrradianceLevel level = makeLevel(context.input.receivers(), step, [&](glm::uvec2 group) {
-        const glm::uvec2 around = group / ratio;
-        const size_t index = size_t(around.y) * coarse.size.x + around.x;
-        return coarse.node[index] != kNoNode && split[index] != 0 &&
-               hasChart(charts, atlas.chartAt(group * step));
-    });
-    std::vector<NodeSum> sums(level.texel.size());
-    const auto sumOf = [&](size_t node, uint64_t& rays) {
-        sums[node] = gatherer.sumRays(level, node, map, rays);
-    };
-    const size_t most = itemsPerSlice(context.sliceWork, kFineRays);
-    if (sums.size() <= most) {
-        const ProgressStage stage(context.progress, "diffuse contacts", sums.size());
-        const uint64_t before = context.rayCount;
-        fillParts(sums, hashOf(uint64_t(GatherStage::indirectIrradiance), step), context, sumOf);
-        co_yield context.rayCount - before;
-    } else {
-        SilentProgress silent;
-        for (size_t first = 0, last = 0; first < sums.size(); first = last) {
-            last = first + std::min(most, sums.size() - first);
-            std::atomic<uint64_t> sliceRays = 0;
-            parallelRanges(last - first, 32, silent, [&](size_t begin, size_t end) {
-                uint64_t rays = 0;
-                for (size_t node = first + begin; node < first + end; ++node) sumOf(node, rays);
-                sliceRays += rays;
-            });
-            context.rayCount += sliceRays;
-            co_yield sliceRays.load();
-        }
-    }
-    std::vector<float> nearness;
-    for (const NodeSum& sum : sums) {
-        level.value.push_back(sum.irradiance);
-        nearness.push_back(sum.nearness);
-    }
-    setDistances(level, atlas, nearness);
+    IrradianceLevel level = finerLevel(context.input.receivers(), levels.back(), step, map, charts);
+    std::vector<NodeSum> sums;
+    for (ResumableTask task =
+             traceLevel(context, level, sums,
+                        [&](size_t node, uint64_t&rays) { return gatherer.sumRays(level, node, map, rays); });
+         task.next();)
+        co_yield task.work();
+    for (const NodeSum& sum : sums) level.value.push_back(sum.irradiance);
+    setDistances(level, context.input.atlas, nearnessOf(sums));
     levels.push_back(std::move(level));
 }
 
@@ -232,41 +242,49 @@ IrradianceLevel coarseLevel(const GatherInput& input) {
 
 NodeRays traceNode(const GatherInput& input, const std::vector<uint32_t>& areaIrradiance,
                    const BakeSettings& settings, const IrradianceLevel& level, size_t node, uint64_t& rays) {
-    return Gatherer{input, areaIrradiance, settings}.keepRays(level, node, rays);
+    return Gatherer{input, areaIrradiance, settings}.keepRays<kNodeRays>(level, node, rays);
 }
 
 ResumableTask irradianceFromNodes(GatherContext context, const std::vector<uint32_t>& areaIrradiance,
-                                  IrradianceLevel coarse, std::vector<NodeRays> nodes, IrradianceMap& map) {
+                                  IrradianceLevel coarse, std::vector<NodeRays> coarseNodes,
+                                  IrradianceMap& map) {
     const Atlas& atlas = context.input.atlas;
     const TexelPoints& points = context.input.points;
     const Gatherer gatherer{context.input, areaIrradiance, context.settings};
     const ChartSet all;
-    std::vector<float> nearness;
-    for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
-    setDistances(coarse, atlas, nearness);
-    for (ResumableTask task =
-             solve(coarse, nodes, context.input, context.settings.maxBounces - 1, context.progress);
-         task.next();)
-        co_yield task.work();
-
+    LinkedNodes nodes{std::move(coarseNodes), {}};
     std::vector<IrradianceLevel> levels;
-    levels.push_back(std::move(coarse));
     IrradianceMap lit;
-    for (ResumableTask task = interpolateLevels(levels, atlas, points, all, lit, context.sliceWork);
+    const auto interpolate = [&](IrradianceMap& target) {
+        return interpolateLevels(levels, atlas, points, all, target, context.sliceWork);
+    };
+    const auto solveInto = [&]() {
+        return solve(levels, nodes, context.input, context.settings.maxBounces - 1, context.progress);
+    };
+    setDistances(coarse, atlas, nearnessOf(nodes.coarse));
+    levels.push_back(std::move(coarse));
+    for (ResumableTask task = solveInto(); task.next();) co_yield task.work();
+    for (ResumableTask task = interpolate(lit); task.next();) co_yield task.work();
+
+    // Between surfaces that are close to each other light bounces often, and would spread along them by as
+    // much as the coarsest nodes are apart, each time.
+    IrradianceLevel fine = finerLevel(context.input.receivers(), levels[0], kLevelSteps[1], lit, all);
+    for (ResumableTask task = traceLevel(
+             context, fine, nodes.fine,
+             [&](size_t node, uint64_t&rays) { return gatherer.keepRays<kFineRays>(fine, node, rays); });
          task.next();)
         co_yield task.work();
+    setDistances(fine, atlas, nearnessOf(nodes.fine));
+    levels.push_back(std::move(fine));
+    for (ResumableTask task = solveInto(); task.next();) co_yield task.work();
+    for (ResumableTask task = interpolate(lit); task.next();) co_yield task.work();
     // The last bounce takes the irradiance of the very texel that is hit.
-    levels[0].value = bounce(nodes, context.progress, [&](uint32_t texel) { return lit[texel]; });
+    bounceInto(levels, nodes, context.progress, [&](uint32_t texel) { return lit[texel]; });
     nodes = {};
-    for (ResumableTask task = interpolateLevels(levels, atlas, points, all, lit, context.sliceWork);
-         task.next();)
+    for (ResumableTask task = interpolate(lit); task.next();) co_yield task.work();
+    for (ResumableTask task = refine(context, gatherer, levels, kLevelSteps[2], lit, all); task.next();)
         co_yield task.work();
-    for (size_t i = 1; i < std::size(kLevelSteps); ++i)
-        for (ResumableTask task = refine(context, gatherer, levels, kLevelSteps[i], lit, all); task.next();)
-            co_yield task.work();
-    for (ResumableTask task = interpolateLevels(levels, atlas, points, all, map, context.sliceWork);
-         task.next();)
-        co_yield task.work();
+    for (ResumableTask task = interpolate(map); task.next();) co_yield task.work();
 }
 
 ResumableTask irradianceOfCharts(GatherContext context, TexelIrradiance irradiance, IrradianceLevel coarse,
@@ -276,9 +294,7 @@ ResumableTask irradianceOfCharts(GatherContext context, TexelIrradiance irradian
     const TexelPoints& points = context.input.points;
     const Gatherer gatherer{context.input, irradiance.area, context.settings};
     const auto before = [&](size_t texel) { return unpackRgb9e5(irradiance.indirect[texel]); };
-    std::vector<float> nearness;
-    for (const NodeRays& node : nodes) nearness.push_back(node.nearness);
-    setDistances(coarse, atlas, nearness);
+    setDistances(coarse, atlas, nearnessOf(nodes));
     coarse.value.assign(nodes.size(), glm::vec3(0));
     for (size_t n = 0; n < nodes.size(); ++n)
         if (hasChart(charts, atlas.chartAt(size_t(coarse.texel[n]))))

@@ -11,20 +11,24 @@
 
 namespace phat {
 
-// Rays of a node of the coarsest level.
-inline constexpr uint32_t kNodeRays = 64;
+// Rays of a node of the coarsest level, and of one of the finer levels.
+inline constexpr uint32_t kNodeRays = 64, kFineRays = 32;
 
 /// A node's rays: their direct light, and the texels in whose irradiance they end.
-struct NodeRays {
+template <uint32_t kRays>
+struct LinkedRays {
     glm::vec3 light{0};  // sum over the rays
     float nearness = 0;  // mean of 1 / metres
     uint32_t count = 0;  // rays above the surface
-    std::array<uint32_t, kNodeRays> texel;
-    std::array<uint32_t, kNodeRays> weight;  // RGB9E5
+    std::array<uint32_t, kRays> texel;
+    std::array<uint32_t, kRays> weight;  // RGB9E5
     /// Sum of the weights over that of the rounded ones: where all walls are white, weights are alike and are
     /// rounded alike, and a thousandth more of each reflection is a fiftieth more of all.
     glm::vec3 unrounded{1};
 };
+using NodeRays = LinkedRays<kNodeRays>;
+/// Of a node of the finer levels, which lie closer.
+using FineNodeRays = LinkedRays<kFineRays>;
 
 /// The nodes of the coarsest level.
 IrradianceLevel coarseLevel(const GatherInput& input);

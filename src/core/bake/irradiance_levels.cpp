@@ -115,7 +115,7 @@ class Interpolator {
     glm::vec3 smoothed(size_t level, uint32_t node, const PerNode<float>& noiseOfNodes) const {
         const float narrowest = kMinRadiusSteps * stepOf(level), wide = widestRadius(level);
         const std::vector<Neighbor> neighbors = neighborsOf(levels_[level].texel[node], wide);
-        const float noise = meanNoise(neighbors, wide, noiseOfNodes);
+        const float noise = noiseAt(neighbors, {narrowest, wide}, noiseOfNodes);
         float distance = 0;
         for (const Neighbor& near : neighbors)
             distance = std::max(distance, levels_[near.level].distanceTexels[near.node]);
@@ -178,14 +178,20 @@ class Interpolator {
     void redistribute(size_t level, uint32_t node, glm::vec3 excess) {
         const float radius = widestRadius(level);
         float area = 0;  // texels, by weight
+        bool split = false;
         around(levels_[level].texel[node], radius, [&](const Neighbor& near, float weight, glm::vec2) {
-            if (!near.split) area += weight * square(stepOf(near.level));
+            area += weight * texelsOf(near);
+            if (near.level == level && near.node == node) split = near.split;
         });
-        const glm::vec3 perTexel = excess * square(stepOf(level)) / area;
+        const glm::vec3 perTexel = excess * texelsOf({uint32_t(level), node, {}, 1.0f, split}) / area;
         values_[level][node] -= excess;
         around(levels_[level].texel[node], radius, [&](const Neighbor& near, float weight, glm::vec2) {
             values_[near.level][near.node] += weight * perTexel;
         });
+    }
+    /// For how many a node stands: with finer nodes in its group, for as many as each of these.
+    float texelsOf(const Neighbor& node) const {
+        return square(stepOf(node.level)) * (node.split ? 0.2f : 1.0f);
     }
 
     /// Variance of the values around a node: the mean over the neighbourhood. By its own estimate a node that
@@ -198,6 +204,23 @@ class Interpolator {
                 weights += weight;
             });
         return sum / weights;
+    }
+
+    /// The same in proportion to the light, as noise mostly is, if that is less: what nodes in a bright gap
+    /// have would let everything beside it pass for noise. radii: the narrowest, the widest.
+    float noiseAt(const std::vector<Neighbor>& neighbors, glm::vec2 radii,
+                  const PerNode<float>& noise) const {
+        const float light = luminance(fitWithin(neighbors, radii.x).atOrigin().value);
+        float relative = 0, weights = 0;
+        for (const Neighbor& each : neighbors)
+            visitWithin(radii.y, each, [&](const Neighbor& near, float weight, glm::vec2) {
+                const float other = luminance(values_[near.level][near.node]);
+                if (other <= 0.0f) return;
+                relative += weight * noise[near.level][near.node] / square(other);
+                weights += weight;
+            });
+        const float mean = meanNoise(neighbors, radii.y, noise);
+        return weights > 0.0f ? std::min(mean, square(light) * relative / weights) : mean;
     }
 
     uint32_t nodeAt(size_t level, uint32_t texel) const {

@@ -11,8 +11,8 @@
 #include <set>
 
 #include "core/render/lobe_gather.h"
-#include "core/transport/path.h"
 #include "support/scene_builder.h"
+#include "support/traced_irradiance.h"
 
 namespace phat {
 namespace {
@@ -131,27 +131,6 @@ TEST(Bake, FurnaceIsEvenlyLitInItsCorners) {
         EXPECT_GT(irradiance.low, 0.99) << texels;
         EXPECT_LT(irradiance.high, 1.01) << texels;
     }
-}
-
-// The mean over paths from a texel, and its standard error.
-std::pair<double, double> tracedIrradiance(const RayScene& rays, const LightSampler& lights,
-                                           glm::vec3 position, glm::vec3 normal, int count) {
-    const Frame frame = frameFromNormal(normal);
-    const glm::vec3 origin = rays.offsetOrigin(position, normal);
-    Rng rng(7);
-    double sum = 0, squares = 0;
-    for (int i = 0; i < count; ++i) {
-        const glm::vec2 square((float(i) + rng.uniform()) / float(count), rng.uniform());
-        const glm::vec3 direction = glm::normalize(frame.toWorld(squareToCosineHemisphere(square)));
-        const PathSettings path{.pathsPerHit = 1, .maxBounces = 12};
-        const double value =
-            double(kPi) *
-            luminance(traceIncident({rays, lights}, {origin, direction}, path, Rng(rng.bits())).reflected);
-        sum += value;
-        squares += value * value;
-    }
-    const double mean = sum / count;
-    return {mean, std::sqrt(std::max(squares / count - mean * mean, 0.0) / count)};
 }
 
 // Against paths, in a room with a lamp, a point light, a metal wall and a box on the floor: at texels

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/atlas/atlas_shapes.h"
+#include "core/bake/irradiance_split.h"
 #include "support/scene_builder.h"
 
 namespace phat {
@@ -75,6 +76,25 @@ TEST(IrradianceLevels, BrightRegionsStay) {
     EXPECT_NEAR(
         (*std::max_element(map.begin(), map.end(), [](glm::vec3 a, glm::vec3 b) { return a.x < b.x; })).x, 5,
         0.5);
+}
+
+// At an edge of light, far from all other surfaces, there are finer nodes; where light is even there are
+// none.
+TEST(IrradianceLevels, EdgesOfLightHaveFinerNodes) {
+    const Floor floor;
+    const std::vector<uint8_t> receives = irradianceTexels(floor.atlas, floor.points);
+    const uint32_t edge = floor.atlas.sizeTexels.x / 2;
+    const auto finerAtALightOf = [&](float light) {
+        IrradianceMap map(floor.atlas.texelCount(), glm::vec3(1));
+        for (size_t i = 0; i < map.size(); ++i)
+            if (i % floor.atlas.sizeTexels.x >= edge) map[i] = glm::vec3(light);
+        return finerLevel({floor.atlas, floor.points, receives}, floor.level, kLevelSteps[1], map, {});
+    };
+    EXPECT_TRUE(finerAtALightOf(1.3f).texel.empty());
+    const IrradianceLevel finer = finerAtALightOf(2);
+    EXPECT_GT(finer.texel.size(), 50u);
+    for (const uint32_t texel : finer.texel)
+        EXPECT_LE(std::abs(int(texel % floor.atlas.sizeTexels.x) - int(edge)), int(2 * kLevelSteps[0]));
 }
 
 /// Small boxes, each a surface, whose faces share charts.
