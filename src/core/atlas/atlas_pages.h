@@ -1,0 +1,33 @@
+#pragma once
+// An atlas as several textures of a limited size, for renderers that take no larger ones.
+
+#include "core/atlas/atlas.h"
+#include "core/atlas/surface_part.h"
+
+namespace phat {
+
+/// Charts move by whole tiles, so that every texel keeps its value and its place among its chart's texels.
+struct AtlasPages {
+    struct Place {
+        uint32_t page = 0;
+        glm::uvec2 originTile{0};
+    };
+    uint32_t count = 1;
+    glm::uvec2 sizeTexels{0};  // of every page
+    std::vector<Place> place;  // per chart
+};
+
+/// One page, the atlas as it is, where its sides are at most `maxSideTexels`. Throws std::runtime_error where
+/// a chart alone is larger than that: it is neither cut nor made coarser.
+AtlasPages pagesOf(const Atlas& atlas, uint32_t maxSideTexels);
+
+/// The texels of one page, [y][x], of an array of [y][x] of the atlas; 0 where the page has no chart.
+std::vector<glm::vec3> texelsOfPage(const std::vector<glm::vec3>& texels, const Atlas& atlas,
+                                    const AtlasPages& pages, uint32_t page);
+
+/// For each surface its triangles by page, with texture coordinates in that page. Both sides of double-sided
+/// triangles that have texels on both are parts, too. Degenerate triangles go with the surface's first part.
+std::vector<std::vector<SurfacePart>> surfaceParts(const Scene& scene, const Atlas& atlas,
+                                                   const AtlasPages& pages);
+
+}  // namespace phat
