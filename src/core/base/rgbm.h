@@ -14,7 +14,7 @@ inline float rgbmRange(float largest) {
     return largest > 0 ? std::sqrt(largest) : 1.0f;
 }
 
-/// value = (range * a * rgb)^2, all of them in [0, 1]. The largest channel is off by at most 1/255 of itself
+/// value = (range * a * rgb)^2, all of them in [0, 1]. The largest channel is off by at most 1/250 of itself
 /// for a above 1/2, others by more. pre: 0 <= value, whose root is at most `range`.
 inline glm::u8vec4 encodeRgbm(glm::vec3 value, float range) {
     const glm::vec3 root = glm::sqrt(value) / range;
