@@ -55,6 +55,10 @@ void declareLightmap(CLI::App& command, LightmapOptions& options) {
         ->check(CLI::Range(kMinPageSize, kMaxPageSize))
         ->capture_default_str()
         ->needs(lightmap);
+    command
+        .add_flag("--directional", options.directional,
+                  "--lightmap: also where the light comes from, for normal maps")
+        ->needs(lightmap);
     command.add_flag("--quiet", options.quiet, "Say nothing")->needs(lightmap);
 }
 
@@ -64,11 +68,12 @@ void exportLightmap(const LightmapOptions& options, const GltfSource& source, co
     std::vector<std::string> notes;
     try {
         const AtlasPages pages = pagesOf(baked.atlas, options.pageSize);
-        const std::vector<std::string> names = lightmapFileNames(stem, pages);
+        const LightmapExport what{source, baked, pages, stem, options.light, options.directional};
+        const std::vector<std::string> names = lightmapFileNames(what);
         OwnedFolder folder(kLightmapFolder, options.folder, source.path, {names.begin(), names.end()});
         catchInterrupts();
         ProgressBar progress(progressStyle(options.quiet), {});
-        files = lightmapFiles({source, baked, pages, stem, options.light}, progress, notes);
+        files = lightmapFiles(what, progress, notes);
         std::vector<OutputFile> output;
         for (const LightmapFile& file : files) output.push_back({file.name, file.bytes});
         folder.write(output);

@@ -11,6 +11,7 @@ namespace phat {
 struct LightmapOptions {
     std::string folder;  // empty: no lightmap
     LightmapLight light = LightmapLight::area;
+    bool directional = false;
     uint32_t pageSize = 4096;  // texels of a side, at most
     bool quiet = false;
 };

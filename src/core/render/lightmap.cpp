@@ -5,6 +5,7 @@
 #include "core/atlas/chart_fill.h"
 #include "core/atlas/dilate.h"
 #include "core/bake/irradiance.h"
+#include "core/render/directional_lightmap.h"
 #include "core/render/punctual_irradiance.h"
 
 namespace phat {
@@ -23,19 +24,35 @@ std::vector<uint8_t> filledTexels(const Atlas& atlas, const TexelPoints& points)
     return known;
 }
 
+void addPunctual(const LightmapInput& input, Lightmap& lightmap, Progress& progress) {
+    std::optional<IrradianceTerms> terms;
+    if (lightmap.byNormal) terms.emplace(input.atlas.texelCount());
+    const std::vector<glm::vec3> irradiance =
+        punctualIrradiance(input.scene, input.atlas, input.points, progress, terms ? &*terms : nullptr);
+    for (size_t i = 0; i < irradiance.size(); ++i) lightmap.irradiance[i] += irradiance[i];
+    if (terms) addScaled(*terms, irradiance, input.points, *lightmap.byNormal);
+}
+
 }  // namespace
 
-std::vector<glm::vec3> lightmapOf(const LitScene& scene, const Atlas& atlas, const TexelPoints& points,
-                                  const Phatexture& phatexture, LightmapLight light, Progress& progress) {
-    std::vector<glm::vec3> irradiance(atlas.texelCount(), glm::vec3(0));
-    addPacked(irradiance, phatexture.indirectIrradiance);
-    if (light != LightmapLight::indirect) addPacked(irradiance, phatexture.areaIrradiance);
-    if (light == LightmapLight::all && scene.lights.hasPunctual()) {
-        const std::vector<glm::vec3> punctual = punctualIrradiance(scene, atlas, points, progress);
-        for (size_t i = 0; i < irradiance.size(); ++i) irradiance[i] += punctual[i];
-    }
-    dilateWithinCharts(irradiance, filledTexels(atlas, points), atlas);
-    return irradiance;
+Lightmap lightmapOf(const LightmapInput& input, LightmapLight light, bool byNormal, Progress& progress) {
+    const auto& [scene, atlas, points, phatexture] = input;
+    Lightmap lightmap;
+    lightmap.irradiance.assign(atlas.texelCount(), glm::vec3(0));
+    if (byNormal) lightmap.byNormal.emplace(atlas.texelCount());
+    const auto add = [&](const BakedSource& source) {
+        addPacked(lightmap.irradiance, source.irradiance);
+        if (byNormal) addDirections(source, atlas, points, *lightmap.byNormal);
+    };
+    add({phatexture.indirect, phatexture.indirectGuides, phatexture.indirectIrradiance});
+    if (light != LightmapLight::indirect)
+        add({phatexture.area, phatexture.areaGuides, phatexture.areaIrradiance});
+    if (light == LightmapLight::all && scene.lights.hasPunctual()) addPunctual(input, lightmap, progress);
+    const std::vector<uint8_t> known = filledTexels(atlas, points);
+    dilateWithinCharts(lightmap.irradiance, known, atlas);
+    if (byNormal)
+        for (std::vector<glm::vec3>& term : lightmap.byNormal->term) dilateWithinCharts(term, known, atlas);
+    return lightmap;
 }
 
 }  // namespace phat

@@ -1,9 +1,12 @@
 #pragma once
 // Irradiance of a bake as renderers read it that know nothing of PHATexels.
 
+#include <optional>
+
 #include "core/atlas/atlas.h"
 #include "core/base/progress.h"
 #include "core/phatexel/phatexture.h"
+#include "core/render/irradiance_terms.h"
 #include "core/scene/lit_scene.h"
 
 namespace phat {
@@ -15,9 +18,20 @@ enum class LightmapLight : uint8_t {
     all,       // straight from punctual lights
 };
 
-/// Irradiance, W/m2, [y][x] of the atlas. Every texel of a chart's tiles has the value of the nearest one
-/// that is known. `scene`: asked for rays by LightmapLight::all alone.
-std::vector<glm::vec3> lightmapOf(const LitScene& scene, const Atlas& atlas, const TexelPoints& points,
-                                  const Phatexture& phatexture, LightmapLight light, Progress& progress);
+/// What a lightmap is made of. All outlive it.
+struct LightmapInput {
+    LitScene scene;  // asked for rays by LightmapLight::all alone
+    const Atlas& atlas;
+    const TexelPoints& points;
+    const Phatexture& phatexture;
+};
+
+/// Every texel of a chart's tiles has the values of the nearest one that is known.
+struct Lightmap {
+    std::vector<glm::vec3> irradiance;  // W/m2, [y][x] of the atlas
+    /// If asked for: the same of any normal. That of a texel's own normal is `irradiance`.
+    std::optional<IrradianceTerms> byNormal;
+};
+Lightmap lightmapOf(const LightmapInput& input, LightmapLight light, bool byNormal, Progress& progress);
 
 }  // namespace phat

@@ -1,6 +1,7 @@
 #include "core/render/punctual_irradiance.h"
 
 #include "core/atlas/chart_fill.h"
+#include "core/atlas/dilate.h"
 #include "core/base/parallel.h"
 #include "core/base/random.h"
 #include "core/base/sobol.h"
@@ -21,25 +22,27 @@ struct Receiver {
     glm::vec3 position, normal, flatNormal;  // normals on the lit side
 };
 
-// `onDisc`: the point on lights that are discs.
-glm::vec3 irradianceAt(const LitScene& scene, const Receiver& at, glm::vec2 onDisc) {
-    glm::vec3 sum(0);
+// Calls visit(direction, irradiance of a plane that faces it) for the light that arrives. `onDisc`: the point
+// on lights that are discs.
+template <class Visit>
+void forEachLight(const LitScene& scene, const Receiver& at, glm::vec2 onDisc, const Visit& visit) {
     const glm::vec3 origin = scene.rays.offsetOrigin(at.position, at.flatNormal);
     uint64_t rayCount = 0;
     for (size_t i = 0; i < scene.rays.scene().lights.size(); ++i) {
         const LightSample light = scene.lights.samplePunctual(i, at.position, onDisc);
-        const float cosine = glm::dot(at.normal, light.towardLight);
-        if (!(light.pdf > 0) || cosine <= 0 || glm::dot(at.flatNormal, light.towardLight) <= 0) continue;
-        sum +=
-            cosine * light.radiance * transmittanceToLight(scene.rays, at.position, origin, light, rayCount);
+        if (!(light.pdf > 0) || glm::dot(at.normal, light.towardLight) <= 0 ||
+            glm::dot(at.flatNormal, light.towardLight) <= 0)
+            continue;
+        visit(light.towardLight,
+              light.radiance * transmittanceToLight(scene.rays, at.position, origin, light, rayCount));
     }
-    return sum;
 }
 
 }  // namespace
 
 std::vector<glm::vec3> punctualIrradiance(const LitScene& scene, const Atlas& atlas,
-                                          const TexelPoints& points, Progress& progress) {
+                                          const TexelPoints& points, Progress& progress,
+                                          IrradianceTerms* terms) {
     constexpr uint64_t kSeed = 0x70756e6374;
     const size_t count = atlas.texelCount();
     std::vector<glm::vec3> sum(count, glm::vec3(0));
@@ -56,13 +59,18 @@ std::vector<glm::vec3> punctualIrradiance(const LitScene& scene, const Atlas& at
                 const Receiver at{aside.position[i], aside.normal[i],
                                   flatNormalOf(scene.rays.scene(), atlas, aside, i)};
                 const glm::vec2 onDisc(sobol4(sample, uint32_t(hashOf(kSeed, i))));
-                sum[i] += irradianceAt(scene, at, onDisc);
+                forEachLight(scene, at, onDisc, [&](glm::vec3 direction, glm::vec3 arriving) {
+                    sum[i] += glm::dot(at.normal, direction) * arriving;
+                    if (terms) terms->addLight(i, direction, arriving);
+                });
                 ++found[i];
             }
         });
     }
     for (size_t i = 0; i < count; ++i)
         if (found[i] > 0) sum[i] /= float(found[i]);
+    if (terms)
+        for (std::vector<glm::vec3>& term : terms->term) dilateWithinCharts(term, found, atlas);
     fillWithinCharts(sum, found, atlas, points);
     return sum;
 }

@@ -16,12 +16,12 @@ using nlohmann::json;
 
 constexpr const char* kDescription = "lightmap.json";
 
-std::string exrName(uint32_t page) {
-    return fmt::format("lightmap-{}.exr", page);
-}
-
-std::string rgbmName(uint32_t page) {
-    return fmt::format("lightmap-{}.png", page);
+// Files of a page, by what lightmap.json calls them.
+std::map<std::string, std::string> pageNames(const LightmapExport& what, uint32_t page) {
+    const std::string stem = fmt::format("lightmap-{}", page);
+    std::map<std::string, std::string> names{{"exr", stem + ".exr"}, {"rgbm", stem + ".png"}};
+    if (what.directional) names.insert({{"sh", stem + "-sh.exr"}, {"direction", stem + "-direction.png"}});
+    return names;
 }
 
 std::string sceneName(const std::string& stem) {
@@ -32,11 +32,42 @@ LightmapFile textFile(const std::string& name, const std::string& text) {
     return {name, {text.begin(), text.end()}};
 }
 
-LightmapFile rgbmFile(uint32_t page, const Image& irradiance, float range) {
+std::vector<uint8_t> rgbmBytes(const Image& irradiance, float range) {
     std::vector<glm::u8vec4> pixels;
     pixels.reserve(irradiance.pixels.size());
     for (const glm::vec3& value : irradiance.pixels) pixels.push_back(encodeRgbm(value, range));
-    return {rgbmName(page), pngBytes(irradiance.width, irradiance.height, pixels)};
+    return pngBytes(irradiance.width, irradiance.height, pixels);
+}
+
+// The terms of one page below each other, in the order of Godot's layers.
+std::vector<uint8_t> shBytes(const std::array<Image, 4>& terms) {
+    constexpr std::array<size_t, 4> kOrder = {0, 2, 3, 1};  // 1, y, z, x
+    Image all;
+    all.width = terms[0].width;
+    all.height = 4 * terms[0].height;
+    for (const size_t term : kOrder)
+        all.pixels.insert(all.pixels.end(), terms[term].pixels.begin(), terms[term].pixels.end());
+    return exrBytes(all, true);
+}
+
+// source: Unity's DecodeDirectionalLightmap: light * (n . (rgb - .5) + .5) / a.
+std::vector<uint8_t> directionBytes(const std::array<Image, 4>& terms, const Image& irradiance) {
+    std::vector<glm::u8vec4> pixels;
+    for (size_t i = 0; i < irradiance.pixels.size(); ++i) {
+        const float mean = luminance(terms[0].pixels[i]);
+        glm::vec4 code(0.5f);
+        if (mean > 0) {
+            glm::vec3 direction(0);
+            for (int axis = 0; axis < 3; ++axis)
+                direction[axis] = luminance(terms[size_t(axis) + 1].pixels[i]) / mean;
+            // A clamp: what is nearly from one direction is brighter from there than this model has it.
+            const float shortened = 1 / std::max(1.0f, glm::length(direction));
+            const float towardNormal = luminance(irradiance.pixels[i]) / mean - 1;
+            code = 0.5f + 0.5f * shortened * glm::vec4(direction, towardNormal);
+        }
+        pixels.push_back(glm::u8vec4(glm::round(255.0f * glm::clamp(code, 0.0f, 1.0f))));
+    }
+    return pngBytes(irradiance.width, irradiance.height, pixels);
 }
 
 std::vector<uint8_t> sceneBytes(const LightmapExport& what, std::vector<std::string>& notes) {
@@ -51,8 +82,7 @@ std::vector<uint8_t> sceneBytes(const LightmapExport& what, std::vector<std::str
 
 std::string describe(const LightmapExport& what, float range) {
     json pages = json::array();
-    for (uint32_t page = 0; page < what.pages.count; ++page)
-        pages.push_back({{"exr", exrName(page)}, {"rgbm", rgbmName(page)}});
+    for (uint32_t page = 0; page < what.pages.count; ++page) pages.push_back(pageNames(what, page));
     const json description = {{"generator", "phatextures " PHAT_VERSION},
                               {"scene", sceneName(what.stem)},
                               {"light", nameOf(lightmapLightNames(), what.light)},
@@ -71,12 +101,10 @@ const std::map<std::string, LightmapLight>& lightmapLightNames() {
     return names;
 }
 
-std::vector<std::string> lightmapFileNames(const std::string& stem, const AtlasPages& pages) {
-    std::vector<std::string> names{sceneName(stem), kDescription};
-    for (uint32_t page = 0; page < pages.count; ++page) {
-        names.push_back(exrName(page));
-        names.push_back(rgbmName(page));
-    }
+std::vector<std::string> lightmapFileNames(const LightmapExport& what) {
+    std::vector<std::string> names{sceneName(what.stem), kDescription};
+    for (uint32_t page = 0; page < what.pages.count; ++page)
+        for (const auto& [kind, name] : pageNames(what, page)) names.push_back(name);
     return names;
 }
 
@@ -85,22 +113,32 @@ std::vector<LightmapFile> lightmapFiles(const LightmapExport& what, Progress& pr
     const BakedScene& baked = what.baked;
     const RayScene rays(baked.loaded.scene);
     const LightSampler lights(baked.loaded.scene);
-    const std::vector<glm::vec3> irradiance =
-        lightmapOf({rays, lights}, baked.atlas, baked.points, baked.phatexture, what.light, progress);
+    const Lightmap lightmap = lightmapOf({{rays, lights}, baked.atlas, baked.points, baked.phatexture},
+                                         what.light, what.directional, progress);
     float largest = 0;
-    for (const glm::vec3& value : irradiance) largest = std::max(largest, maxComponent(value));
+    for (const glm::vec3& value : lightmap.irradiance) largest = std::max(largest, maxComponent(value));
     const float range = rgbmRange(largest);
 
     std::vector<LightmapFile> files;
     files.push_back({sceneName(what.stem), sceneBytes(what, notes)});
     for (uint32_t page = 0; page < what.pages.count; ++page) {
         progress.throwIfStopped();
-        Image image;
-        image.width = int(what.pages.sizeTexels.x);
-        image.height = int(what.pages.sizeTexels.y);
-        image.pixels = texelsOfPage(irradiance, baked.atlas, what.pages, page);
-        files.push_back({exrName(page), exrBytes(image, true)});
-        files.push_back(rgbmFile(page, image, range));
+        const auto pictureOf = [&](const std::vector<glm::vec3>& texels) {
+            Image image;
+            image.width = int(what.pages.sizeTexels.x);
+            image.height = int(what.pages.sizeTexels.y);
+            image.pixels = texelsOfPage(texels, baked.atlas, what.pages, page);
+            return image;
+        };
+        const Image irradiance = pictureOf(lightmap.irradiance);
+        const auto names = pageNames(what, page);
+        files.push_back({names.at("exr"), exrBytes(irradiance, true)});
+        files.push_back({names.at("rgbm"), rgbmBytes(irradiance, range)});
+        if (!lightmap.byNormal) continue;
+        std::array<Image, 4> terms;
+        for (size_t t = 0; t < terms.size(); ++t) terms[t] = pictureOf(lightmap.byNormal->term[t]);
+        files.push_back({names.at("sh"), shBytes(terms)});
+        files.push_back({names.at("direction"), directionBytes(terms, irradiance)});
     }
     files.push_back(textFile(kDescription, describe(what, range)));
     return files;

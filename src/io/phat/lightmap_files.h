@@ -26,10 +26,11 @@ struct LightmapExport {
     const AtlasPages& pages;
     std::string stem;  // of the scene's name
     LightmapLight light = LightmapLight::area;
+    bool directional = false;  // also where the light comes from
 };
 
-/// The names of lightmapFiles, which follow from the pages alone.
-std::vector<std::string> lightmapFileNames(const std::string& stem, const AtlasPages& pages);
+/// The names of lightmapFiles, known before the light.
+std::vector<std::string> lightmapFileNames(const LightmapExport& what);
 
 /// The scene, the pages as OpenEXR and as RGBM in PNG, and what describes them. What of the scene could not
 /// be kept is added to `notes`. Throws std::runtime_error, and Interrupted when `progress` was asked to stop.

@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "core/base/random.h"
 #include "core/render/punctual_irradiance.h"
 #include "support/penumbra.h"
 
@@ -21,7 +22,7 @@ struct Baked {
     }
 
     std::vector<glm::vec3> lightmap(LightmapLight light) {
-        return lightmapOf({rays, lights}, atlas, points, phatexture, light, progress);
+        return lightmapOf({{rays, lights}, atlas, points, phatexture}, light, false, progress).irradiance;
     }
 
     SilentProgress progress;
@@ -107,6 +108,74 @@ TEST(Lightmap, ASunHasAPenumbra) {
         within += std::abs(offset) < 1;
     }
     EXPECT_GT(within, 10u);
+}
+
+// A layer whose PHATexels say that all light comes from above, at a slant.
+PhatexelLayer layerFrom(const Baked& baked, const std::vector<Frame>& frames, glm::vec3 towardLight) {
+    PhatexelLayer layer;
+    layer.texels.resize(baked.atlas.texelCount());
+    for (size_t i = 0; i < layer.texels.size(); ++i) {
+        if (!baked.points.valid(i)) continue;
+        const glm::uvec2 texel(i % baked.atlas.sizeTexels.x, i / baked.atlas.sizeTexels.x);
+        const Frame& frame = frames[baked.atlas.blockAt(texel)];
+        layer.texels[i] = packPhatexel({glm::vec3(3), frame.toLocal(towardLight), 5, 1, true}, 1);
+    }
+    return layer;
+}
+
+TEST(Lightmap, TermsPointToWhereTheLightIs) {
+    Scene floor;
+    test::addFloor(floor, test::lambert(1), 2);
+    floor.lights.push_back(test::directionalLight(glm::vec3(5), {0, -0.8f, 0.6f}));
+    Baked baked(floor, 0.1f);
+    const auto frames = blockFrames(baked.atlas, baked.points);
+    const glm::vec3 indirect(0.6f, 0.8f, 0), sun(0, 0.8f, -0.6f);
+    baked.phatexture.indirect = {layerFrom(baked, frames, indirect)};
+    baked.phatexture.indirectGuides = {uniformGuide()};
+    baked.phatexture.areaIrradiance.clear();
+    const LightmapInput input{{baked.rays, baked.lights}, baked.atlas, baked.points, baked.phatexture};
+    const Lightmap lightmap = lightmapOf(input, LightmapLight::all, true, baked.progress);
+    const std::array<glm::vec3, 3> normals = {glm::vec3(0, 1, 0), indirect, sun};
+    for (size_t i = 0; i < lightmap.irradiance.size(); ++i) {
+        if (baked.points.state[i] != TexelState::surface) continue;
+        ASSERT_NEAR(lightmap.irradiance[i].x, 1 + 4, 1e-4f);
+        for (const glm::vec3& n : normals) {
+            // To order 1 light w of flux density f has f (1 + 2 n.w) / 4; scaled to what the floor receives.
+            const auto model = [&](glm::vec3 w) { return (1 + 2 * glm::dot(n, w)) / (1 + 2 * w.y); };
+            const float expected = model(indirect) + 4 * model(sun);
+            // Directions have 12 bits an axis.
+            ASSERT_NEAR(lightmap.byNormal->at(i, n).x, expected, 0.002f * expected);
+        }
+    }
+}
+
+// What comes from all of the hemisphere alike has irradiance pi L on the floor, half of it on a wall.
+TEST(Lightmap, TermsOfAnEvenSkyAreThoseOfItsIrradiance) {
+    Scene floor;
+    test::addFloor(floor, test::lambert(1), 4);
+    Baked baked(floor, 0.05f);
+    const auto frames = blockFrames(baked.atlas, baked.points);
+    PhatexelLayer layer = layerFrom(baked, frames, {0, 1, 0});
+    Rng rng(7);
+    for (size_t i = 0; i < layer.texels.size(); ++i)
+        if (baked.points.valid(i))
+            layer.texels[i] =
+                packPhatexel({glm::vec3(2), squareToHemisphere(rng.uniform2()), 5, 1 / (2 * kPi), true}, 1);
+    baked.phatexture.indirect = {layer};
+    baked.phatexture.indirectGuides = {uniformGuide()};
+    const LightmapInput input{{baked.rays, baked.lights}, baked.atlas, baked.points, baked.phatexture};
+    const Lightmap lightmap = lightmapOf(input, LightmapLight::indirect, true, baked.progress);
+    double up = 0, aside = 0, count = 0;
+    for (size_t i = 0; i < lightmap.irradiance.size(); ++i) {
+        if (baked.points.state[i] != TexelState::surface) continue;
+        ASSERT_NEAR(lightmap.byNormal->at(i, {0, 1, 0}).x, 1, 1e-4f);
+        up += lightmap.byNormal->at(i, {0, 1, 0}).x;
+        aside += lightmap.byNormal->at(i, {1, 0, 0}).x;
+        ++count;
+    }
+    // 6,400 directions: the mean cosine toward x has a standard error of sqrt(1/3/6400) = .007 of the flux.
+    EXPECT_NEAR(aside / up, 0.5, 3 * 0.007);
+    EXPECT_GT(count, 6000);
 }
 
 }  // namespace

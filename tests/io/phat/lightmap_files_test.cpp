@@ -18,7 +18,8 @@ using nlohmann::json;
 
 /// The hard scene, baked and exported.
 struct Exported {
-    explicit Exported(uint32_t pageSize, LightmapLight light = LightmapLight::area) {
+    explicit Exported(uint32_t pageSize, LightmapLight light = LightmapLight::area,
+                      bool directional = false) {
         test::GltfBuilder gltf = test::hardScene();
         // Of the atlas's own number.
         gltf.json["materials"][0]["occlusionTexture"] = {{"index", 0}, {"texCoord", 1}};
@@ -36,7 +37,8 @@ struct Exported {
         pages = pagesOf(baked.atlas, pageSize);
         SilentProgress progress;
         std::vector<std::string> notes;
-        for (LightmapFile& file : lightmapFiles({source, baked, pages, "hard", light}, progress, notes)) {
+        for (LightmapFile& file :
+             lightmapFiles({source, baked, pages, "hard", light, directional}, progress, notes)) {
             writeBytes(folder.file(file.name), {file.bytes.begin(), file.bytes.end()});
             files[file.name] = std::move(file.bytes);
         }
@@ -197,6 +199,37 @@ TEST(LightmapFiles, RgbmIsThePictureOfTheHalves) {
         for (int c = 0; c < 3; ++c)
             ASSERT_NEAR(std::sqrt(decodeRgbm(codes.texels[i], range)[c]), std::sqrt(halves.pixels[i][c]),
                         0.51f * range * float(codes.texels[i].a) / 255 / 255 + 1e-3f * range);
+}
+
+// In both forms the light of a texel's own normal is that of the plain lightmap.
+TEST(LightmapFiles, DirectionsKeepTheIrradiance) {
+    const Exported exported(4096, LightmapLight::area, true);
+    const json page = exported.description()["pages"][0];
+    const auto pathOf = [&](const char* kind) { return exported.folder.file(page[kind].get<std::string>()); };
+    const Image plain = readExr(pathOf("exr")), terms = readExr(pathOf("sh"));
+    gltf::MemoryBudget budget(1 << 28);
+    const TextureImage codes =
+        gltf::decodePicture(exported.files.at(page["direction"].get<std::string>()), budget);
+    ASSERT_EQ(terms.width, plain.width);
+    ASSERT_EQ(terms.height, 4 * plain.height);
+    ASSERT_EQ(codes.texels.size(), plain.pixels.size());
+    const size_t layer = plain.pixels.size();
+    size_t directed = 0;
+    for (size_t i = 0; i < layer; ++i) {
+        if (exported.baked.points.state[i] != TexelState::surface) continue;
+        const glm::vec3 n = exported.baked.points.normal[i], *term = &terms.pixels[i];
+        const glm::vec3 light = term[0] + n.y * term[layer] + n.z * term[2 * layer] + n.x * term[3 * layer];
+        // Halves are off by 2^-11, of each term by itself.
+        const float largest = maxComponent(glm::abs(term[0]) + glm::abs(term[layer]) +
+                                           glm::abs(term[2 * layer]) + glm::abs(term[3 * layer]));
+        for (int c = 0; c < 3; ++c)
+            ASSERT_NEAR(light[c], plain.pixels[i][c], 0x1p-10f * largest + 0x1p-11f * plain.pixels[i][c]);
+        const glm::vec4 code = glm::vec4(codes.texels[i]) / 255.0f;
+        const float factor = glm::dot(n, glm::vec3(code) - 0.5f) + 0.5f;
+        ASSERT_NEAR(factor, code.a, 0.5f / 255 * (1 + std::sqrt(3.0f)) + 1e-5f);
+        directed += glm::length(glm::vec3(code) - 0.5f) > 0.1f;
+    }
+    EXPECT_GT(directed, 1000u);
 }
 
 }  // namespace
