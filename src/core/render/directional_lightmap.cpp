@@ -1,5 +1,6 @@
 #include "core/render/directional_lightmap.h"
 
+#include "core/atlas/dilate.h"
 #include "core/atlas/texel_neighbors.h"
 #include "core/base/parallel.h"
 
@@ -41,7 +42,9 @@ void addSurroundings(const std::vector<Arriving>& arriving, const Atlas& atlas, 
             const size_t other = size_t(y) * size_t(size.x) + size_t(x);
             if (arriving[other].fluxDensity == glm::vec3(0) || atlas.chartAt(other) != chart) continue;
             if (!plane.has(other, glm::vec2(glm::ivec2(x, y) - at))) continue;
-            light.addLight(texel, arriving[other].towardLight, arriving[other].fluxDensity);
+            // A tent: the edges of a box would show as lines where a bright PHATexel enters it.
+            const glm::vec2 near = float(kDirectionReach + 1) - glm::abs(glm::vec2(glm::ivec2(x, y) - at));
+            light.addLight(texel, arriving[other].towardLight, near.x * near.y * arriving[other].fluxDensity);
         }
 }
 
@@ -74,6 +77,10 @@ void addDirections(const BakedSource& source, const Atlas& atlas, const TexelPoi
                 if (points.valid(i)) addSurroundings(arriving, atlas, points, i, light);
         });
     }
+    // Gutters behind walls have irradiance of those beside them, too.
+    std::vector<uint8_t> directed(atlas.texelCount());
+    for (size_t i = 0; i < directed.size(); ++i) directed[i] = light.term[0][i] != glm::vec3(0);
+    for (std::vector<glm::vec3>& term : light.term) dilateWithinCharts(term, directed, atlas);
     std::vector<glm::vec3> irradiance;
     irradiance.reserve(source.irradiance.size());
     for (const uint32_t packed : source.irradiance) irradiance.push_back(unpackRgb9e5(packed));

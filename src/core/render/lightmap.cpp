@@ -48,8 +48,10 @@ Lightmap lightmapOf(const LightmapInput& input, LightmapLight light, bool byNorm
     if (light != LightmapLight::indirect)
         add({phatexture.area, phatexture.areaGuides, phatexture.areaIrradiance});
     if (light == LightmapLight::all && scene.lights.hasPunctual()) addPunctual(input, lightmap, progress);
-    const std::vector<uint8_t> known = filledTexels(atlas, points);
+    std::vector<uint8_t> known = filledTexels(atlas, points);
     dilateWithinCharts(lightmap.irradiance, known, atlas);
+    // Texels without a place have no normal that terms could be scaled for.
+    for (size_t i = 0; i < known.size(); ++i) known[i] = known[i] && points.triangle[i] != kNoTriangle;
     if (byNormal)
         for (std::vector<glm::vec3>& term : lightmap.byNormal->term) dilateWithinCharts(term, known, atlas);
     return lightmap;
