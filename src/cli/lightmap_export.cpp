@@ -13,7 +13,7 @@
 namespace phat {
 namespace {
 
-constexpr uint32_t kMinPageSize = 64, kMaxPageSize = 1 << 16;
+constexpr uint32_t kMinPageSize = 16, kMaxPageSize = 1 << 16;
 
 // The file's name up to its first point.
 std::string stemOf(const std::string& path) {

@@ -65,7 +65,7 @@ TEST_F(LightmapCommand, AnOlderLightmapIsReplaced) {
 }
 
 TEST_F(LightmapCommand, RefusesWithoutATrace) {
-    expectRefused(exported({target, "--page-size", "64"}), "room.phat.glb: pages of 64 texels are too small");
+    expectRefused(exported({target, "--page-size", "16"}), "room.phat.glb: pages of 16 texels are too small");
     EXPECT_FALSE(exists("lightmap"));
     std::filesystem::create_directory(target);
     writeBytes(target + "/mine.txt", {'m'});

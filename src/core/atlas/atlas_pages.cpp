@@ -24,10 +24,11 @@ class PartsOfSurface {
     void add(uint32_t triangle, uint32_t chart, bool back, bool oneSided) {
         const Chart& own = atlas_.charts[atlas_.triangleChart[triangle]];
         const AtlasPages::Place& place = pages_.place[chart];
-        const glm::vec2 moved = (glm::vec2(place.originTile) - glm::vec2(own.originTile)) * float(kTileSize);
+        const glm::vec2 to(place.originTile * kTileSize), from(own.originTexel());
         std::array<glm::vec2, 3> uvs = atlas_.triangleTexels[triangle];
         for (glm::vec2& uv : uvs)
-            uv = glm::clamp((uv + moved) / glm::vec2(pages_.sizeTexels), glm::vec2(0), glm::vec2(1));
+            uv = glm::clamp((to + (uv - from) / float(place.coarser)) / glm::vec2(pages_.sizeTexels),
+                            glm::vec2(0), glm::vec2(1));
         append({place.page, back, oneSided}, triangle, uvs);
     }
 
@@ -62,25 +63,27 @@ class PartsOfSurface {
 AtlasPages pagesOf(const Atlas& atlas, uint32_t maxSideTexels) {
     AtlasPages pages;
     pages.sizeTexels = atlas.sizeTexels;
-    if (std::max(atlas.sizeTexels.x, atlas.sizeTexels.y) <= maxSideTexels) {
-        for (const Chart& chart : atlas.charts) pages.place.push_back({0, chart.originTile});
-        return pages;
-    }
-    std::vector<glm::uvec2> sizes;
-    uint32_t largest = 0;  // tiles
-    for (const Chart& chart : atlas.charts) {
-        sizes.push_back(chart.sizeTiles);
-        largest = std::max({largest, chart.sizeTiles.x, chart.sizeTiles.y});
-    }
+    for (const Chart& chart : atlas.charts) pages.place.push_back({0, chart.originTile});
+    if (std::max(atlas.sizeTexels.x, atlas.sizeTexels.y) <= maxSideTexels) return pages;
     const uint32_t side = maxSideTexels / kTileSize;
-    if (largest > side)
-        throw std::runtime_error("pages of " + std::to_string(maxSideTexels) +
-                                 " texels are too small for its largest chart, which has a side of " +
-                                 std::to_string(largest * kTileSize));
+    std::vector<glm::uvec2> sizes;
+    for (size_t c = 0; c < atlas.charts.size(); ++c) {
+        const glm::uvec2 size = atlas.charts[c].sizeTiles;
+        uint32_t& coarser = pages.place[c].coarser;
+        while (coarser < kMaxCoarser && std::max(size.x, size.y) > side * coarser) coarser *= 2;
+        if (std::max(size.x, size.y) > side * coarser)
+            throw std::runtime_error("pages of " + std::to_string(maxSideTexels) +
+                                     " texels are too small for a chart with a side of " +
+                                     std::to_string(std::max(size.x, size.y) * kTileSize));
+        sizes.push_back((size + coarser - 1u) / coarser);
+    }
     const SkylinePages packed = packSkylinePages(sizes, glm::uvec2(side));
     pages.count = packed.count;
     pages.sizeTexels = packed.size * kTileSize;
-    for (size_t c = 0; c < sizes.size(); ++c) pages.place.push_back({packed.page[c], packed.origin[c]});
+    for (size_t c = 0; c < sizes.size(); ++c) {
+        pages.place[c].page = packed.page[c];
+        pages.place[c].originTile = packed.origin[c];
+    }
     return pages;
 }
 
@@ -89,13 +92,14 @@ std::vector<glm::vec3> texelsOfPage(const std::vector<glm::vec3>& texels, const 
     std::vector<glm::vec3> result(size_t(pages.sizeTexels.x) * pages.sizeTexels.y, glm::vec3(0));
     for (size_t c = 0; c < atlas.charts.size(); ++c) {
         if (pages.place[c].page != page) continue;
-        const glm::uvec2 from = atlas.charts[c].originTexel(), to = pages.place[c].originTile * kTileSize,
-                         size = atlas.charts[c].sizeTexels();
-        for (uint32_t y = 0; y < size.y; ++y) {
-            const auto row = texels.begin() + ptrdiff_t(size_t(from.y + y) * atlas.sizeTexels.x + from.x);
-            std::copy(row, row + size.x,
-                      result.begin() + ptrdiff_t(size_t(to.y + y) * pages.sizeTexels.x + to.x));
-        }
+        const uint32_t coarser = pages.place[c].coarser;
+        const glm::uvec2 from = atlas.charts[c].originTexel(), size = atlas.charts[c].sizeTexels(),
+                         to = pages.place[c].originTile * kTileSize;
+        // Texels of a tile are a multiple of kMaxCoarser, so that none is left over.
+        for (uint32_t y = 0; y < size.y; ++y)
+            for (uint32_t x = 0; x < size.x; ++x)
+                result[size_t(to.y + y / coarser) * pages.sizeTexels.x + to.x + x / coarser] +=
+                    texels[size_t(from.y + y) * atlas.sizeTexels.x + from.x + x] / float(coarser * coarser);
     }
     return result;
 }

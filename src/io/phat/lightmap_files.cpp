@@ -80,6 +80,14 @@ std::vector<uint8_t> sceneBytes(const LightmapExport& what, std::vector<std::str
     return glbBytes(rewritten.glb);
 }
 
+void noteCoarseCharts(const AtlasPages& pages, std::vector<std::string>& notes) {
+    size_t count = 0;
+    for (const AtlasPages::Place& place : pages.place) count += place.coarser > 1;
+    if (count > 0)
+        notes.push_back(fmt::format(
+            "{} charts are larger than a page: their texels are two or four times as wide", count));
+}
+
 std::string describe(const LightmapExport& what, float range) {
     json pages = json::array();
     for (uint32_t page = 0; page < what.pages.count; ++page) pages.push_back(pageNames(what, page));
@@ -120,6 +128,7 @@ std::vector<LightmapFile> lightmapFiles(const LightmapExport& what, Progress& pr
     const float range = rgbmRange(largest);
 
     std::vector<LightmapFile> files;
+    noteCoarseCharts(what.pages, notes);
     files.push_back({sceneName(what.stem), sceneBytes(what, notes)});
     for (uint32_t page = 0; page < what.pages.count; ++page) {
         progress.throwIfStopped();
