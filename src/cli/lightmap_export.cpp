@@ -59,6 +59,11 @@ void declareLightmap(CLI::App& command, LightmapOptions& options) {
         .add_flag("--directional", options.directional,
                   "--lightmap: also where the light comes from, for normal maps")
         ->needs(lightmap);
+    command
+        .add_flag("--front-only", options.frontOnly,
+                  "--lightmap: double-sided surfaces stay so, with their front's light on both sides; for "
+                  "programs that do not cull backs")
+        ->needs(lightmap);
     command.add_flag("--quiet", options.quiet, "Say nothing")->needs(lightmap);
 }
 
@@ -68,7 +73,8 @@ void exportLightmap(const LightmapOptions& options, const GltfSource& source, co
     std::vector<std::string> notes;
     try {
         const AtlasPages pages = pagesOf(baked.atlas, options.pageSize);
-        const LightmapExport what{source, baked, pages, stem, options.light, options.directional};
+        const PartSides sides = options.frontOnly ? PartSides::front : PartSides::both;
+        const LightmapExport what{source, baked, pages, stem, options.light, options.directional, sides};
         const std::vector<std::string> names = lightmapFileNames(what);
         OwnedFolder folder(kLightmapFolder, options.folder, source.path, {names.begin(), names.end()});
         catchInterrupts();

@@ -12,6 +12,7 @@ struct LightmapOptions {
     std::string folder;  // empty: no lightmap
     LightmapLight light = LightmapLight::area;
     bool directional = false;
+    bool frontOnly = false;
     uint32_t pageSize = 4096;  // texels of a side, at most
     bool quiet = false;
 };

@@ -105,7 +105,7 @@ std::vector<glm::vec3> texelsOfPage(const std::vector<glm::vec3>& texels, const 
 }
 
 std::vector<std::vector<SurfacePart>> surfaceParts(const Scene& scene, const Atlas& atlas,
-                                                   const AtlasPages& pages) {
+                                                   const AtlasPages& pages, PartSides sides) {
     std::vector<std::vector<SurfacePart>> all;
     for (const Surface& surface : scene.surfaces) {
         PartsOfSurface parts(atlas, pages);
@@ -114,7 +114,8 @@ std::vector<std::vector<SurfacePart>> surfaceParts(const Scene& scene, const Atl
             const uint32_t chart = atlas.triangleChart[t];
             if (chart == kNoChart) continue;
             const uint32_t other = atlas.charts[chart].otherSide;
-            const bool both = other != kNoChart && scene.materials[surface.material].doubleSided;
+            const bool both = sides == PartSides::both && other != kNoChart &&
+                              scene.materials[surface.material].doubleSided;
             parts.add(t, chart, false, both);
             if (both) parts.add(t, other, true, true);
         }

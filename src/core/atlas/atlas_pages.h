@@ -31,9 +31,13 @@ AtlasPages pagesOf(const Atlas& atlas, uint32_t maxSideTexels);
 std::vector<glm::vec3> texelsOfPage(const std::vector<glm::vec3>& texels, const Atlas& atlas,
                                     const AtlasPages& pages, uint32_t page);
 
-/// For each surface its triangles by page, with texture coordinates in that page. Both sides of double-sided
-/// triangles that have texels on both are parts, too. Degenerate triangles go with the surface's first part.
+/// Which sides of double-sided triangles that have texels on both become parts.
+enum class PartSides : uint8_t { both, front };
+
+/// For each surface its triangles by page, with texture coordinates in that page. Degenerate triangles go
+/// with the surface's first part.
 std::vector<std::vector<SurfacePart>> surfaceParts(const Scene& scene, const Atlas& atlas,
-                                                   const AtlasPages& pages);
+                                                   const AtlasPages& pages,
+                                                   PartSides sides = PartSides::both);
 
 }  // namespace phat

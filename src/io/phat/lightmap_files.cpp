@@ -73,7 +73,7 @@ std::vector<uint8_t> directionBytes(const std::array<Image, 4>& terms, const Ima
 std::vector<uint8_t> sceneBytes(const LightmapExport& what, std::vector<std::string>& notes) {
     const Scene& scene = what.baked.loaded.scene;
     RewrittenGltf rewritten =
-        rewriteGltf(what.source, scene, surfaceParts(scene, what.baked.atlas, what.pages));
+        rewriteGltf(what.source, scene, surfaceParts(scene, what.baked.atlas, what.pages, what.sides));
     notes.insert(notes.end(), rewritten.notes.begin(), rewritten.notes.end());
     gltf::prepareForLightmap(rewritten);
     if (what.light == LightmapLight::all) gltf::dropPunctualLights(rewritten.glb.json);

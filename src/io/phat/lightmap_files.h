@@ -27,6 +27,7 @@ struct LightmapExport {
     std::string stem;  // of the scene's name
     LightmapLight light = LightmapLight::area;
     bool directional = false;  // also where the light comes from
+    PartSides sides = PartSides::both;
 };
 
 /// The names of lightmapFiles, known before the light.

@@ -111,13 +111,20 @@ TEST(AtlasPages, ChartsThatAreLargerThanAPageAreCoarser) {
     expectSameTexels(world, pages);
 }
 
-TEST(AtlasPages, ASingleSidedSurfaceHasOnePart) {
-    const World world(false);
-    for (const auto& surface : surfaceParts(world.scene, world.atlas, pagesOf(world.atlas, 4096))) {
+void expectFrontsAlone(const World& world, PartSides sides) {
+    for (const auto& surface : surfaceParts(world.scene, world.atlas, pagesOf(world.atlas, 4096), sides)) {
         ASSERT_EQ(surface.size(), 1u);
         EXPECT_FALSE(surface[0].back);
         EXPECT_FALSE(surface[0].oneSided);
     }
+}
+
+TEST(AtlasPages, ASingleSidedSurfaceHasOnePart) {
+    expectFrontsAlone(World(false), PartSides::both);
+}
+
+TEST(AtlasPages, FrontsAloneAreParts) {
+    expectFrontsAlone(World(), PartSides::front);
 }
 
 TEST(AtlasPages, AreRefusedWhereAChartIsLarger) {
