@@ -1,4 +1,5 @@
-// phat export: the PHATexels as pictures, like the left half of the paper's figure 4.
+// phat export: a bake for other programs. Its PHATexels as pictures, like the left half of the paper's figure
+// 4; its irradiance as lightmaps.
 
 #include <fmt/format.h>
 
@@ -6,6 +7,7 @@
 #include <filesystem>
 
 #include "cli/commands.h"
+#include "cli/lightmap_export.h"
 #include "core/atlas/atlas.h"
 #include "core/phatexel/phatexture.h"
 #include "io/base/file_error.h"
@@ -72,10 +74,7 @@ struct Exporter {
     }
 };
 
-void exportPictures(const std::string& path, const std::string& folder) {
-    GltfSource source = openGltf(path);
-    if (!isBakedFile(source)) throw FileError(path, "is not a baked file: it has no PHATexels to export");
-    const BakedScene baked = readBakedFile(source);
+void exportPictures(const BakedScene& baked, const std::string& folder) {
     createFolder(folder);
     const Exporter exporter{baked, folder, blockFrames(baked.atlas, baked.points)};
     exporter.writeLayers("", baked.phatexture.indirect);
@@ -84,15 +83,33 @@ void exportPictures(const std::string& path, const std::string& folder) {
     exporter.writeIrradiance("area-irradiance.exr", baked.phatexture.areaIrradiance);
 }
 
+struct ExportOptions {
+    std::string input;
+    std::string pictures;  // folder; empty: none
+    LightmapOptions lightmap;
+};
+
+void exportBake(const ExportOptions& options) {
+    GltfSource source = openGltf(options.input);
+    if (!isBakedFile(source))
+        throw FileError(options.input, "is not a baked file: it has no PHATexels to export");
+    const BakedScene baked = readBakedFile(source);
+    if (!options.lightmap.folder.empty()) exportLightmap(options.lightmap, source, baked);
+    if (!options.pictures.empty()) exportPictures(baked, options.pictures);
+}
+
 }  // namespace
 
 void addExportCommand(CLI::App& app) {
-    CLI::App* command = app.add_subcommand("export", "Write the PHATexels of a baked file as pictures");
-    CLI::Option* file = command->add_option("FILE", "A .phat.glb file")->required();
-    CLI::Option* folder = command->add_option("--exr", "Folder for the OpenEXR pictures; made if missing")
-                              ->type_name("DIR")
-                              ->required();
+    CLI::App* command = app.add_subcommand("export", "Write what is in a baked file for other programs");
+    const auto options = std::make_shared<ExportOptions>();
+    command->add_option("FILE", options->input, "A .phat.glb file")->required();
+    command
+        ->add_option("--exr", options->pictures, "Folder for PHATexels as OpenEXR pictures; made if missing")
+        ->type_name("DIR");
+    declareLightmap(*command, options->lightmap);
     command->footer(
+        "--exr writes:\n"
         "radiance.exr   W/(m2 sr), arriving\n"
         "direction.exr  toward the light, world space, each axis in [-1,1] as red, green, blue\n"
         "distance.exr   metres to where the light came from; 1e30: infinitely far\n"
@@ -100,8 +117,15 @@ void addExportCommand(CLI::App& app) {
         "irradiance.exr W/m2, of all light that arrives after a reflection\n"
         "area-*.exr     the same for direct light of emissive surfaces and the environment\n"
         "Several layers are told apart as layer0-, layer1- ... The pictures lie as the atlas UV set does.\n"
-        "Example: phat export room.phat.glb --exr room-phatexels/");
-    command->callback([=] { exportPictures(file->as<std::string>(), folder->as<std::string>()); });
+        "--lightmap writes a plain .glb with the atlas as its second UV set, irradiance for it as .exr and\n"
+        "RGBM .png, and lightmap.json, which says what is what.\n"
+        "Examples: phat export room.phat.glb --exr room-phatexels/\n"
+        "          phat export room.phat.glb --lightmap room-lightmap/");
+    command->callback([command, options] {
+        if (command->count("--exr") + command->count("--lightmap") == 0)
+            throw CLI::RequiredError("--exr or --lightmap");
+        exportBake(*options);
+    });
 }
 
 }  // namespace phat

@@ -14,10 +14,10 @@
 #include "cli/data_folders.h"
 #include "cli/exposure.h"
 #include "cli/interrupt.h"
+#include "cli/owned_folder.h"
 #include "cli/progress_bar.h"
 #include "cli/render_methods.h"
 #include "cli/render_options.h"
-#include "cli/site_folder.h"
 #include "core/scene/default_camera.h"
 #include "core/scene/enclosure.h"
 #include "io/base/content_name.h"
@@ -112,7 +112,7 @@ struct Poster {
     double exposureStops;
 };
 
-Poster drawPoster(const WebOptions& options, const SiteFolder& site, SceneFile& scene, Progress& progress) {
+Poster drawPoster(const WebOptions& options, const OwnedFolder& site, SceneFile& scene, Progress& progress) {
     const TemporaryFile file(site.file(fmt::format("poster.tmp-{}.jpg", getpid())));
     RenderOptions poster;
     poster.input = options.input;
@@ -171,7 +171,7 @@ std::string readPage(const WebOptions& options, const Scene& scene) {
 }
 
 // All that was written, and what a page needs for its first picture.
-void reportSizes(const std::string& site, const std::vector<SiteFile>& files, const WebParts& parts,
+void reportSizes(const std::string& site, const std::vector<OutputFile>& files, const WebParts& parts,
                  const std::string& page) {
     uint64_t all = 0, first = parts.room.bytes.size();
     for (const auto& [name, bytes] : files) {
@@ -195,14 +195,14 @@ void writeSite(const WebOptions& options) {
     const WebParts parts = splitForWeb(source, kPartsStem);
     SceneFile scene{readBakedFile(source), {}};
     std::string page = readPage(options, scene.baked.loaded.scene);
-    SiteFolder site(options.site, options.input, names);
+    OwnedFolder site(kPageFolder, options.site, options.input, names);
     catchInterrupts();
     ProgressBar progress(progressStyle(options.quiet), {});
     const Poster poster = drawPoster(options, site, scene, progress);
     fill(page, "@EXPOSURE@", fmt::format("{}", poster.exposureStops));
     fill(page, "@ROOM@", parts.room.uri);
     fill(page, "@POSTER@", std::string(kPoster) + "?" + contentHash(poster.jpeg));
-    std::vector<SiteFile> files;
+    std::vector<OutputFile> files;
     for (const WebPart& part : parts.later) files.push_back({part.uri, part.bytes});
     files.push_back({parts.room.uri, parts.room.bytes});
     files.push_back({kPoster, poster.jpeg});

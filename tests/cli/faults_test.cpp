@@ -107,7 +107,8 @@ class Faults : public testing::Test {
                 EXPECT_NE(said.find("--resume goes on from " + path), std::string::npos) << said;
                 continue;
             }
-            const bool ofSeveral = path.starts_with(out("exr")) || path.starts_with(out("site"));
+            const bool ofSeveral = path.starts_with(out("exr")) || path.starts_with(out("lightmap")) ||
+                                   path.starts_with(out("site"));
             const auto found = whole.find(path);
             EXPECT_TRUE(ofSeveral && found != whole.end()) << path << " is left\n" << said;
             if (found == whole.end()) continue;
@@ -131,12 +132,16 @@ class Faults : public testing::Test {
     }
     Arguments web() const { return {"web", kBaked, "-o", out("site"), "--quiet"}; }
     Arguments exportExr() const { return {"export", kBaked, "--exr", out("exr")}; }
+    Arguments exportLightmap() const {
+        return {"export",        kBaked,    "--lightmap", out("lightmap"),
+                "--directional", "--light", "all",        "--quiet"};
+    }
 
     TemporaryFolder folder, beside;
 };
 
 TEST_F(Faults, MemoryRunsOut) {
-    for (const Arguments& arguments : {info(), bake(), render("path"), exportExr()})
+    for (const Arguments& arguments : {info(), bake(), render("path"), exportExr(), exportLightmap()})
         EXPECT_GT(tryFaults(arguments, "new", counted(arguments).allocations), 0u) << arguments.front();
 }
 
@@ -151,7 +156,7 @@ TEST_F(Faults, MemoryRunsOutWhereOpenGlDraws) {
 }
 
 TEST_F(Faults, DisksFillUpOrBreak) {
-    for (const Arguments& arguments : {bake(), render("path"), exportExr(), web()}) {
+    for (const Arguments& arguments : {bake(), render("path"), exportExr(), exportLightmap(), web()}) {
         const uint64_t operations = counted(arguments).operations;
         EXPECT_GT(operations, 3u);
         for (const char* kind : {"no-space", "broken-disk"})

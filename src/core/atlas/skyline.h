@@ -21,4 +21,14 @@ enum class Skyline { bottomLeft, bestFit };
 std::optional<SkylinePacking> packSkyline(std::span<const glm::uvec2> sizes, glm::uvec2 strip,
                                           Skyline heuristic);
 
+struct SkylinePages {
+    uint32_t count = 0;
+    glm::uvec2 size{0};              // that the rectangles take of the fullest page in x and in y
+    std::vector<uint32_t> page;      // per rectangle
+    std::vector<glm::uvec2> origin;  // per rectangle
+};
+
+/// The same over as many pages as it takes. pre: no rectangle is larger than a page.
+SkylinePages packSkylinePages(std::span<const glm::uvec2> sizes, glm::uvec2 page);
+
 }  // namespace phat

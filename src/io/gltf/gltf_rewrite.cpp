@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <set>
 #include <string_view>
@@ -55,17 +56,16 @@ struct SplitVertices {
     std::vector<uint32_t> indices;
 };
 
-SplitVertices splitVertices(const Surface& surface, const SurfaceCorners& corners, const Atlas& atlas) {
+SplitVertices splitVertices(const Surface& surface, const SurfaceCorners& corners, const SurfacePart& part) {
     constexpr uint32_t kNone = ~0u;
     SplitVertices split;
     std::vector<uint32_t> first(corners.vertexCount, kNone);  // copies of a vertex form a list
     std::vector<uint32_t> next;
-    for (uint32_t t = 0; t < surface.triangleCount; ++t) {
+    for (size_t t = 0; t < part.triangles.size(); ++t) {
         for (int slot = 0; slot < 3; ++slot) {
-            const int corner = swappedCorner(slot, corners.swapped);
-            const uint32_t vertex = corners.vertices[t][corner];
-            const glm::vec2 uv =
-                uvFromTexel(atlas.triangleTexels[surface.firstTriangle + t][corner] + 0.0f, atlas.sizeTexels);
+            const int corner = swappedCorner(slot, corners.swapped != part.back);
+            const uint32_t vertex = corners.vertices[part.triangles[t] - surface.firstTriangle][corner];
+            const glm::vec2 uv = part.uvs[t][corner];
             if (!(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1))
                 throw std::runtime_error("the atlas places a triangle outside itself");
             uint32_t copy = first[vertex];
@@ -81,6 +81,13 @@ SplitVertices splitVertices(const Surface& surface, const SurfaceCorners& corner
     }
     return split;
 }
+
+/// What a part's attributes are made of.
+struct PartVertices {
+    const SurfaceCorners& corners;
+    SplitVertices split;
+    bool back = false;
+};
 
 template <class T>
 void addBounds(json& accessor, std::span<const uint8_t> bytes, uint32_t components, size_t elementSize) {
@@ -113,9 +120,29 @@ void addBounds(json& accessor, std::span<const uint8_t> bytes, const AccessorEle
     }
 }
 
+template <class T>
+void negate(std::vector<uint8_t>& bytes) {
+    for (size_t at = 0; at + sizeof(T) <= bytes.size(); at += sizeof(T)) {
+        T value;
+        std::memcpy(&value, &bytes[at], sizeof(T));
+        // The least whole number, which stands for -1 as the one above it does, has no counterpart.
+        value = T(-std::max(value, T(-std::numeric_limits<T>::max())));
+        std::memcpy(&bytes[at], &value, sizeof(T));
+    }
+}
+
+// Normals, and tangents with their handedness, of what is turned around.
+void turnAround(const std::string& name, uint32_t componentType, std::vector<uint8_t>& bytes) {
+    if (name != "NORMAL" && name != "TANGENT") return;
+    if (componentType == kFloat) negate<float>(bytes);
+    if (componentType == kByte) negate<int8_t>(bytes);
+    if (componentType == kShort) negate<int16_t>(bytes);
+}
+
 size_t appendAttribute(const GltfSource& source, const std::string& name, uint64_t index,
-                       const SurfaceCorners& corners, const SplitVertices& split, GlbBuilder& glb) {
-    const AccessorElements elements = readAccessor(source, index, corners.vertexCount);
+                       const PartVertices& part, GlbBuilder& glb) {
+    const SplitVertices& split = part.split;
+    const AccessorElements elements = readAccessor(source, index, part.corners.vertexCount);
     std::vector<uint8_t> bytes(split.sourceVertex.size() * elements.elementSize);
     for (size_t i = 0; i < split.sourceVertex.size(); ++i)
         std::memcpy(&bytes[i * elements.elementSize],
@@ -125,6 +152,7 @@ size_t appendAttribute(const GltfSource& source, const std::string& name, uint64
     for (const char* key : {"bufferView", "byteOffset", "sparse", "min", "max"}) accessor.erase(key);
     accessor["count"] = split.sourceVertex.size();
     if (name == "POSITION") addBounds(accessor, bytes, elements);
+    if (part.back) turnAround(name, elements.componentType, bytes);
     return appendAccessor(glb, std::move(accessor), bytes, ViewTarget::vertices);
 }
 
@@ -150,14 +178,15 @@ struct PrimitiveRewriter {
     uint32_t texCoord;                      // of the atlas
     std::map<size_t, size_t> zeroUvs = {};  // accessors by vertex count
 
-    void rewrite(json& primitive, const SurfaceCorners& corners, const SplitVertices& split);
+    void rewrite(json& primitive, const PartVertices& part);
 };
 
-void PrimitiveRewriter::rewrite(json& primitive, const SurfaceCorners& corners, const SplitVertices& split) {
+void PrimitiveRewriter::rewrite(json& primitive, const PartVertices& part) {
+    const SplitVertices& split = part.split;
     json attributes = json::object();
     for (const auto& [name, index] : primitive.at("attributes").items())
         if (!isSkinAttribute(name))
-            attributes[name] = appendAttribute(source, name, index.get<uint64_t>(), corners, split, glb);
+            attributes[name] = appendAttribute(source, name, index.get<uint64_t>(), part, glb);
     // UV sets must be numbered without gaps; a set that a material misses is read as zeros in any case.
     for (uint32_t set = 0; set < texCoord; ++set) {
         if (attributes.contains(texCoordName(set))) continue;
@@ -229,9 +258,29 @@ void dropDeformation(const GltfSource& source, const Scene& scene, const std::ve
         notes.push_back(fmt::format("{} animation channels of morph targets are dropped", channels));
 }
 
+// All triangles of a surface.
+SurfacePart wholeSurface(const Surface& surface, const Atlas& atlas) {
+    SurfacePart whole;
+    for (uint32_t t = surface.firstTriangle; t < surface.firstTriangle + surface.triangleCount; ++t) {
+        whole.triangles.push_back(t);
+        std::array<glm::vec2, 3>& uvs = whole.uvs.emplace_back();
+        for (int corner = 0; corner < 3; ++corner)
+            uvs[size_t(corner)] =
+                uvFromTexel(atlas.triangleTexels[t][size_t(corner)] + 0.0f, atlas.sizeTexels);
+    }
+    return whole;
+}
+
 }  // namespace
 
 RewrittenGltf rewriteGltf(const GltfSource& source, const Scene& scene, const Atlas& atlas) {
+    std::vector<std::vector<SurfacePart>> parts;
+    for (const Surface& surface : scene.surfaces) parts.push_back({wholeSurface(surface, atlas)});
+    return rewriteGltf(source, scene, parts);
+}
+
+RewrittenGltf rewriteGltf(const GltfSource& source, const Scene& scene,
+                          const std::vector<std::vector<SurfacePart>>& parts) {
     RewrittenGltf out;
     json& gltf = out.glb.json = source.json;
     gltf.erase("buffers");
@@ -250,12 +299,20 @@ RewrittenGltf rewriteGltf(const GltfSource& source, const Scene& scene, const At
     std::set<std::pair<size_t, size_t>> rewritten;
     for (size_t i = 0; i < scene.surfaces.size(); ++i) {
         const Surface& surface = scene.surfaces[i];
-        json primitive = gltf["meshes"].at(meshOfSurface[i]).at("primitives").at(surface.primitive);
+        const size_t mesh = meshOfSurface[i];
+        const json original = gltf["meshes"].at(mesh).at("primitives").at(surface.primitive);
         const SurfaceCorners corners = surfaceCorners(source, scene, surface);
-        const SplitVertices split = splitVertices(surface, corners, atlas);
-        rewriter.rewrite(primitive, corners, split);
-        gltf["meshes"][meshOfSurface[i]]["primitives"][surface.primitive] = std::move(primitive);
-        rewritten.insert({meshOfSurface[i], surface.primitive});
+        for (const SurfacePart& part : parts[i]) {
+            json primitive = original;
+            rewriter.rewrite(primitive, {corners, splitVertices(surface, corners, part), part.back});
+            json& primitives = gltf["meshes"][mesh]["primitives"];
+            const bool first = &part == &parts[i].front();
+            const size_t at = first ? surface.primitive : primitives.size();
+            if (!first) primitives.push_back(nullptr);
+            primitives[at] = std::move(primitive);
+            rewritten.insert({mesh, at});
+            out.parts.push_back({mesh, at, part.page, part.oneSided});
+        }
     }
     keepReferences(source, rewritten, out.glb, kept, out.notes);
     return out;

@@ -16,7 +16,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <span>
 
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
@@ -141,8 +140,8 @@ struct Plane {
     size_t stride;
 };
 
-void writePlanes(const std::string& path, int width, int height, const std::vector<Plane>& planes) {
-    if (width <= 0 || height <= 0) throw FileError(path, "an empty picture cannot be written");
+std::vector<uint8_t> planeBytes(int width, int height, const std::vector<Plane>& planes) {
+    if (width <= 0 || height <= 0) throw std::runtime_error("an empty picture cannot be written");
     Imf::Header header(width, height);
     header.compression() = Imf::ZIP_COMPRESSION;
     Imf::FrameBuffer frameBuffer;
@@ -152,7 +151,6 @@ void writePlanes(const std::string& path, int width, int height, const std::vect
                                                         plane.stride, plane.stride * size_t(width)));
     }
     // In memory first: OpenEXR does not look whether the last bytes of a file could be written.
-    std::string bytes;
     try {
         Imf::StdOSStream stream;
         {
@@ -160,13 +158,25 @@ void writePlanes(const std::string& path, int width, int height, const std::vect
             file.setFrameBuffer(frameBuffer);
             file.writePixels(height);
         }
-        bytes = stream.str();
+        const std::string bytes = stream.str();
+        return {bytes.begin(), bytes.end()};
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& error) {
-        throw FileError(path, "cannot be encoded: " + firstLine(error.what()));
+        throw std::runtime_error("cannot be encoded: " + firstLine(error.what()));
     }
-    replaceFile(path, std::span(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()));
+}
+
+// `encode` returns the bytes, or throws std::runtime_error.
+template <class Encode>
+void writeEncoded(const std::string& path, const Encode& encode) {
+    std::vector<uint8_t> bytes;
+    try {
+        bytes = encode();
+    } catch (const std::runtime_error& error) {
+        throw FileError(path, error.what());
+    }
+    replaceFile(path, bytes);
 }
 
 }  // namespace
@@ -187,7 +197,7 @@ Image readExr(const std::string& path) {
     }
 }
 
-void writeExr(const std::string& path, const Image& image, bool halfFloat) {
+std::vector<uint8_t> exrBytes(const Image& image, bool halfFloat) {
     assert(image.pixels.size() == size_t(image.width) * image.height);
     constexpr const char* kNames[] = {"R", "G", "B"};
     std::vector<Plane> planes;
@@ -203,7 +213,11 @@ void writeExr(const std::string& path, const Image& image, bool halfFloat) {
         else
             planes.push_back({kNames[i], Imf::FLOAT, &image.pixels[0][i], sizeof(glm::vec3)});
     }
-    writePlanes(path, image.width, image.height, planes);
+    return planeBytes(image.width, image.height, planes);
+}
+
+void writeExr(const std::string& path, const Image& image, bool halfFloat) {
+    writeEncoded(path, [&] { return exrBytes(image, halfFloat); });
 }
 
 void writeExrChannels(const std::string& path, int width, int height, const std::vector<Channel>& channels) {
@@ -212,7 +226,7 @@ void writeExrChannels(const std::string& path, int width, int height, const std:
         assert(channel.values.size() == size_t(width) * height);
         planes.push_back({channel.name, Imf::FLOAT, channel.values.data(), sizeof(float)});
     }
-    writePlanes(path, width, height, planes);
+    writeEncoded(path, [&] { return planeBytes(width, height, planes); });
 }
 
 }  // namespace phat

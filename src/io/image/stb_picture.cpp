@@ -4,6 +4,7 @@
 #include <stb_image_write.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -171,32 +172,43 @@ std::vector<uint8_t> srgbSamples(const Image& image) {
     return samples;
 }
 
-// `encode`: calls an stb writer with the function and the argument that it gets.
+// Appends what an stb writer gives to the std::vector<uint8_t> at `user`.
+void appendBytes(void* user, void* data, int size) {
+    auto& all = *static_cast<std::vector<uint8_t>*>(user);
+    all.insert(all.end(), static_cast<uint8_t*>(data), static_cast<uint8_t*>(data) + size);
+}
+
+// `encode`: calls an stb writer for `bytes` with the samples.
 template <class Encode>
 void writeEncoded(const std::string& path, const Image& image, const Encode& encode) {
     if (image.pixels.empty()) throw FileError(path, "an empty picture cannot be written");
     std::vector<uint8_t> bytes;
-    const auto append = [](void* user, void* data, int size) {
-        auto& all = *static_cast<std::vector<uint8_t>*>(user);
-        all.insert(all.end(), static_cast<uint8_t*>(data), static_cast<uint8_t*>(data) + size);
-    };
-    if (!encode(append, &bytes, srgbSamples(image))) throw FileError(path, "the picture cannot be encoded");
+    if (!encode(&bytes, srgbSamples(image))) throw FileError(path, "the picture cannot be encoded");
     replaceFile(path, bytes);
 }
 
 }  // namespace
 
+std::vector<uint8_t> pngBytes(int width, int height, const std::vector<glm::u8vec4>& pixels) {
+    assert(!pixels.empty() && pixels.size() == size_t(width) * size_t(height));
+    std::vector<uint8_t> bytes;
+    if (!stbi_write_png_to_func(appendBytes, &bytes, width, height, 4, pixels.data(), 4 * width))
+        throw std::runtime_error("a picture cannot be encoded");
+    return bytes;
+}
+
 void writePng(const std::string& path, const Image& image) {
-    writeEncoded(path, image, [&](auto append, void* user, const std::vector<uint8_t>& samples) {
-        return stbi_write_png_to_func(append, user, image.width, image.height, 3, samples.data(),
+    writeEncoded(path, image, [&](void* bytes, const std::vector<uint8_t>& samples) {
+        return stbi_write_png_to_func(appendBytes, bytes, image.width, image.height, 3, samples.data(),
                                       3 * image.width);
     });
 }
 
 void writeJpeg(const std::string& path, const Image& image) {
     constexpr int kQuality = 85;
-    writeEncoded(path, image, [&](auto append, void* user, const std::vector<uint8_t>& samples) {
-        return stbi_write_jpg_to_func(append, user, image.width, image.height, 3, samples.data(), kQuality);
+    writeEncoded(path, image, [&](void* bytes, const std::vector<uint8_t>& samples) {
+        return stbi_write_jpg_to_func(appendBytes, bytes, image.width, image.height, 3, samples.data(),
+                                      kQuality);
     });
 }
 
