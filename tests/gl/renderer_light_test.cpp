@@ -8,6 +8,7 @@
 #include "core/scene/shading.h"
 #include "gl/renderer_world.h"
 #include "support/penumbra.h"
+#include "support/photometries.h"
 
 namespace phat::test {
 namespace {
@@ -130,6 +131,33 @@ TEST_F(RendererLight, SpotLightNarrowAndWide) {
                                          glm::normalize(glm::vec3(-0.5f, -1, 0)), 0.6f * outer, outer));
         comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 60);
     }
+}
+
+// Lamps all around and within a cone, two of the same photometry, one tilted and turned, beside a light
+// without.
+TEST_F(RendererLight, Photometry) {
+    const std::vector<PhotometricFormula> formulas = photometricFormulas();
+    const SharedValue<Photometry> washer = photometryOf(formulas[3]);
+    for (const size_t other : {size_t(0), size_t(1), size_t(2)}) {
+        Scene scene = floorAndShelf(0.5f);
+        scene.lights = {photometricLight(washer, {8, 4, 5}, {0.8f, 1.5f, 0.2f}),
+                        pointLight(glm::vec3(0.3f), {-1, 1, 1}),
+                        photometricLight(photometryOf(formulas[other]), {1, 4, 2}, {-0.3f, 1.4f, -0.2f}),
+                        photometricLight(washer, {2, 2, 6}, {0.2f, 1.1f, 0.9f})};
+        const Frame tilted =
+            frameFromNormalAndTangent(-glm::normalize(glm::vec3(0.3f, -1, -0.4f)), {1, 0, 2});
+        scene.lights[3].direction = -tilted.normal, scene.lights[3].horizontalZero = tilted.tangent;
+        comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 60);
+    }
+}
+
+// A lamp that is dark beyond 40 degrees has one shadow map, which must reach as far.
+TEST_F(RendererLight, PhotometryOfANarrowCone) {
+    PhotometricWeb web{"cone", 1, 36, 1, std::vector<float>(37, 0.0f)};
+    for (int v = 0; v < 8; ++v) web.relative[size_t(v)] = 1 - 0.1f * float(v);
+    Scene scene = floorAndShelf(0.5f);
+    scene.lights = {photometricLight(Photometry(web), {8, 4, 5}, {0.1f, 1.6f, 0.2f})};
+    comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 60);
 }
 
 TEST_F(RendererLight, DirectionalLight) {
