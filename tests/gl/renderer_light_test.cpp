@@ -28,11 +28,13 @@ FrameSettings frame(const Camera& camera) {
     return settings;
 }
 
-// What a pixel's centre sees of the lamps; `lit` tells whether every lamp reaches it, `surface` what it is
-// on.
+constexpr uint8_t kAllLamps = 255;
+
+// What a pixel's centre sees of the lamps; `lit` has a bit for each lamp that reaches it, `surface` says what
+// it is on.
 glm::vec3 directLight(const RayScene& rays, const LightSampler& lights, glm::vec3 eye, glm::vec3 direction,
-                      bool& lit, uint32_t& surface) {
-    lit = true;
+                      uint8_t& lit, uint32_t& surface) {
+    lit = kAllLamps;
     surface = 0;
     const Hit hit = rays.closestHit(eye, direction);
     if (!hit) return glm::vec3(0);
@@ -45,7 +47,7 @@ glm::vec3 directLight(const RayScene& rays, const LightSampler& lights, glm::vec
             evaluateBrdf(at.brdf, at.shading.toLocal(-direction), at.shading.toLocal(light.towardLight));
         if (rays.anyHit(rays.offsetOrigin(at.position, at.normalGeometric), light.towardLight,
                         light.distance))
-            lit = false;
+            lit &= uint8_t(~(1u << i));
         else
             sum += value * light.radiance;
     }
@@ -65,11 +67,10 @@ void comparePictures(const RendererWorld& world, const Camera& camera, int minSh
     std::vector<uint32_t> surface(want.pixels.size());
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
-            bool reached = true;
+            const size_t pixel = size_t(y) * image.width + x;
             want.at(x, y) =
                 directLight(rays, lights, eye, pixelDirection(camera, x, y, image.width, image.height),
-                            reached, surface[size_t(y) * image.width + x]);
-            lit[size_t(y) * image.width + x] = reached;
+                            lit[pixel], surface[pixel]);
         }
     }
     int shadowPixels = 0, compared = 0;
@@ -85,7 +86,7 @@ void comparePictures(const RendererWorld& world, const Camera& camera, int minSh
                 }
             if (edge) continue;
             ++compared;
-            shadowPixels += !lit[size_t(y) * image.width + x];
+            shadowPixels += lit[size_t(y) * image.width + x] != kAllLamps;
             for (int c = 0; c < 3; ++c)
                 ASSERT_NEAR(image.at(x, y)[c], want.at(x, y)[c], 2e-3f * want.at(x, y)[c] + 1e-5f)
                     << "pixel " << x << ' ' << y;

@@ -129,22 +129,24 @@ async function readWeb(parser, { peakCandela, solidAngle, steps, relative }) {
     return { steps, values: values.map((x) => x / mean), meanCandela: mean * peakCandela };
 }
 
-/** The lamp of a node, or null where it has none. */
-export async function photometricLight(parser, node) {
-    const own = parser.json.nodes[node].extensions?.[kExtension],
-        all = parser.json.extensions?.[kName]?.photometries ?? [],
-        profile = all.find(({ light }) => light === own?.light);
-    if (!profile) return null;
+async function createLamp(parser, { light, color = [1, 1, 1], multiplier = 1 }, profile) {
     if (!webs.has(parser)) webs.set(parser, new Map());
     const known = webs.get(parser);
     if (!known.has(profile)) known.set(profile, readWeb(parser, profile));
     const photometry = await known.get(profile),
-        { color = [1, 1, 1], multiplier = 1, light } = own,
         lamp = new PointLight(new Color().fromArray(color.map((x) => Math.min(Math.max(x, 0), 1))));
     lamp.intensity = multiplier * photometry.meanCandela;
     lamp.name = parser.json.extensions[kExtension].lights[light].name ?? '';
     lamp.photometry = photometry;
     return lamp;
+}
+
+/** A promise of the lamp of a node, or null where it has none. */
+export function photometricLight(parser, node) {
+    const own = parser.json.nodes[node].extensions?.[kExtension],
+        all = parser.json.extensions?.[kName]?.photometries ?? [],
+        profile = all.find(({ light }) => light === own?.light);
+    return profile ? createLamp(parser, own, profile) : null;
 }
 
 function lampsIn(root) {
