@@ -33,7 +33,7 @@ struct CliIes : testing::Test {
         IesWriter file;
         file.vertical = degreesFrom(0, 90, 1);
         file.horizontal = {0};
-        file.candela = [](double v, double) { return 300 * std::cos(double(kPi) / 180 * v); };
+        file.candela = [](double v, double) { return 300 * std::max(0.0, std::cos(double(kPi) / 180 * v)); };
         const std::string ies = file.text();
         writeBytes(lamp, {ies.begin(), ies.end()});
     }
@@ -78,7 +78,8 @@ TEST_F(CliIes, SaysWhatIsWrong) {
     writeBytes(folder.file("bad.ies"), {'T', 'I', 'L', 'T', '=', 'N', 'O', 'N', 'E', '\n', '1'});
     expectError("lamp=" + folder.file("bad.ies"), 1, "bad.ies: ends before its lumens per lamp");
     ASSERT_EQ(bake("lamp=" + lamp).exitCode, 0);
-    const ProgramResult again = runPhat({"bake", baked, "--ies", "lamp=" + lamp, "--quiet"});
+    const ProgramResult again =
+        runPhat({"bake", baked, "-o", folder.file("again.phat.glb"), "--ies", "lamp=" + lamp, "--quiet"});
     EXPECT_EQ(again.exitCode, 1);
     EXPECT_NE(again.err.find("is baked with the photometry that it has"), std::string::npos) << again.err;
 }

@@ -139,7 +139,7 @@ TEST_F(RendererLight, SpotLightNarrowAndWide) {
 TEST_F(RendererLight, Photometry) {
     const std::vector<PhotometricFormula> formulas = photometricFormulas();
     const SharedValue<Photometry> washer = photometryOf(formulas[3]);
-    for (const size_t other : {size_t(0), size_t(1), size_t(2)}) {
+    for (const size_t other : {size_t(0), size_t(1), size_t(2), size_t(4)}) {
         Scene scene = floorAndShelf(0.5f);
         scene.lights = {photometricLight(washer, {8, 4, 5}, {0.8f, 1.5f, 0.2f}),
                         pointLight(glm::vec3(0.3f), {-1, 1, 1}),

@@ -32,6 +32,9 @@ inline std::vector<PhotometricFormula> photometricFormulas() {
         {"wall washer",
          [](double v, double h) { return 2 * std::sin(v) * cosineDown(v) * std::cos(h) * std::cos(h); },
          2 * pi / 3, 90, 72},
+        // Without a symmetry: 1 radian from where the horizontal angle is 0.
+        {"lobe", [](double v, double h) { return 0.5 + 0.5 * std::sin(v) * std::cos(h - 1); }, 2 * pi, 90,
+         72},
     };
 }
 

@@ -54,8 +54,8 @@ export function measuredRoom() {
     ]);
     room.push('cameras', { type: 'perspective', perspective: { yfov: 1.1, aspectRatio: 16 / 9, znear: 0.01 } });
     room.json.scenes[0].nodes.push(room.push('nodes', { camera: 0, translation: [0, 1.5, 1.9] }));
-    const washer = photometricFile(degrees(180, 2), degrees(90, 5), (v, h) =>
-            v < 90 ? 30 * Math.sqrt(1 - cosine(v) ** 2) * cosine(v) * cosine(h) ** 2 : 0.5 * (1 - cosine(h) ** 2) * (v > 90),
+    const washer = photometricFile(degrees(180, 2), degrees(360, 5), (v, h) =>
+            v < 90 ? 30 * Math.sqrt(1 - cosine(v) ** 2) * cosine(v) * (0.5 + 0.5 * cosine(h - 50)) ** 2 : 0.5 * (1 - cosine(h) ** 2) * (v > 90),
         ),
         downlight = photometricFile(degrees(90, 1), [0], (v) => 25 * Math.max(cosine(v), 0) ** 12);
     room.json.extensionsUsed.push('EXT_lights_ies');

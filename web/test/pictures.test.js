@@ -92,7 +92,7 @@ test('draws what phat render draws: a sun through a window, a spot, and a pendan
     await comparePictures(t, { file, folder, site }, 'gl-egl', { width: 320, height: 180 });
 });
 
-// Lamps that three.js does not know: one that washes two walls through half of the directions, one tilted downlight.
+// Lamps that three.js does not know: one that washes walls on one side more than on others, one tilted downlight.
 test('draws what phat render draws: lamps with photometry', async (t) => {
     const folder = await mkdtemp(join(tmpdir(), 'phat-photometry-'));
     t.after(() => rm(folder, { recursive: true }));

@@ -12,13 +12,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-// A lobe along horizontal angle 0 alone.
+// A lobe along a horizontal angle of 60 degrees alone.
 std::string lobeText() {
     IesWriter file;
     file.vertical = degreesFrom(0, 180, 5);
     file.horizontal = degreesFrom(0, 360, 15);
     file.candela = [](double v, double h) {
-        return 20 + 380 * std::max(0.0, std::sin(double(kPi) / 180 * v) * std::cos(double(kPi) / 180 * h));
+        return 20 +
+               380 * std::max(0.0, std::sin(double(kPi) / 180 * v) * std::cos(double(kPi) / 180 * (h - 60)));
     };
     return file.text();
 }
@@ -54,8 +55,10 @@ TEST(GltfLightProfiles, PointAlongTheirNode) {
     EXPECT_NEAR(light.intensity.y, 400, 1e-2);
     EXPECT_NEAR(light.intensity.z, 800, 1e-2);  // colours are clamped
     EXPECT_EQ(light.position, glm::vec3(1, 2, 3));
-    EXPECT_NEAR(photometricFalloff(light, {1, 0, 0}), 1, 1e-5f);
-    EXPECT_NEAR(photometricFalloff(light, {-1, 0, 0}), 0.05f, 1e-5f);
+    // y is turned to -z.
+    EXPECT_NEAR(photometricFalloff(light, {0.5f, 0, -0.8660254f}), 1, 1e-5f);
+    EXPECT_NEAR(photometricFalloff(light, {1, 0, 0}), 0.525f, 1e-5f);
+    EXPECT_NEAR(photometricFalloff(light, {0.5f, 0, 0.8660254f}), 0.05f, 1e-5f);
     EXPECT_NEAR(photometricFalloff(light, {0, -1, 0}), 0.05f, 1e-5f);
     EXPECT_EQ(light.photometry->web().name, "lobe");
 }

@@ -66,7 +66,7 @@ void expectSame(const Photometry& a, const Photometry& b) {
 TEST(Ies, LumensAreThoseOfTheFormulas) {
     for (const test::PhotometricFormula& formula : test::photometricFormulas()) {
         IesWriter file =
-            around(formula.horizontalSteps == 1 ? std::vector<double>{0} : degreesFrom(0, 90, 5));
+            around(formula.horizontalSteps == 1 ? std::vector<double>{0} : degreesFrom(0, 360, 5));
         file.vertical = degreesFrom(0, 180, 180.0 / formula.verticalSteps);
         file.candela = [&](double v, double h) {
             return 250 * formula.value(double(kPi) / 180 * v, double(kPi) / 180 * h);
