@@ -157,7 +157,7 @@ TEST_F(RendererLight, PhotometryOfANarrowCone) {
     PhotometricWeb web{"cone", 1, 36, 1, std::vector<float>(37, 0.0f)};
     for (int v = 0; v < 8; ++v) web.relative[size_t(v)] = 1 - 0.1f * float(v);
     Scene scene = floorAndShelf(0.5f);
-    scene.lights = {photometricLight(Photometry(web), {8, 4, 5}, {0.1f, 1.6f, 0.2f})};
+    scene.lights = {photometricLight(Photometry(web), {8, 4, 5}, {0.7f, 1.6f, 0.2f})};
     comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 60);
 }
 

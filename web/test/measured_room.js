@@ -49,8 +49,8 @@ export function measuredRoom() {
         [[-0.9, 0, -1], [0, 0, 0.6], [0, 0.7, 0]],
         [[-0.9, 0.7, -0.4], [0.6, 0, 0], [0, 0, -0.6]],
     ]);
-    room.add(material('plate', [0.9, 0.8, 0.6], { metallicFactor: 1, roughnessFactor: 0.3 }), [
-        [[0.2, 0.02, -0.8], [0, 0, 1], [1.2, 0, 0]],
+    room.add(material('plate', [0.9, 0.8, 0.6], { metallicFactor: 1, roughnessFactor: 0.1 }), [
+        [[0.2, 0.02, -1.4], [0, 0, 1.6], [1.4, 0, 0]],
     ]);
     room.push('cameras', { type: 'perspective', perspective: { yfov: 1.1, aspectRatio: 16 / 9, znear: 0.01 } });
     room.json.scenes[0].nodes.push(room.push('nodes', { camera: 0, translation: [0, 1.5, 1.9] }));

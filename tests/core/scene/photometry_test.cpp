@@ -45,12 +45,20 @@ TEST(Photometry, ItsFluxIsTheIntegralOfItsFormula) {
     }
 }
 
+// Steps so large that it shows where in them a direction is.
+Photometry coarse() {
+    return Photometry(
+        {"coarse", 1, 3, 4, {.2f, 1, 0, .1f, .2f, .1f, .6f, .1f, .2f, 0, .9f, .1f, .2f, .5f, .3f, .1f}});
+}
+
 // Counts in cells of equal solid angle; what they should be is the sum of many values of the intensity in
 // each.
 TEST(Photometry, SamplesByItsIntensity) {
     constexpr int kBands = 24, kSectors = 16, kSamples = 200'000, kInside = 12;
-    for (const PhotometricFormula& formula : photometricFormulas()) {
-        const Photometry photometry = photometryOf(formula);
+    std::vector<Photometry> photometries = {coarse()};
+    for (const PhotometricFormula& formula : photometricFormulas())
+        photometries.push_back(photometryOf(formula));
+    for (const Photometry& photometry : photometries) {
         std::vector<double> counts(kBands * kSectors), expected(kBands * kSectors);
         Rng rng(7);
         for (int i = 0; i < kSamples; ++i) {
@@ -72,7 +80,7 @@ TEST(Photometry, SamplesByItsIntensity) {
         }
         for (double& count : expected) count *= kSamples / sum;
         const ChiSquared test = chiSquared(counts, expected);
-        EXPECT_LT(test.value, test.limit) << formula.name;
+        EXPECT_LT(test.value, test.limit) << photometry.web().name;
     }
 }
 
