@@ -127,7 +127,7 @@ def ies(title, tilt, kind, vertical, horizontal):
     candela = range(1, len(vertical) * len(horizontal) + 1)
     numbers = [f"1 -1 2 {len(vertical)} {len(horizontal)} {kind} 2 .1 .2 0", "1 1.1 9"]
     numbers += [" ".join(map(str, values)) for values in (vertical, horizontal, candela)]
-    return "\r\n".join([title, "[TEST] 1", tilt, *numbers, ""]).encode()
+    return "\n".join([title, "[TEST] 1", tilt, *numbers, ""]).encode()
 
 
 def write_photometric_files():
@@ -136,7 +136,7 @@ def write_photometric_files():
         "downlight.ies": ies("IESNA:LM-63-2002", "TILT=NONE", 1, range(0, 91, 15), [0]),
         "turned.ies": ies("IES:LM-63-2019", "TILT=NONE", 1, range(0, 181, 45), range(90, 271, 45)),
         "flood.ies": ies("IESNA91", "TILT=NONE", 2, range(-90, 91, 30), range(0, 91, 30)),
-        "tilted.ies": ies("a headlamp", "TILT=INCLUDE\r\n1\r\n2\r\n0 90\r\n1 .9", 3, range(0, 91, 45), [-90, 0, 90]),
+        "tilted.ies": ies("a headlamp", "TILT=INCLUDE\n1\n2\n0 90\n1 .9", 3, range(0, 91, 45), [-90, 0, 90]),
     }
     for name, data in files.items():
         (CORPUS / "ies" / name).write_bytes(data)

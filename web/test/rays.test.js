@@ -5,7 +5,6 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { borrowBrowser, serve } from './browser.js';
-import { measuredRoom } from './measured_room.js';
 import { mirrorRoom } from './mirror_room.js';
 import { borrowRoom, maeOverMean, meanOf, partOf, phat, readExr } from './room.js';
 import { loaded, loseContext, open, openPlugin, pixelsOf, rest } from './site.js';
@@ -101,15 +100,6 @@ for (const name of ['tabletop', 'gallery'])
         t.after(dispose);
         await compare(t, room, 'auto');
     });
-
-// The plate shows walls, which the lamps light at the rays' hits.
-test('traces what phat render traces: lamps with photometry', async (t) => {
-    const [scene, file, site] = ['measured.glb', 'measured.phat.glb', 'measured'].map((name) => join(folder, name));
-    await writeFile(scene, measuredRoom());
-    await phat('bake', scene, '-o', file, '--resolution', '60k', '--photons', '50k', '--quiet');
-    await phat('web', file, '-o', site, '--quiet');
-    await compare(t, { file, site }, 'rays');
-});
 
 test('rays follow the materials of what they hit', async (t) => {
     // Whether the wall behind the eye, which the mirror shows, is changed before the first ray or after it.
