@@ -122,6 +122,26 @@ def run(phat, *arguments):
     subprocess.run([phat, *map(str, arguments), "--quiet"], check=True)
 
 
+def ies(title, tilt, kind, vertical, horizontal):
+    """A photometric file whose intensities are 1, 2, 3 ..."""
+    candela = range(1, len(vertical) * len(horizontal) + 1)
+    numbers = [f"1 -1 2 {len(vertical)} {len(horizontal)} {kind} 2 .1 .2 0", "1 1.1 9"]
+    numbers += [" ".join(map(str, values)) for values in (vertical, horizontal, candela)]
+    return "\n".join([title, "[TEST] 1", tilt, *numbers, ""]).encode()
+
+
+def write_photometric_files():
+    (CORPUS / "ies").mkdir(parents=True, exist_ok=True)
+    files = {
+        "downlight.ies": ies("IESNA:LM-63-2002", "TILT=NONE", 1, range(0, 91, 15), [0]),
+        "turned.ies": ies("IES:LM-63-2019", "TILT=NONE", 1, range(0, 181, 45), range(90, 271, 45)),
+        "flood.ies": ies("IESNA91", "TILT=NONE", 2, range(-90, 91, 30), range(0, 91, 30)),
+        "tilted.ies": ies("a headlamp", "TILT=INCLUDE\n1\n2\n0 90\n1 .9", 3, range(0, 91, 45), [-90, 0, 90]),
+    }
+    for name, data in files.items():
+        (CORPUS / "ies" / name).write_bytes(data)
+
+
 def main():
     phat = sys.argv[1]
     for folder in ("gltf", "baked", "picture", "journal"):
@@ -152,6 +172,7 @@ def main():
         run(phat, "render", CORPUS / "gltf" / "room.glb", "-o", CORPUS / "picture" / name, "--method", "path",
             "--spp", 1, "--size", "8x8")
 
+    write_photometric_files()
     part = bytes(range(40))
     (CORPUS / "journal" / "parts.journal").write_bytes(journal([(7, part), (8, b""), (9, part[:3])]))
     (CORPUS / "journal" / "cut.journal").write_bytes(journal([(7, part), (7, part[:8])])[:-5])

@@ -20,6 +20,9 @@ void picture(Bytes bytes);
 /// The journal of a bake, resumed.
 void journal(Bytes bytes);
 
+/// A photometric file of LM-63.
+void ies(Bytes bytes);
+
 /// A mutation of the first `size` bytes in place, with room for `maxSize`; returns the new size. The formats'
 /// checksums, lengths and compression hold again afterwards: bytes that are changed at random are refused
 /// early.

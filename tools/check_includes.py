@@ -36,8 +36,9 @@ LAYERS = {
     "io": {
         "base": set(),
         "image": {"base"},
-        "gltf": {"base", "image"},
-        "phat": {"base", "image", "gltf"},
+        "ies": {"base"},
+        "gltf": {"base", "image", "ies"},
+        "phat": {"base", "image", "ies", "gltf"},
     },
 }
 

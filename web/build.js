@@ -21,6 +21,7 @@ const roots = [
     'split_sum.frag',
     'present.frag',
     'accumulate.frag',
+    'lib/photometry.glsl',
 ];
 // Those that only ray_tracing.js needs, which slow devices don't load.
 const rayRoots = [

@@ -2,7 +2,7 @@
 // twin: LightSampler::samplePunctual in src/core/scene/lights.h; src/gl/shadow_maps.cpp writes the table.
 #include "lib/table.glsl"
 
-const int kLightRows = 4;
+const int kLightRows = 5;
 const int kShadowRows = 4;
 const int kLightPoint = 0;
 const int kLightSpot = 1;
@@ -11,7 +11,10 @@ const int kLightDirectional = 2;
 // A light's rows: (position, type), (intensity, range), (direction, cosInner), (cosOuter, first shadow layer,
 // layer count, w). The range of a directional light is the radius of its disc in radians. w of a directional light:
 // radius in texels of the shadow of a disc's light at the map's whole depth, 0 where it is no disc; of others: the least
-// squared distance. After all lights, the columns of each shadow layer's clipFromWorld.
+// squared distance. The last row: (where the horizontal angle of its photometry is 0, first texel of the photometry's
+// table), 0 where the light has none; where it has one, cosInner and cosOuter are the steps of the table over half a
+// turn of the vertical and a whole one of the horizontal angle. After all lights, the columns of each shadow layer's
+// clipFromWorld; after these, the photometries' tables (lib/photometry.glsl).
 uniform sampler2D lightTable;
 uniform sampler2DArrayShadow shadowMaps;
 uniform int lightCount;
@@ -36,6 +39,11 @@ vec4 lightRow(int light, int row) {
     return texelFetch(lightTable, tableTexel(light * kLightRows + row), 0);
 }
 
+vec4 photometryTexel(int index) {
+    return texelFetch(lightTable, tableTexel(index), 0);
+}
+#include "lib/photometry.glsl"
+
 // source: KHR_lights_punctual, for the fall-off by range and by cone.
 PunctualSample samplePunctual(int light, vec3 point) {
     vec4 positionType = lightRow(light, 0);
@@ -59,6 +67,12 @@ PunctualSample samplePunctual(int light, vec3 point) {
         float cosine = dot(-towardLight, directionInner.xyz);
         float cone = clamp((cosine - cosOuter) / max(directionInner.w - cosOuter, kMinConeWidth), 0.0, 1.0);
         attenuation *= cone * cone;
+    }
+    vec4 zero = lightRow(light, 4);
+    if (zero.w > 0.0) {
+        vec4 axis = lightRow(light, 2);
+        ivec2 steps = ivec2(axis.w, lightRow(light, 3).x);
+        attenuation *= photometricFalloff(PhotometricLamp(axis.xyz, zero.xyz, int(zero.w), steps), -towardLight);
     }
     return PunctualSample(towardLight, intensityRange.rgb * attenuation, d, 0.0);
 }

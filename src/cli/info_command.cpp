@@ -46,6 +46,20 @@ Json describeDefaultView(const Scene& scene) {
             {"where", view.inside ? "inside" : "outside"}};
 }
 
+Json describePhotometry(const PunctualLight& light) {
+    constexpr float kBeam = 0.5f, kField = 0.1f;
+    const Photometry& photometry = *light.photometry;
+    const float multiplier = luminance(light.intensity) / photometry.web().peakCandela;
+    const auto spread = [&](float fraction) -> Json {
+        return {photometry.spreadDegrees(0, fraction), photometry.spreadDegrees(90, fraction)};
+    };
+    return {{"name", photometry.web().name},
+            {"lumens", multiplier * photometry.lumens()},
+            {"peakCandela", multiplier * photometry.web().peakCandela},
+            {"beamDegrees", spread(kBeam)},
+            {"fieldDegrees", spread(kField)}};
+}
+
 // `lit`: with the light that is added for want of any, which the default view depends on.
 Json describeScene(const LoadedScene& loaded, const Scene& lit) {
     constexpr const char* kLightTypes[] = {"point", "spot", "directional"};
@@ -55,6 +69,7 @@ Json describeScene(const LoadedScene& loaded, const Scene& lit) {
         lights.push_back({{"name", light.name}, {"type", kLightTypes[size_t(light.type)]}});
         if (light.angularRadius > 0)
             lights.back()["angularDiameterDegrees"] = 2 * glm::degrees(light.angularRadius);
+        if (light.photometry) lights.back()["photometry"] = describePhotometry(light);
     }
     size_t emissive = 0, transmissive = 0;
     for (const Material& material : scene.materials) {
@@ -167,6 +182,20 @@ std::string joined(const Json& names) {
     return text.empty() ? "none" : text;
 }
 
+std::string anglesOf(const Json& spread) {
+    const float along = spread[0].get<float>(), across = spread[1].get<float>();
+    return std::abs(along - across) < 0.5f ? fmt::format("{:.0f}", along)
+                                           : fmt::format("{:.0f} x {:.0f}", along, across);
+}
+
+void printPhotometry(const std::string& light, const Json& photometry) {
+    printLine("photometry",
+              fmt::format("{}: {}, {:.4g} lm, peak {:.4g} cd, beam {} and field {} degrees", light,
+                          photometry["name"].get<std::string>(), photometry["lumens"].get<float>(),
+                          photometry["peakCandela"].get<float>(), anglesOf(photometry["beamDegrees"]),
+                          anglesOf(photometry["fieldDegrees"])));
+}
+
 void printScene(const Json& scene) {
     printLine("triangles", fmt::format("{} in {} surfaces", scene["triangles"].get<size_t>(),
                                        scene["surfaces"].get<size_t>()));
@@ -179,6 +208,9 @@ void printScene(const Json& scene) {
         lights += fmt::format("{}{} ({})", lights.empty() ? "" : ", ", light["name"].get<std::string>(),
                               light["type"].get<std::string>());
     printLine("lights", lights.empty() ? "none" : lights);
+    for (const auto& light : scene["lights"])
+        if (light.contains("photometry"))
+            printPhotometry(light["name"].get<std::string>(), light["photometry"]);
     printLine("cameras", joined(scene["cameras"]));
     if (!scene["variants"].empty()) printLine("variants", joined(scene["variants"]));
     if (const Json& view = scene["defaultCamera"]; !view.is_null()) {

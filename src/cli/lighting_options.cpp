@@ -5,14 +5,18 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <sstream>
 
 #include "cli/console.h"
 #include "io/base/printable.h"
+#include "io/ies/ies_photometry.h"
 
 namespace phat {
 namespace {
+
+constexpr double kMaxPhotometryMultiplier = 1e6;
 
 [[noreturn]] void refuse(const std::string& reason) {
     throw CLI::ValidationError("--sky", reason);
@@ -69,6 +73,26 @@ double julianDayOf(const std::string& text) {
     const double zone = (sign == '-' ? -1 : 1) * (zoneHour * 60 + zoneMinute);
     constexpr double kJulianDayOf1970 = 2440587.5;
     return kJulianDayOf1970 + days + (hour * 60 + minute - zone) / 1440.0 + second / 86400.0;
+}
+
+// LIGHT=FILE or LIGHT=FILE:MULTIPLIER. Names of lights may hold "=", those of files ":".
+NamedPhotometry photometryOf(const std::string& text) {
+    const size_t equals = text.rfind('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+        throw CLI::ValidationError("--ies", fmt::format("\"{}\" is not LIGHT=FILE", text));
+    NamedPhotometry named{text.substr(0, equals), text.substr(equals + 1), {}};
+    const size_t colon = named.path.rfind(':');
+    if (colon != std::string::npos && !std::filesystem::exists(named.path)) {
+        char* end = nullptr;
+        named.multiplier = std::strtod(named.path.c_str() + colon + 1, &end);
+        if (*end != 0 || !(named.multiplier > 0 && named.multiplier <= kMaxPhotometryMultiplier))
+            throw CLI::ValidationError("--ies",
+                                       fmt::format("\"{}\" is not a multiplier above 0 and up to {:g}",
+                                                   named.path.substr(colon + 1), kMaxPhotometryMultiplier));
+        named.path.resize(colon);
+    }
+    named.bytes = readIesFile(named.path);
+    return named;
 }
 
 }  // namespace
@@ -130,6 +154,17 @@ void declareLighting(const DeclareOption& declare, SceneLighting& lighting) {
         ->type_name("SKY")
         ->default_str("auto")
         ->excludes(environment);
+    declare.command
+        .add_option_function<std::vector<std::string>>(
+            "--ies",
+            [&lighting](const std::vector<std::string>& texts) {
+                for (const std::string& text : texts) lighting.photometries.push_back(photometryOf(text));
+            },
+            "The point or spot light of that name emits what a photometric file (LM-63) says, along -Z of "
+            "its node; "
+            "repeatable; :MULTIPLIER after the file dims it")
+        ->type_name("LIGHT=FILE")
+        ->take_all();
 }
 
 void printLines(const std::string& input, const std::vector<std::string>& lines) {

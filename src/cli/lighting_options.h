@@ -1,5 +1,5 @@
 #pragma once
-// The flags that light a scene: --sky, --environment and what belongs to it.
+// The flags that light a scene: --sky, --environment and what belongs to it, --ies.
 
 #include "cli/declare_option.h"
 #include "io/phat/scene_lighting.h"

@@ -13,8 +13,9 @@ namespace {
 constexpr float kBorderTexels = 3;
 // Glass seldom has an edge that is not a frame's, too.
 constexpr int kSizeOverTints = 4;
-// Spots beyond 60 degrees from their axis waste a single perspective map; they get the point light's six.
-constexpr float kWidestSingleSpotCosine = 0.5f;
+// Cones beyond 60 degrees from their axis waste a single perspective map; they get the six of lights that
+// shine all around.
+constexpr float kWidestSingleConeCosine = 0.5f;
 
 // Sharp where there are few lights, within 400 MB where there are many.
 int mapSize(size_t layers) {
@@ -48,8 +49,7 @@ float discTexels(const PunctualLight& light, int size) {
 
 int layersOf(const PunctualLight& light) {
     const bool cube =
-        light.type == PunctualLight::Type::point ||
-        (light.type == PunctualLight::Type::spot && light.cosOuterCone < kWidestSingleSpotCosine);
+        light.type != PunctualLight::Type::directional && litCosine(light) < kWidestSingleConeCosine;
     return cube ? 6 : 1;
 }
 
@@ -63,7 +63,7 @@ void addViews(const PunctualLight& light, const Bounds& bounds, int size, std::v
     // Geometry nearer than this to a light casts no shadow; float depth keeps the precision beyond.
     const float nearMeters = farMeters * 2e-4f;
     if (layersOf(light) == 1) {
-        const float tangent = std::sqrt(1 - square(light.cosOuterCone)) / light.cosOuterCone;
+        const float cosine = litCosine(light), tangent = std::sqrt(1 - square(cosine)) / cosine;
         views.push_back(perspectiveView(light.position, light.direction, std::max(tangent, 1e-3f), size,
                                         nearMeters, farMeters));
         return;
@@ -159,22 +159,62 @@ GlTexture drawAllTints(const std::vector<PunctualLight>& lights, const std::vect
     return tints;
 }
 
+// A texel for each cell of a web's grid: its corners, the two of its horizontal angle first.
+// twin: texelsOf in web/src/photometry.js.
+void addPhotometry(const PhotometricWeb& web, std::vector<glm::vec4>& texels) {
+    const auto point = [&](int h, int v) {
+        return web.relative[size_t(h % web.horizontalSteps) * (web.verticalSteps + 1) + v];
+    };
+    for (int h = 0; h < web.horizontalSteps; ++h)
+        for (int v = 0; v < web.verticalSteps; ++v)
+            texels.emplace_back(point(h, v), point(h, v + 1), point(h + 1, v), point(h + 1, v + 1));
+}
+
+// The tables of all photometries, which lights may have in common, and the first texel of each light's.
+struct PhotometryTables {
+    std::vector<glm::vec4> texels;
+    std::vector<float> first;  // 0: the light has none
+};
+PhotometryTables photometryTables(const std::vector<PunctualLight>& lights, size_t texelsBefore) {
+    PhotometryTables tables;
+    for (size_t i = 0; i < lights.size(); ++i) {
+        const SharedValue<Photometry>& own = lights[i].photometry;
+        const auto same = std::find_if(lights.begin(), lights.begin() + ptrdiff_t(i),
+                                       [&](const PunctualLight& other) { return other.photometry == own; });
+        const size_t before = size_t(same - lights.begin());
+        if (!own || before < i) {
+            tables.first.push_back(own ? tables.first[before] : 0.0f);
+            continue;
+        }
+        tables.first.push_back(float(texelsBefore + tables.texels.size()));
+        addPhotometry(own->web(), tables.texels);
+    }
+    return tables;
+}
+
 GlTexture createLightTable(const std::vector<PunctualLight>& lights, const std::vector<glm::mat4>& views,
                            int size, const Bounds& bounds) {
     const float leastSquared = square(kMinLightDistance * 0.5f * bounds.diagonal());
+    constexpr size_t kLightRows = 5, kShadowRows = 4;  // twin: shaders/lib/lights.glsl
+    const PhotometryTables photometries =
+        photometryTables(lights, kLightRows * lights.size() + kShadowRows * views.size());
     std::vector<glm::vec4> rows;
     int layer = 0;
-    for (const PunctualLight& light : lights) {
+    for (size_t i = 0; i < lights.size(); ++i) {
+        const PunctualLight& light = lights[i];
+        const PhotometricWeb* web = light.photometry ? &light.photometry->web() : nullptr;
         rows.emplace_back(light.position, float(light.type));
         const bool parallel = light.type == PunctualLight::Type::directional;
         rows.emplace_back(light.intensity, parallel ? light.angularRadius : light.rangeMeters);
-        rows.emplace_back(light.direction, light.cosInnerCone);
-        rows.emplace_back(light.cosOuterCone, float(layer), float(layersOf(light)),
-                          parallel ? discTexels(light, size) : leastSquared);
+        rows.emplace_back(light.direction, web ? float(web->verticalSteps) : light.cosInnerCone);
+        rows.emplace_back(web ? float(web->horizontalSteps) : light.cosOuterCone, float(layer),
+                          float(layersOf(light)), parallel ? discTexels(light, size) : leastSquared);
+        rows.emplace_back(light.horizontalZero, photometries.first[i]);
         layer += layersOf(light);
     }
     for (const glm::mat4& clipFromWorld : views)
         for (int column = 0; column < 4; ++column) rows.push_back(clipFromWorld[column]);
+    rows.insert(rows.end(), photometries.texels.begin(), photometries.texels.end());
     return createTable(rows);
 }
 

@@ -32,7 +32,7 @@ struct ShadowCasters {
     DrawnMaterials materials;
 };
 
-/// Six layers for a point light or a wide spot, one for a spot or a directional light. Throws GlError.
+/// Six layers for a point light or a wide cone, one for a narrow one or a directional light. Throws GlError.
 ShadowMaps renderShadowMaps(const std::vector<PunctualLight>& lights, std::span<const ShadowCasters> casters,
                             const ShadowPrograms& programs);
 

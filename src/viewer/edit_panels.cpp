@@ -92,6 +92,7 @@ void drawLightsPanel(ViewerState& state, Edit& edit) {
             light.intensity = shines ? state.switchedOff[i].value_or(glm::vec3(1)) : glm::vec3(0);
             edit.changed = true;
         }
+        if (light.photometry) drawPhotometry(light);
         if (light.type != PunctualLight::Type::directional)
             edit.note(widgets::dragVector("Position, m", &light.position.x, 0.01f, "%.2f"));
         ImGui::PopID();

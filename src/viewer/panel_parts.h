@@ -37,6 +37,8 @@ struct Edit {
 };
 void drawSelectionPanel(ViewerState& state, Edit& edit);
 void drawLightsPanel(ViewerState& state, Edit& edit);
+/// The flux, peak and polar curve of a lamp: photometry_panel.cpp. pre: it has photometry.
+void drawPhotometry(const PunctualLight& light);
 void drawMotionPanel(ViewerState& state, Edit& edit);
 
 // Of updates of the light: motion_panels.cpp.

@@ -8,6 +8,7 @@
 #include "core/scene/shading.h"
 #include "gl/renderer_world.h"
 #include "support/penumbra.h"
+#include "support/photometries.h"
 
 namespace phat::test {
 namespace {
@@ -27,11 +28,13 @@ FrameSettings frame(const Camera& camera) {
     return settings;
 }
 
-// What a pixel's centre sees of the lamps; `lit` tells whether every lamp reaches it, `surface` what it is
-// on.
+constexpr uint8_t kAllLamps = 255;
+
+// What a pixel's centre sees of the lamps; `lit` has a bit for each lamp that reaches it, `surface` says what
+// it is on.
 glm::vec3 directLight(const RayScene& rays, const LightSampler& lights, glm::vec3 eye, glm::vec3 direction,
-                      bool& lit, uint32_t& surface) {
-    lit = true;
+                      uint8_t& lit, uint32_t& surface) {
+    lit = kAllLamps;
     surface = 0;
     const Hit hit = rays.closestHit(eye, direction);
     if (!hit) return glm::vec3(0);
@@ -44,7 +47,7 @@ glm::vec3 directLight(const RayScene& rays, const LightSampler& lights, glm::vec
             evaluateBrdf(at.brdf, at.shading.toLocal(-direction), at.shading.toLocal(light.towardLight));
         if (rays.anyHit(rays.offsetOrigin(at.position, at.normalGeometric), light.towardLight,
                         light.distance))
-            lit = false;
+            lit &= uint8_t(~(1u << i));
         else
             sum += value * light.radiance;
     }
@@ -64,11 +67,10 @@ void comparePictures(const RendererWorld& world, const Camera& camera, int minSh
     std::vector<uint32_t> surface(want.pixels.size());
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
-            bool reached = true;
+            const size_t pixel = size_t(y) * image.width + x;
             want.at(x, y) =
                 directLight(rays, lights, eye, pixelDirection(camera, x, y, image.width, image.height),
-                            reached, surface[size_t(y) * image.width + x]);
-            lit[size_t(y) * image.width + x] = reached;
+                            lit[pixel], surface[pixel]);
         }
     }
     int shadowPixels = 0, compared = 0;
@@ -84,7 +86,7 @@ void comparePictures(const RendererWorld& world, const Camera& camera, int minSh
                 }
             if (edge) continue;
             ++compared;
-            shadowPixels += !lit[size_t(y) * image.width + x];
+            shadowPixels += lit[size_t(y) * image.width + x] != kAllLamps;
             for (int c = 0; c < 3; ++c)
                 ASSERT_NEAR(image.at(x, y)[c], want.at(x, y)[c], 2e-3f * want.at(x, y)[c] + 1e-5f)
                     << "pixel " << x << ' ' << y;
@@ -130,6 +132,33 @@ TEST_F(RendererLight, SpotLightNarrowAndWide) {
                                          glm::normalize(glm::vec3(-0.5f, -1, 0)), 0.6f * outer, outer));
         comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 60);
     }
+}
+
+// Lamps all around and within a cone, two of the same photometry, one tilted and turned, beside a light
+// without.
+TEST_F(RendererLight, Photometry) {
+    const std::vector<PhotometricFormula> formulas = photometricFormulas();
+    const SharedValue<Photometry> washer = photometryOf(formulas[3]);
+    for (const size_t other : {size_t(0), size_t(1), size_t(2), size_t(4)}) {
+        Scene scene = floorAndShelf(0.5f);
+        scene.lights = {photometricLight(washer, {8, 4, 5}, {0.8f, 1.5f, 0.2f}),
+                        pointLight(glm::vec3(0.3f), {-1, 1, 1}),
+                        photometricLight(photometryOf(formulas[other]), {1, 4, 2}, {-0.3f, 1.4f, -0.2f}),
+                        photometricLight(washer, {2, 2, 6}, {0.2f, 1.1f, 0.9f})};
+        const Frame tilted =
+            frameFromNormalAndTangent(-glm::normalize(glm::vec3(0.3f, -1, -0.4f)), {1, 0, 2});
+        scene.lights[3].direction = -tilted.normal, scene.lights[3].horizontalZero = tilted.tangent;
+        comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 60);
+    }
+}
+
+// A lamp that is dark beyond 40 degrees has one shadow map, which must reach as far.
+TEST_F(RendererLight, PhotometryOfANarrowCone) {
+    PhotometricWeb web{"cone", 1, 36, 1, std::vector<float>(37, 0.0f)};
+    for (int v = 0; v < 8; ++v) web.relative[size_t(v)] = 1 - 0.1f * float(v);
+    Scene scene = floorAndShelf(0.5f);
+    scene.lights = {photometricLight(Photometry(web), {8, 4, 5}, {0.7f, 1.6f, 0.2f})};
+    comparePictures(worldOfQuads(scene, 2), lookAtCamera({1.5f, 2, 2.5f}, {0, 0, 0}, 50), 60);
 }
 
 TEST_F(RendererLight, DirectionalLight) {

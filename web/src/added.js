@@ -4,6 +4,7 @@ import { Matrix4 } from 'three';
 import shaders from 'phat:probe-shaders';
 import { addShaders, shaderLibrary } from './gl.js';
 import { chainHook, chainShader } from './hooks.js';
+import { addPhotometry, photometryKey } from './photometry.js';
 import { readProbes } from './probes.js';
 
 const vertexDeclarations = `
@@ -49,8 +50,10 @@ const light = `
 addShaders(shaders);
 
 function injectProbes(material, uniforms) {
-    return chainShader(material, 'phat probes', (shader) => {
+    const key = () => `phat probes${photometryKey()}`;
+    return chainShader(material, key, (shader) => {
         Object.assign(shader.uniforms, uniforms);
+        addPhotometry(shader);
         shader.vertexShader = vertexDeclarations + shader.vertexShader.replace('#include <project_vertex>', place);
         shader.fragmentShader =
             shaderLibrary('lib/probe_light.glsl') +

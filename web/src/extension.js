@@ -18,6 +18,7 @@ import {
 } from './file.js';
 import { lackOf } from './gl.js';
 import { chainHook } from './hooks.js';
+import { hidePhotometry, photometricLight, showPhotometry, updatePhotometry } from './photometry.js';
 import { Rendering } from './rendering.js';
 import { gatherSurfaces, surfaceMeshes, triangleCount } from './surfaces.js';
 
@@ -26,6 +27,11 @@ export class PhatexturesExtension {
     constructor(parser) {
         this.name = kName;
         this.parser = parser;
+    }
+
+    // GLTFLoader has no light with photometry.
+    createNodeAttachment(node) {
+        return photometricLight(this.parser, node);
     }
 
     // Diffuse light is there when the file is; the PHATexels follow (BakedLight.ready).
@@ -77,6 +83,7 @@ export class BakedLight {
         this.onProgress = null;
         /** @internal */
         this.bake = bake;
+        showPhotometry(root);
         this.unitMeters = root.userData.unitMeters = bake.atlas.unitMeters;
         /** @internal Whether the light will never be drawn again. */
         this.disposed = false;
@@ -212,6 +219,7 @@ export class BakedLight {
      * materials of its own shows none.
      */
     draw(renderer, scene, camera) {
+        updatePhotometry();
         if (!this.#canDraw(renderer)) return;
         if (!this.#renderings.has(renderer)) this.#renderings.set(renderer, new Rendering(renderer));
         const shown = this.#renderings.get(renderer).draw(this, scene, camera);
@@ -236,6 +244,7 @@ export class BakedLight {
         this.#toAdd.clear();
         this.#added?.detach();
         this.updates?.dispose();
+        hidePhotometry(this.root);
         this.bake = null;
     }
 }

@@ -20,7 +20,8 @@ export function chainHook(object, name, wrap) {
     };
 }
 
-// Lets `edit` change the shaders of a material, after hooks of others have. Returns a function that undoes it.
+// Lets `edit` change the shaders of a material, after hooks of others have; `key()` tells the results of edits apart.
+// Returns a function that undoes it.
 export function chainShader(material, key, edit) {
     let isUndone = false;
     const edited = new WeakSet();
@@ -39,7 +40,7 @@ export function chainShader(material, key, edit) {
         }),
         chainHook(material, 'customProgramCacheKey', (own) => {
             return function () {
-                return isUndone ? own.call(this) : `${key} ${own.call(this)}`;
+                return isUndone ? own.call(this) : `${key()} ${own.call(this)}`;
             };
         }),
     ];

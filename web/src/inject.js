@@ -2,6 +2,7 @@
 // behind it as far as it is away.
 import { ShaderChunk } from 'three';
 import { chainShader } from './hooks.js';
+import { addPhotometry, photometryKey } from './photometry.js';
 
 // The passes draw each pixel once; at edges, where multisampling shades two surfaces, the neighbour that is
 // nearest in depth is the fragment's own surface.
@@ -83,8 +84,10 @@ export function injectLight(material, corner) {
         phatBehindDepth: { value: null },
         phatCorner: corner,
     };
-    const undo = chainShader(material, 'phat', (shader) => {
+    const key = () => `phat${photometryKey()}`;
+    const undo = chainShader(material, key, (shader) => {
         Object.assign(shader.uniforms, uniforms);
+        addPhotometry(shader);
         shader.fragmentShader =
             declarations +
             shader.fragmentShader

@@ -1,11 +1,12 @@
 // The punctual lights that shine where a room is, as shaders/lib/lights.glsl reads them, without shadow maps.
 // twin: createLightTable in src/gl/shadow_maps.cpp.
 import { Matrix4, Vector3 } from 'three';
+import { axesOf, webTexels } from './photometry.js';
 
 const kPoint = 0,
     kSpot = 1,
     kDirectional = 2;
-const kLightWords = 16;
+const kLightWords = 20;
 const kMinDistance = 1e-6; // units of length, against division by zero
 
 function typeOf(light) {
@@ -14,7 +15,15 @@ function typeOf(light) {
     return light.isDirectionalLight ? kDirectional : -1;
 }
 
-// Four rows of four floats a light, in the space of `root`; lengths there are `unitMeters` where they are about a metre.
+function setPhotometry(rows, at, light, rootFromWorld, firstTexel) {
+    const { direction, horizontalZero } = axesOf(light),
+        [vertical, horizontal] = light.photometry.steps;
+    rows.set([...direction.transformDirection(rootFromWorld), vertical, horizontal], at + 8);
+    rows.set([...horizontalZero.transformDirection(rootFromWorld), firstTexel], at + 16);
+}
+
+// Five rows of four floats a light, in the space of `root`, then the tables of photometries; lengths are `unitMeters` where
+// they are about a metre.
 export function lightTable(root, unitMeters) {
     let scene = root;
     while (scene.parent) scene = scene.parent;
@@ -24,7 +33,15 @@ export function lightTable(root, unitMeters) {
     });
     const rootFromWorld = new Matrix4().copy(root.matrixWorld).invert(),
         worldPerRoot = root.matrixWorld.getMaxScaleOnAxis(),
-        rows = new Float32Array(kLightWords * lights.length);
+        webs = [...new Set(lights.flatMap(({ photometry }) => photometry ?? []))].map((web) => [web, webTexels(web)]),
+        firstTexels = new Map();
+    let end = kLightWords * lights.length;
+    for (const [web, texels] of webs) {
+        firstTexels.set(web, end / 4);
+        end += texels.length;
+    }
+    const rows = new Float32Array(end);
+    for (const [web, texels] of webs) rows.set(texels, 4 * firstTexels.get(web));
     const position = (object) => new Vector3().setFromMatrixPosition(object.matrixWorld).applyMatrix4(rootFromWorld);
     lights.forEach((light, i) => {
         const type = typeOf(light),
@@ -38,6 +55,7 @@ export function lightTable(root, unitMeters) {
         rows.set([...light.color.toArray().map((x) => scale * x), (light.distance ?? 0) / worldPerRoot], at + 4);
         rows.set([...direction, cosine(light.angle * (1 - light.penumbra))], at + 8);
         rows.set([cosine(light.angle), 0, 0, (kMinDistance * unitMeters) ** 2], at + 12);
+        if (light.photometry) setPhotometry(rows, at, light, rootFromWorld, firstTexels.get(light.photometry));
     });
     return { rows, count: lights.length };
 }

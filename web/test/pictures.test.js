@@ -6,6 +6,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { borrowBrowser, serve } from './browser.js';
 import { borrowRoom, maeOverMean, meanOf, phat, readExr } from './room.js';
+import { measuredRoom } from './measured_room.js';
 import { loaded, open, openRoom, pixelsOf, rest, viewport } from './site.js';
 import { sunnyRoom } from './sunny_room.js';
 
@@ -86,6 +87,17 @@ test('draws what phat render draws: a sun through a window, a spot, and a pendan
     t.after(() => rm(folder, { recursive: true }));
     const [scene, file, site] = ['scene.glb', 'room.phat.glb', 'site'].map((name) => join(folder, name));
     await writeFile(scene, sunnyRoom());
+    await phat('bake', scene, '-o', file, '--resolution', '60k', '--photons', '50k', '--quiet');
+    await phat('web', file, '-o', site, '--exposure', '0', '--quiet');
+    await comparePictures(t, { file, folder, site }, 'gl-egl', { width: 320, height: 180 });
+});
+
+// Lamps that three.js does not know: one that washes walls on one side more than on others, one tilted downlight.
+test('draws what phat render draws: lamps with photometry', async (t) => {
+    const folder = await mkdtemp(join(tmpdir(), 'phat-photometry-'));
+    t.after(() => rm(folder, { recursive: true }));
+    const [scene, file, site] = ['scene.glb', 'room.phat.glb', 'site'].map((name) => join(folder, name));
+    await writeFile(scene, measuredRoom());
     await phat('bake', scene, '-o', file, '--resolution', '60k', '--photons', '50k', '--quiet');
     await phat('web', file, '-o', site, '--exposure', '0', '--quiet');
     await comparePictures(t, { file, folder, site }, 'gl-egl', { width: 320, height: 180 });

@@ -36,7 +36,7 @@ function keepToGltf(material) {
         ],
         ['lights_fragment_begin', /(multiScatteringCompensation =).*;/g, '$1 vec3(1.0);'],
     ];
-    chainShader(material, 'keepToGltf', (shader) => {
+    chainShader(material, () => 'keepToGltf', (shader) => {
         for (const [name] of edits)
             shader.fragmentShader = shader.fragmentShader.replace(`#include <${name}>`, ShaderChunk[name]);
         for (const [, pattern, by] of edits) shader.fragmentShader = shader.fragmentShader.replaceAll(pattern, by);

@@ -145,7 +145,8 @@ EmittedPhoton LightSampler::fromPunctual(const PhotonSource& source, const Photo
     photon.fluxWatts = punctualPower(light, sceneRadius_) * float(turn.powerFraction);
     switch (light.type) {
         case PunctualLight::Type::point:
-            photon.direction = directionAt(1 - 2 * u, 2 * kPi * v);
+            photon.direction =
+                light.photometry ? samplePhotometry(light, {u, v}) : directionAt(1 - 2 * u, 2 * kPi * v);
             break;
         case PunctualLight::Type::spot: {
             const float cosine = sampleSpotCosine(spotCone(light), u);

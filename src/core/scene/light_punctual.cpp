@@ -21,6 +21,11 @@ ConeMass massOf(const SpotCone& cone) {
     return {softEnd * square(softEnd / cone.width) / 3.0f, std::max(0.0f, 1.0f - (cone.base + cone.width))};
 }
 
+// In which Photometry has its directions.
+Frame photometricFrame(const PunctualLight& light) {
+    return {light.horizontalZero, glm::cross(light.horizontalZero, light.direction), -light.direction};
+}
+
 }  // namespace
 
 float rangeAttenuation(float distanceMeters, float rangeMeters) {
@@ -49,6 +54,19 @@ float sampleSpotCosine(const SpotCone& cone, float unit) {
     return std::min(1.0f, cone.base + std::cbrt(3.0f * square(cone.width) * target));
 }
 
+float photometricFalloff(const PunctualLight& light, glm::vec3 direction) {
+    return light.photometry->at(photometricFrame(light).toLocal(direction));
+}
+
+glm::vec3 samplePhotometry(const PunctualLight& light, glm::vec2 square) {
+    return photometricFrame(light).toWorld(light.photometry->sample(square));
+}
+
+float litCosine(const PunctualLight& light) {
+    if (light.type == PunctualLight::Type::spot) return light.cosOuterCone;
+    return light.photometry ? light.photometry->darkBelowCosine() : -1.0f;
+}
+
 glm::vec3 sampleLightDisc(const PunctualLight& light, glm::vec2 square) {
     if (light.angularRadius <= 0) return -light.direction;
     // The cosine-weighted hemisphere is the uniform disc lifted up (Malley's method).
@@ -60,7 +78,7 @@ glm::vec3 sampleLightDisc(const PunctualLight& light, glm::vec2 square) {
 glm::vec3 punctualPower(const PunctualLight& light, float sphereRadiusMeters) {
     switch (light.type) {
         case PunctualLight::Type::point:
-            return 4 * kPi * light.intensity;
+            return (light.photometry ? light.photometry->solidAngle() : 4 * kPi) * light.intensity;
         case PunctualLight::Type::spot:
             return spotSolidAngle(spotCone(light)) * light.intensity;
         case PunctualLight::Type::directional:

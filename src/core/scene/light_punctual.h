@@ -26,6 +26,13 @@ float spotSolidAngle(const SpotCone& cone);
 /// Cosine distributed as the falloff: pdf over directions = spotFalloff / spotSolidAngle.
 float sampleSpotCosine(const SpotCone& cone, float unit);
 
+/// Share of the peak's intensity that a light with photometry has in a direction of propagation.
+float photometricFalloff(const PunctualLight& light, glm::vec3 direction);
+/// A direction distributed as that falloff.
+glm::vec3 samplePhotometry(const PunctualLight& light, glm::vec2 square);
+/// The least cosine with its direction at which a point or spot light shines; -1: it may be any.
+float litCosine(const PunctualLight& light);
+
 /// Direction toward a point of a directional light's disc, uniform over the disc; toward its middle where it
 /// has no size.
 glm::vec3 sampleLightDisc(const PunctualLight& light, glm::vec2 square);

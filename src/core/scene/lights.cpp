@@ -158,6 +158,7 @@ LightSample LightSampler::samplePunctual(size_t index, glm::vec3 point, glm::vec
     if (light.type == PunctualLight::Type::spot) {
         attenuation *= spotFalloff(spotCone(light), glm::dot(light.direction, -sample.towardLight));
     }
+    if (light.photometry) attenuation *= photometricFalloff(light, -sample.towardLight);
     if (!(attenuation > 0)) return sample;
     sample.radiance = light.intensity * (attenuation / distanceSquared);
     sample.pdf = 1.0f;

@@ -11,6 +11,7 @@
 #include "core/base/image.h"
 #include "core/base/math.h"
 #include "core/scene/animation.h"
+#include "core/scene/photometry.h"
 #include "core/scene/shared_value.h"
 
 namespace phat {
@@ -97,8 +98,10 @@ struct PunctualLight {
     Type type = Type::point;
     glm::vec3 intensity{0};  // colour * intensity: W/sr, or W/m2 for directional
     glm::vec3 position{0};
-    glm::vec3 direction{0, 0, -1};  // of propagation; unit
-    float angularRadius = 0;        // of a directional light that is a disc; radians
+    glm::vec3 direction{0, 0, -1};       // of propagation; unit
+    SharedValue<Photometry> photometry;  // of a point light: `intensity` is that of its peak
+    glm::vec3 horizontalZero{1, 0, 0};   // of the photometry's horizontal angle; unit, across `direction`
+    float angularRadius = 0;             // of a directional light that is a disc; radians
     float cosInnerCone = 1;
     float cosOuterCone = 0.70710678f;
     float rangeMeters = 0;  // 0: unlimited

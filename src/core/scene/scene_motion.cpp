@@ -113,6 +113,8 @@ std::vector<PunctualLight> movedLights(std::vector<PunctualLight> rest,
         if (m == glm::mat4(1)) continue;
         light.position = movedPoint(m, light.position);
         light.direction = glm::normalize(glm::mat3(m) * light.direction);
+        light.horizontalZero =
+            frameFromNormalAndTangent(-light.direction, glm::mat3(m) * light.horizontalZero).tangent;
     }
     return rest;
 }

@@ -13,6 +13,9 @@ class SharedValue {
     SharedValue() = default;
     SharedValue(T value) : value_(std::make_shared<const T>(std::move(value))) {}
 
+    /// Whether it is the same value, not an equal one.
+    bool operator==(const SharedValue&) const = default;
+
     explicit operator bool() const { return value_ != nullptr; }
     /// pre: there is a value.
     const T& operator*() const { return *value_; }

@@ -26,6 +26,7 @@ bool isOfBlender(const nlohmann::json& gltf) {
 std::optional<std::string> blenderUnitsNote(const GltfSource& source, const Scene& scene) {
     if (!isOfBlender(source.json)) return {};
     for (const PunctualLight& light : scene.lights) {
+        if (light.photometry) continue;  // its file says what it emits
         const bool sun = light.type == PunctualLight::Type::directional;
         const float intensity = maxComponent(light.intensity);
         if (intensity <= (sun ? kMaxLux : kMaxCandela)) continue;

@@ -25,15 +25,15 @@ constexpr std::array kSupported = {
     "KHR_materials_unlit",   "KHR_materials_volume",    "KHR_mesh_quantization",
     "KHR_texture_transform", "EXT_texture_webp",        "EXT_texture_avif",
     "KHR_texture_basisu",    "KHR_materials_variants",  "KHR_node_visibility",
-    kBakedExtension,
+    "EXT_lights_ies",        kBakedExtension,
 };
 
 // Extensions that a file may require and that leave every surface where it is: it is drawn without them.
 bool isDrawnWithout(const std::string& extension) {
     static constexpr std::array kNames = {
-        "KHR_animation_pointer",    "KHR_node_hoverability", "KHR_node_selectability", "KHR_interactivity",
-        "KHR_xmp_json_ld",          "KHR_audio_emitter",     "EXT_lights_image_based", "EXT_lights_ies",
-        "KHR_physics_rigid_bodies", "KHR_implicit_shapes"};
+        "KHR_animation_pointer",  "KHR_node_hoverability",    "KHR_node_selectability",
+        "KHR_interactivity",      "KHR_xmp_json_ld",          "KHR_audio_emitter",
+        "EXT_lights_image_based", "KHR_physics_rigid_bodies", "KHR_implicit_shapes"};
     return extension.starts_with("KHR_materials_") || extension.starts_with("EXT_materials_") ||
            std::find(kNames.begin(), kNames.end(), extension) != kNames.end();
 }

@@ -6,6 +6,8 @@
 #include <array>
 #include <string_view>
 
+#include "io/gltf/gltf_json.h"
+#include "io/gltf/gltf_light_profiles.h"
 #include "io/gltf/gltf_picture.h"
 #include "io/gltf/gltf_rewrite.h"
 
@@ -46,9 +48,9 @@ size_t keepAccessor(const GltfSource& source, uint64_t index, GlbBuilder& glb, K
 // Whether the extension holds no index of an accessor or a bufferView.
 bool holdsNoBufferReference(const std::string& extension) {
     static constexpr std::array kKnown = {
-        kPhatExtension,          "KHR_lights_punctual", "KHR_texture_transform",
-        "KHR_mesh_quantization", "KHR_texture_basisu",  "EXT_texture_webp",
-        "EXT_texture_avif",      "KHR_xmp_json_ld",     "KHR_node_visibility"};
+        kPhatExtension,          "KHR_lights_punctual", gltf::kLightProfiles, "KHR_texture_transform",
+        "KHR_mesh_quantization", "KHR_texture_basisu",  "EXT_texture_webp",   "EXT_texture_avif",
+        "KHR_xmp_json_ld",       "KHR_node_visibility"};
     return extension.starts_with("KHR_materials_") ||
            std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
 }
@@ -84,6 +86,28 @@ void embedImage(const GltfSource& source, json& image, GlbBuilder& glb, std::vec
     image.erase("uri");
     image["mimeType"] = mimeType.empty() ? "image/png" : mimeType;
     image["bufferView"] = appendBufferView(glb, bytes);
+}
+
+// Photometric files beside the source are embedded, too. One that cannot be read was noted when it was
+// loaded.
+void keepLightProfiles(const GltfSource& source, GlbBuilder& glb, Kept& kept) {
+    if (!gltf::findExtension(glb.json, gltf::kLightProfiles)) return;
+    json profiles = glb.json["extensions"][gltf::kLightProfiles].value("lights", json::array());
+    for (json& profile : profiles) {
+        if (!profile.is_object()) continue;
+        try {
+            if (profile.contains("uri"))
+                profile["bufferView"] =
+                    appendBufferView(glb, readGltfUri(source, profile["uri"].get<std::string>()));
+            else
+                profile["bufferView"] = keepView(source, wholeNumber(profile, "bufferView"), glb, kept);
+            profile.erase("uri");
+            profile["mimeType"] = "application/x-ies-lm-63";
+        } catch (const std::exception&) {
+            profile.erase("bufferView");
+        }
+    }
+    glb.json["extensions"][gltf::kLightProfiles]["lights"] = std::move(profiles);
 }
 
 }  // namespace
@@ -122,6 +146,7 @@ void keepReferences(const GltfSource& source, const std::set<std::pair<size_t, s
         }
     });
     each("skins", [&](json& skin, size_t) { remap(skin, "inverseBindMatrices"); });
+    keepLightProfiles(source, glb, kept);
     each("images", [&](json& image, size_t) {
         if (image.contains("uri")) return embedImage(source, image, glb, notes);
         if (image.contains("bufferView"))

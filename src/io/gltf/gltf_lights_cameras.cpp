@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "io/gltf/gltf_light_profiles.h"
+
 namespace phat::gltf {
 namespace {
 
@@ -53,6 +55,13 @@ Camera cameraOf(const tinygltf::Camera& in, const std::string& name, const glm::
     return camera;
 }
 
+void aim(PunctualLight& light, const glm::dmat4& worldFromNode) {
+    const glm::mat4 frame = orthonormal(worldFromNode);
+    light.position = glm::vec3(worldFromNode[3]);
+    light.direction = glm::vec3(unitOr(-glm::dvec3(worldFromNode[2]), {0, 0, -1}));
+    light.horizontalZero = glm::vec3(frame[0]);
+}
+
 PunctualLight lightOf(const tinygltf::Light& in, const std::string& name, const glm::dmat4& worldFromNode) {
     PunctualLight light;
     light.name = name;
@@ -62,8 +71,7 @@ PunctualLight lightOf(const tinygltf::Light& in, const std::string& name, const 
         const double color = in.color.empty() ? 1.0 : std::max(in.color[size_t(c)], 0.0);
         light.intensity[c] = float(color * in.intensity);
     }
-    light.position = glm::vec3(worldFromNode[3]);
-    light.direction = glm::vec3(unitOr(-glm::dvec3(worldFromNode[2]), {0, 0, -1}));
+    aim(light, worldFromNode);
     if (light.type == PunctualLight::Type::spot) {
         light.cosInnerCone = float(std::cos(in.spot.innerConeAngle));
         light.cosOuterCone = float(std::cos(in.spot.outerConeAngle));
@@ -75,13 +83,15 @@ PunctualLight lightOf(const tinygltf::Light& in, const std::string& name, const 
 }  // namespace
 
 void readLightsAndCameras(const Document& document, const std::vector<WorldNode>& nodes, Scene& scene,
-                          Notes& notes) {
+                          MemoryBudget& budget, Notes& notes) {
     const auto& model = document.model();
+    LightProfiles profiles(document.source, budget, notes);
     for (const WorldNode& world : nodes) {
         const tinygltf::Node& node = model.nodes[world.node];
         const auto extension = node.extensions.find("KHR_lights_punctual");
         const bool hasLight = !world.hidden && extension != node.extensions.end();
-        if (!hasLight && node.camera < 0) continue;
+        const bool hasProfile = !world.hidden && node.extensions.contains(kLightProfiles);
+        if (!hasLight && !hasProfile && node.camera < 0) continue;
         if (!isNear(glm::dvec3(world.worldFromNode[3]))) {
             notes.lines.push_back(
                 fmt::format("the light or camera of node {} is too far away and is left out", world.node));
@@ -98,6 +108,13 @@ void readLightsAndCameras(const Document& document, const std::vector<WorldNode>
             scene.lights.push_back(
                 lightOf(light, nameOf(node.name, light.name, "light", index), world.worldFromNode));
             scene.lights.back().node = world.node;
+        }
+        PunctualLight measured;
+        measured.name = node.name;
+        if (hasProfile && profiles.give(world.node, measured)) {
+            aim(measured, world.worldFromNode);
+            measured.node = world.node;
+            scene.lights.push_back(std::move(measured));
         }
     }
 }

@@ -10,9 +10,10 @@ namespace phat::gltf {
 /// triangles, squared): (2^128)^(1/4) = 4e9.
 inline constexpr double kMaxCoordinateMeters = 1e9;
 
-/// Cameras and KHR_lights_punctual of the nodes, in node order. Their scale means nothing; a camera's frame
-/// is made orthonormal. What is too far away is noted and left out. Names are the nodes', or else their own.
+/// Cameras, KHR_lights_punctual and EXT_lights_ies of the nodes, in node order. Their scale means nothing; a
+/// camera's frame is made orthonormal. What is too far away is noted and left out. Names are the nodes', or
+/// else their own.
 void readLightsAndCameras(const Document& document, const std::vector<WorldNode>& nodes, Scene& scene,
-                          Notes& notes);
+                          MemoryBudget& budget, Notes& notes);
 
 }  // namespace phat::gltf

@@ -12,6 +12,7 @@
 #include "io/gltf/gltf_divide.h"
 #include "io/gltf/gltf_flatten.h"
 #include "io/gltf/gltf_images.h"
+#include "io/gltf/gltf_light_profiles.h"
 #include "io/gltf/gltf_lights_cameras.h"
 #include "io/gltf/gltf_materials.h"
 #include "io/gltf/gltf_plain.h"
@@ -59,7 +60,8 @@ LoadedScene loadPlain(GltfSource& source, const GltfLoadOptions& options, gltf::
     gltf::loadImages(document, loaded.scene, budget,
                      notes);  // a normal map that is missing needs no tangents
     gltf::flattenMeshes(document, nodes, loaded.scene, budget, notes);
-    gltf::readLightsAndCameras(document, nodes, loaded.scene, notes);
+    gltf::readLightsAndCameras(document, nodes, loaded.scene, budget, notes);
+    gltf::attachPhotometries(options.photometries, source, loaded.scene);
     gltf::readAnimations(document, nodes, loaded.scene, budget, notes);
     if (options.divideFor) divideAtWalls(source, *options.divideFor, loaded.scene, budget);
     loaded.notes = gltf::linesOf(notes);

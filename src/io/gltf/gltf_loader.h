@@ -18,10 +18,19 @@ struct LoadedScene {
     std::vector<std::string> notes;
 };
 
+/// The photometric file that a light of the scene is to have.
+struct NamedPhotometry {
+    std::string light;           // its name
+    std::string path;            // of the file
+    std::vector<uint8_t> bytes;  // of the file; they can be read
+    double multiplier = 1;
+};
+
 struct GltfLoadOptions {
     std::string variant;  // of KHR_materials_variants; empty: the materials that primitives have of their own
     std::optional<AtlasSettings> divideFor =
         {};  // divide surfaces at walls (divided_surfaces.h) for this atlas
+    std::vector<NamedPhotometry> photometries = {};
 };
 
 /// Loads a .glb or .gltf file (buffers and images embedded, as data URIs, or beside it; never from outside

@@ -16,6 +16,8 @@
 #include "core/base/random.h"
 #include "io/base/file_error.h"
 #include "io/base/plain_file.h"
+#include "io/gltf/gltf_json.h"
+#include "io/gltf/gltf_light_profiles.h"
 #include "io/gltf/gltf_source.h"
 
 namespace phat {
@@ -90,14 +92,19 @@ void addGltf(Fingerprint& fingerprint, const GltfSource& source) {
     try {
         fingerprint.add(source.json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
         for (const auto& buffer : source.buffers) fingerprint.add(buffer);
-        for (const nlohmann::json& image : source.json.value("images", nlohmann::json::array())) {
-            if (!image.contains("uri")) continue;
-            try {
-                fingerprint.add(readGltfUri(source, image["uri"].get<std::string>()));
-            } catch (const std::runtime_error&) {
-                // The loader goes on without a picture that it cannot read, and says so.
+        const auto addFilesOf = [&](const nlohmann::json& items) {
+            for (const nlohmann::json& item : items) {
+                if (!item.contains("uri")) continue;
+                try {
+                    fingerprint.add(readGltfUri(source, item["uri"].get<std::string>()));
+                } catch (const std::runtime_error&) {
+                    // The loader goes on without a picture or a light that it cannot read, and says so.
+                }
             }
-        }
+        };
+        addFilesOf(source.json.value("images", nlohmann::json::array()));
+        if (const nlohmann::json* profiles = gltf::findExtension(source.json, gltf::kLightProfiles))
+            addFilesOf(profiles->value("lights", nlohmann::json::array()));
     } catch (const std::exception& error) {
         throw FileError(source.path, error.what());
     }

@@ -6,6 +6,8 @@
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
 #include "io/gltf/glb_builder.h"
+#include "io/gltf/gltf_json.h"
+#include "io/gltf/gltf_light_profiles.h"
 #include "io/gltf/gltf_rewrite.h"
 #include "io/gltf/gltf_source.h"
 #include "io/phat/phat_payload.h"
@@ -75,6 +77,7 @@ void writeMaterial(json& gltf, json& out, const Material& from, const Material& 
 // A definition that other nodes use as well is left to them.
 void writeLight(json& gltf, const PunctualLight& light) {
     json& node = gltf["nodes"][light.node];
+    if (light.photometry) return gltf::writeProfileIntensity(node, light);
     json& definitions = gltf["extensions"][kLights]["lights"];
     json changed = definitions.at(node["extensions"][kLights]["light"].get<size_t>());
     const float intensity = std::max({light.intensity.x, light.intensity.y, light.intensity.z});
@@ -86,6 +89,7 @@ void writeLight(json& gltf, const PunctualLight& light) {
 
 // Definitions that no node uses any more are taken out.
 void dropUnusedLights(json& gltf) {
+    if (!gltf::findExtension(gltf, kLights)) return;
     json kept = json::array();
     json& definitions = gltf["extensions"][kLights]["lights"];
     std::vector<int64_t> newIndex(definitions.size(), -1);

@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <cassert>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/phatexel/radiance_bound.h"
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
+#include "io/gltf/gltf_light_profiles.h"
 #include "io/gltf/gltf_rewrite.h"
 #include "io/phat/bake_record.h"
 #include "io/phat/baked_layout.h"
@@ -145,6 +147,29 @@ void addEnvironment(Payloads& payloads, const Environment& environment, json& ex
     add(payloads, "/environment/radiance", packed);
 }
 
+// The webs that the lamps' photometric files come down to: the browser is spared reading these. `gltf` has
+// the scene's nodes as they are written.
+void addPhotometries(Payloads& payloads, const Scene& scene, const json& gltf, json& extension) {
+    std::set<size_t> written;
+    for (const PunctualLight& light : scene.lights) {
+        if (!light.photometry) continue;
+        const auto profile = gltf.at("nodes")
+                                 .at(light.node)
+                                 .at("extensions")
+                                 .at(gltf::kLightProfiles)
+                                 .at("light")
+                                 .get<size_t>();
+        if (!written.insert(profile).second) continue;
+        const PhotometricWeb& web = light.photometry->web();
+        const std::string where = fmt::format("/photometries/{}/relative", extension["photometries"].size());
+        extension["photometries"].push_back({{"light", profile},
+                                             {"peakCandela", web.peakCandela},
+                                             {"solidAngle", light.photometry->solidAngle()},
+                                             {"steps", {web.verticalSteps, web.horizontalSteps}}});
+        add(payloads, where, web.relative);
+    }
+}
+
 void appendPayloads(const Payloads& payloads, json& extension, GlbBuilder& glb, Progress* progress) {
     std::vector<std::vector<uint8_t>> streams(payloads.size());
     tbb::parallel_for(size_t(0), payloads.size(), [&](size_t i) {
@@ -200,6 +225,7 @@ std::vector<uint8_t> bakedBytes(const GltfSource& source, const Scene& scene, co
     addBvh(payloads, scene, extension);
     if (options.probes && options.probes->count() > 0) addProbes(payloads, *options.probes, extension);
     if (scene.environment) addEnvironment(payloads, *scene.environment, extension);
+    addPhotometries(payloads, scene, gltf.glb.json, extension);
 
     uint64_t byteCount = 0;
     for (const PendingPayload& payload : payloads) byteCount += payload.bytes.size();

@@ -17,6 +17,9 @@ SceneFile readSceneFile(GltfSource& source, const SceneLighting& lighting, Baked
     SceneFile file;
     std::optional<std::string> units;
     if (isBakedFile(source)) {
+        if (!lighting.photometries.empty())
+            throw FileError(source.path,
+                            "is baked with the photometry that it has; give another to the scene");
         if (lighting.asked() && whenBaked == BakedLighting::refuse)
             throw FileError(source.path, "has the light that it was baked in; bake it again to change that");
         if (lighting.asked()) removeAddedLights(source.json);
@@ -24,7 +27,9 @@ SceneFile readSceneFile(GltfSource& source, const SceneLighting& lighting, Baked
         if (!lighting.asked()) return file;
         file.baked.loaded.scene.environment = {};
     } else {
-        file.baked.loaded = loadGltf(source, options);
+        GltfLoadOptions withLights = options;
+        withLights.photometries = lighting.photometries;
+        file.baked.loaded = loadGltf(source, withLights);
         units = blenderUnitsNote(source, file.baked.loaded.scene);
     }
     if (whenBaked == BakedLighting::refuse && file.baked.loaded.scene.triangles.empty())

@@ -11,7 +11,6 @@
 #include "core/scene/enclosure.h"
 #include "core/scene/environment_sampling.h"
 #include "core/scene/seen_light.h"
-#include "io/gltf/gltf_loader.h"
 #include "io/phat/bake_record.h"
 
 namespace phat {

@@ -8,6 +8,7 @@
 
 #include "core/scene/daylight.h"
 #include "core/scene/rays.h"
+#include "io/gltf/gltf_loader.h"
 
 namespace phat {
 
@@ -19,7 +20,8 @@ struct SceneLighting {
     float rotationDegrees = 0;  // of the environment, clockwise as seen from above
     float intensity = 1;        // its radiance is multiplied by this
     SkyChoice sky = SkyChoice::automatic;
-    Daylight daylight;  // of SkyChoice::given, and of the automatic one
+    Daylight daylight;                          // of SkyChoice::given, and of the automatic one
+    std::vector<NamedPhotometry> photometries;  // of lights of the file
 
     /// Whether it replaces the light that a bake was made with.
     bool asked() const { return !environment.empty() || sky == SkyChoice::given; }

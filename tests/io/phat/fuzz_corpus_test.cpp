@@ -29,7 +29,8 @@ TEST_P(FuzzCorpus, KeepsItsPromises) {
 
 INSTANTIATE_TEST_SUITE_P(AllTargets, FuzzCorpus,
                          testing::Values(Target{"gltf", fuzz::gltf}, Target{"baked", fuzz::baked},
-                                         Target{"picture", fuzz::picture}, Target{"journal", fuzz::journal}),
+                                         Target{"picture", fuzz::picture}, Target{"journal", fuzz::journal},
+                                         Target{"ies", fuzz::ies}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
