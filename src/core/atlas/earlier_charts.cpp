@@ -192,9 +192,13 @@ Atlas buildAtlasOn(const EarlierCharts& earlier, const RayScene& rays,
         groupPieces(scene, topology, pieces.flats, classes, settings.gutterTexels, progress), pieces);
     const Packing packing =
         packChartsAround(boxesOf(pieces, plans, classes), settings, order.texelSizeMeters, tilesOf(atlas));
+    const auto keptCharts = uint32_t(atlas.charts.size());
     atlas = joined(std::move(atlas), placeCharts(scene, pieces, plans, packing));
     atlas.unitMeters = lengthUnit(scene);
-    if (stats) *stats = statsOf(atlas, pieces.flats, whole);
+    if (stats) {
+        *stats = statsOf(atlas, pieces.flats, whole);
+        stats->keptCharts = keptCharts;
+    }
     return atlas;
 }
 
