@@ -141,7 +141,8 @@ void takeAll(const Scene& scene, const EarlierBake& earlier, Bake& out) {
     out.keys = earlier.results->keys;
     out.stats.atlas = statsOf(out.atlas, {}, buildTopology(scene));
     out.stats.atlas.keptCharts = out.stats.atlas.chartCount;
-    out.stats.kept = {validPhatexels(out.phatexture.indirect) + validPhatexels(out.phatexture.area), {"all"}};
+    out.stats.kept = {
+        true, validPhatexels(out.phatexture.indirect) + validPhatexels(out.phatexture.area), {"all light"}};
 }
 
 // Atlas, texels and what of them is occluded.

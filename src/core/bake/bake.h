@@ -16,6 +16,7 @@ namespace phat {
 
 /// What a bake has of an earlier one.
 struct KeptParts {
+    bool all = false;
     uint64_t phatexels = 0;           // with a value, of all layers
     std::vector<std::string> stages;  // that were not computed again
 };
@@ -35,7 +36,7 @@ struct Bake {
     TexelPoints points;
     Phatexture phatexture;
     BakeStats stats;
-    StageKeys keys;
+    StageKeys keys = {};
 };
 
 /// Results of an earlier bake, and the keys of what they were computed from.
