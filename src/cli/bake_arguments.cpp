@@ -104,6 +104,16 @@ void declareBakeOptions(CLI::App& command, BakeOptions& options) {
               "packed: 8 bytes a PHATexel; paper: the paper's 16, without distances, to study it")
         ->check(CLI::IsMember(storageNames()))
         ->default_val("packed");
+    CLI::Option* update = declare.value(
+        "--update", "FILE", options.earlier,
+        "An earlier bake of the scene: what has not changed is taken over; the result is that of --atlas-of");
+    declare
+        .value("--atlas-of", "FILE", options.earlier,
+               "Bake anew, but with the charts of an earlier bake in their places")
+        ->excludes(update);
+    for (const char* name : {"--update", "--atlas-of"})
+        for (const char* other : {"--max-megabytes", "--use-uv"})
+            command.get_option(name)->excludes(command.get_option(other));
     declare.value("--threads", "T", options.threads, "Default: all cores")->check(CLI::Range(1, 1024));
     declare
         .text("--memory-limit", "GB",
@@ -117,7 +127,9 @@ void declareBakeOptions(CLI::App& command, BakeOptions& options) {
 void finishBakeOptions(const CLI::App& command, BakeOptions& options) {
     const auto option = [&](const char* name) -> const CLI::Option& { return *command.get_option(name); };
     BakeSettings& settings = options.settings;
-    if (!option("--output")) options.output = defaultOutput(options.input);
+    options.outputGiven = option("--output").count() > 0;
+    if (!options.outputGiven) options.output = defaultOutput(options.input);
+    options.takesResults = option("--update").count() > 0;
     settings.atlas.glossyDensity =
         glossyDensityOf(option("--glossy-density"), option("--texel-size").count() > 0);
     if (option("--resolution"))

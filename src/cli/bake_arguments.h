@@ -20,8 +20,11 @@ inline constexpr uint64_t kMinTexels = 64;
 struct BakeOptions {
     std::string input;
     std::string output;
+    bool outputGiven = false;
     SceneLighting lighting;
-    std::string variant;  // of the materials; empty: none
+    std::string variant;        // of the materials; empty: none
+    std::string earlier;        // baked file whose charts are kept; empty: none
+    bool takesResults = false;  // of it, too
     BakeSettings settings;
     ProbeSettings probes;
     PhatexelStorage storage = PhatexelStorage::packed;

@@ -18,6 +18,7 @@
 #include "cli/lighting_options.h"
 #include "cli/progress_bar.h"
 #include "cli/size_note.h"
+#include "core/base/random.h"
 #include "core/scene/lights.h"
 #include "io/base/atomic_file.h"
 #include "io/base/file_error.h"
@@ -26,6 +27,7 @@
 #include "io/phat/bake_journal.h"
 #include "io/phat/bake_record.h"
 #include "io/phat/baked_file.h"
+#include "io/phat/earlier_file.h"
 #include "io/phat/scene_file.h"
 
 namespace phat {
@@ -36,15 +38,21 @@ using nlohmann::json;
 struct LitInput {
     LoadedScene loaded;
     AddedLighting added;
+    std::unique_ptr<const EarlierFile> earlier;  // null: a bake of its own
 };
 
 LitInput loadInput(const BakeOptions& options, GltfSource& source) {
     if (isBakedFile(source) && !options.variant.empty())
         throw CLI::ValidationError("--variant", "the input is baked; choose it of the scene");
-    SceneFile file = readSceneFile(source, options.lighting, BakedLighting::replace,
-                                   {options.variant, options.settings.atlas});
+    std::unique_ptr<const EarlierFile> earlier;
+    if (!options.earlier.empty())
+        earlier = openEarlier(options.earlier,
+                              recordOf(options.settings, options.input, options.lighting.environment));
+    SceneFile file = readSceneFile(
+        source, options.lighting, BakedLighting::replace,
+        {options.variant, options.settings.atlas, earlier ? earlier->baked.inputs.wallTexelSizeMeters : 0});
     if (file.baked.loaded.scene.triangles.empty()) throw FileError(options.input, "has no triangles to bake");
-    return {std::move(file.baked.loaded), std::move(file.added)};
+    return {std::move(file.baked.loaded), std::move(file.added), std::move(earlier)};
 }
 
 // Upper estimate of what the program will hold at its worst moment. Throws where that is more than it may be.
@@ -67,7 +75,8 @@ uint64_t fingerprintOf(const BakeOptions& options, const GltfSource& source, con
     fingerprint.add(record.generator);
     fingerprint.add(record.settings);
     addGltf(fingerprint, source);
-    if (!options.lighting.environment.empty()) addFile(fingerprint, options.lighting.environment);
+    for (const std::string& file : {options.lighting.environment, options.earlier})
+        if (!file.empty()) addFile(fingerprint, file);
     return fingerprint.value();
 }
 
@@ -80,6 +89,9 @@ void checkOutput(const BakeOptions& options) {
     for (const std::string& input : {options.input, options.lighting.environment})
         if (std::filesystem::equivalent(input, options.output, ignored))
             throw CLI::ValidationError("--output", fmt::format("would overwrite the input {}", input));
+    if (!options.outputGiven && std::filesystem::equivalent(options.earlier, options.output, ignored))
+        throw CLI::ValidationError(
+            "--output", fmt::format("would overwrite the earlier bake {}; say so with -o", options.earlier));
     checkReplaceable(options.output);
 }
 
@@ -100,6 +112,27 @@ BakeRecord fullRecord(const BakeOptions& options, const AddedLighting& added) {
     return record;
 }
 
+struct BakedLight {
+    Bake bake;
+    LightProbes probes;
+    BakedInputs inputs;
+};
+
+BakedLight bakeLight(const BakeOptions& options, const GltfSource& source, const LitInput& input,
+                     const RayScene& rays, const ProbeRun& run) {
+    std::optional<EarlierBake> earlier;
+    if (input.earlier)
+        earlier.emplace(earlierBake(*input.earlier, source, input.loaded.scene, options.takesResults));
+    Bake result = bake(rays, options.settings, run.progress, run.journal, earlier ? &*earlier : nullptr);
+    const uint64_t probesKey = hashOf(result.keys.all, uint64_t(options.probes.count), options.probes.seed);
+    const bool sameProbes = result.stats.kept.all && sameKey(probesKey, input.earlier->baked.inputs.probes);
+    LightProbes probes = sameProbes ? input.earlier->baked.probes
+                                    : bakeLightProbes({rays, result.atlas, result.points, result.phatexture},
+                                                      options.probes, run);
+    const BakedInputs inputs{input.loaded.wallTexelSizeMeters, result.keys, probesKey};
+    return {std::move(result), std::move(probes), inputs};
+}
+
 void bakeOnce(const BakeOptions& options, const GltfSource& source, const LitInput& input,
               const RayScene& rays, uint64_t estimatedBytes) {
     const LoadedScene& loaded = input.loaded;
@@ -112,20 +145,21 @@ void bakeOnce(const BakeOptions& options, const GltfSource& source, const LitInp
     json report;
     try {
         ProgressBar progress(progressStyle(options.quiet), bakeStages(options.settings, options.probes));
-        const Bake result = bake(rays, options.settings, progress, &journal);
         std::atomic<uint64_t> probeRays = 0;
-        const LightProbes probes = bakeLightProbes({rays, result.atlas, result.points, result.phatexture},
-                                                   options.probes, {progress, &journal, probeRays});
+        const BakedLight light = bakeLight(options, source, input, rays, {progress, &journal, probeRays});
+        const Bake& result = light.bake;
+        const LightProbes& probes = light.probes;
         std::vector<std::string> notes = loaded.notes;
         if (const std::optional<std::string> note = sizeNote(loaded.scene)) notes.push_back(*note);
         for (std::string& note :
              writeBakedFile(options.output, source, loaded.scene, result, record,
-                            {&progress, &probes, options.maxBytes.value_or(~uint64_t(0))}))
+                            {&progress, &probes, options.maxBytes.value_or(~uint64_t(0)), light.inputs}))
             notes.push_back(std::move(note));
         if (auto note = resolutionNote(result, options.settings.atlas)) notes.push_back(std::move(*note));
         report = reportOf(options.output, result, journal.resumedRecords(), progress.stageTimes(), notes);
         report["probes"] = {
             {"count", probes.count()}, {"bytes", probeBytes(probes)}, {"rays", probeRays.load()}};
+        if (input.earlier) report["kept"] = keptReport(result, *input.earlier);
         report["memory"] = {{"estimatedBytes", estimatedBytes}, {"peakBytes", memoryOfProcess().peak}};
     } catch (const std::exception& error) {
         if (journal.empty() || dynamic_cast<const FileTooLarge*>(&error)) journal.remove();

@@ -66,6 +66,26 @@ json reportOf(const std::string& output, const Bake& result, size_t resumedParts
             {"notes", notes}};
 }
 
+json keptReport(const Bake& result, const EarlierFile& earlier) {
+    const BakeStats& stats = result.stats;
+    return {{"from", earlier.source.path},
+            {"charts", stats.atlas.keptCharts},
+            {"earlierCharts", earlier.baked.atlas.charts.size()},
+            {"phatexels", stats.kept.phatexels},
+            {"stages", stats.kept.stages}};
+}
+
+namespace {
+
+void printKept(const json& kept, uint32_t charts) {
+    std::string stages;
+    for (const json& stage : kept["stages"]) stages += ", " + stage.get<std::string>();
+    fmt::print("  kept        {} of {} charts ({} before), {} PHATexels{}\n", kept["charts"].get<uint32_t>(),
+               charts, kept["earlierCharts"].get<size_t>(), kept["phatexels"].get<uint64_t>(), stages);
+}
+
+}  // namespace
+
 void printReport(const json& report, const std::vector<std::string>& printed) {
     const json& atlas = report["atlas"];
     fmt::print("{}: {:.1f} MB\n", report["output"].get<std::string>(), report["bytes"].get<double>() * 1e-6);
@@ -77,6 +97,7 @@ void printReport(const json& report, const std::vector<std::string>& printed) {
     fmt::print("  atlas       {} x {} texels of {:.4g} mm{}, {} charts, coverage {:.1f} %\n",
                atlas["width"].get<uint32_t>(), atlas["height"].get<uint32_t>(), median, range,
                atlas["charts"].get<uint32_t>(), atlas["coverage"].get<double>() * 100);
+    if (report.contains("kept")) printKept(report["kept"], atlas["charts"].get<uint32_t>());
     fmt::print("  photons     {} emitted, {} stored\n", report["photons"]["emitted"].get<uint64_t>(),
                report["photons"]["stored"].get<uint64_t>());
     fmt::print("  PHATexels   {} valid, {} rays\n", report["phatexels"]["valid"].get<uint64_t>(),

@@ -8,6 +8,7 @@
 
 #include "cli/progress_bar.h"
 #include "core/bake/bake.h"
+#include "io/phat/earlier_file.h"
 
 namespace phat {
 
@@ -17,6 +18,9 @@ std::optional<std::string> resolutionNote(const Bake& result, const AtlasSetting
 /// The output of `phat bake --json`. pre: `output` is written.
 nlohmann::json reportOf(const std::string& output, const Bake& result, size_t resumedParts,
                         const std::vector<StageTime>& stageTimes, const std::vector<std::string>& notes);
+
+/// What it has of an earlier bake: `kept` of the output.
+nlohmann::json keptReport(const Bake& result, const EarlierFile& earlier);
 
 /// The report in a few lines on stdout, without the notes that were `printed` before.
 void printReport(const nlohmann::json& report, const std::vector<std::string>& printed);

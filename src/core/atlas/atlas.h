@@ -92,8 +92,9 @@ struct AtlasSettings {
 struct AtlasStats {
     uint32_t chartCount = 0;
     float coverage = 0;             // coverageOf()
-    float areaWithinStretch15 = 0;  // fraction of the surface area whose L2-independent stretch is <= 1.5
+    float areaWithinStretch15 = 0;  // fraction of the unwrapped area whose L2-independent stretch is <= 1.5
     uint32_t degenerateTriangles = 0;
+    uint32_t keptCharts = 0;  // of an earlier atlas: these come first, and were not unwrapped
 };
 
 /// Connected components over shared positions (welded), per triangle, numbered from 0 in triangle order.

@@ -243,4 +243,56 @@ Packing packCharts(std::span<const PackBox> boxes, const AtlasSettings& settings
     return best;
 }
 
+namespace {
+
+// How a box is laid where it comes to lie nearest to the first row; a twin will have a place like it.
+bool liesBetterTurned(FreeTiles& tiles, glm::uvec2 size, uint32_t width) {
+    const glm::uvec2 other(size.y, size.x);
+    if (size.x > width || other.x > width) return size.x > width;
+    return tiles.find(other).y + other.y < tiles.find(size).y + size.y;
+}
+
+}  // namespace
+
+Packing packChartsAround(std::span<const PackBox> boxes, const AtlasSettings& settings,
+                         double texelSizeMeters, const TakenTiles& taken) {
+    const bool given = settings.texelSizeMeters > 0;
+    const auto fits = fitsOf(boxes, texelSizeMeters, settings.gutterTexels, given ? 1 : kFillFreedom);
+    Packing packing;
+    packing.texelSizeMeters = texelSizeMeters;
+    uint32_t width = taken.width;
+    std::vector<size_t> order;
+    for (size_t i = 0; i < fits.size(); ++i) {
+        packing.chartTiles.push_back(fits[i].tiles);
+        packing.scale.push_back(fits[i].scale);
+        packing.layout.push_back(fits[i].layout);
+        width = std::max(width, std::min(fits[i].tiles.x, fits[i].tiles.y));
+        if (!boxes[i].twin) order.push_back(i);
+    }
+    packing.originTile.resize(fits.size());
+    packing.turned.resize(fits.size(), 0);
+    if (width > maxTilesOf(settings)) throwTooLarge(settings);
+    // The longest first: the small ones find gaps.
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+        return std::max(fits[a].tiles.x, fits[a].tiles.y) > std::max(fits[b].tiles.x, fits[b].tiles.y);
+    });
+    FreeTiles tiles(width, taken);
+    packing.sizeTiles = {width, 0};
+    for (const auto& [origin, size] : taken.rectangles)
+        packing.sizeTiles.y = std::max(packing.sizeTiles.y, origin.y + size.y);
+    for (const size_t first : order) {
+        const bool turned = liesBetterTurned(tiles, fits[first].tiles, width);
+        for (size_t i = first; i == first || (i < boxes.size() && boxes[i].twin); ++i) {
+            glm::uvec2& size = packing.chartTiles[i];
+            if (turned) size = {size.y, size.x};
+            packing.turned[i] = turned;
+            packing.originTile[i] = tiles.find(size);
+            tiles.take(packing.originTile[i], size);
+            packing.sizeTiles.y = std::max(packing.sizeTiles.y, packing.originTile[i].y + size.y);
+            if (packing.sizeTiles.y > maxTilesOf(settings)) throwTooLarge(settings);
+        }
+    }
+    return packing;
+}
+
 }  // namespace phat

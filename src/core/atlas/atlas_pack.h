@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/atlas/atlas.h"
+#include "core/atlas/free_tiles.h"
 #include "core/atlas/piece_group.h"
 
 namespace phat {
@@ -33,5 +34,11 @@ struct Packing {
 /// texels exceed the budget, the atlas is larger than that.
 /// Throws std::runtime_error if the charts do not fit in maxSizeTexels.
 Packing packCharts(std::span<const PackBox> boxes, const AtlasSettings& settings, Progress& progress);
+
+/// Places the boxes at `texelSizeMeters` on tiles that are free, as near to the first row as there is room;
+/// the atlas gets more rows where it needs them, and more columns only for a box that is too long either
+/// way. `taken`: the tiles of other charts. Throws as packCharts.
+Packing packChartsAround(std::span<const PackBox> boxes, const AtlasSettings& settings,
+                         double texelSizeMeters, const TakenTiles& taken);
 
 }  // namespace phat

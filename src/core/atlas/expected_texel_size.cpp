@@ -10,16 +10,9 @@ namespace phat {
 double expectedTexelSizeMeters(const Scene& scene, const AtlasSettings& settings) {
     if (settings.texelSizeMeters > 0) return double(settings.texelSizeMeters);
     const MeshTopology topology = buildTopology(scene);
-    std::vector<FlatChart> pieces;  // one triangle each
-    std::vector<double> areas;
-    for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
-        if (topology.degenerate(t)) continue;
-        pieces.emplace_back().triangles = {t};
-        areas.push_back(topology.faceArea[t]);
-    }
-    const std::vector<double> density = farDensities(scene, pieces, areas);
+    const std::vector<double> density = farDensitiesOfTriangles(scene, topology);
     double area = 0;
-    for (size_t i = 0; i < areas.size(); ++i) area += density[i] * density[i] * areas[i];
+    for (size_t t = 0; t < density.size(); ++t) area += density[t] * density[t] * topology.faceArea[t];
     return std::sqrt(area / double(settings.texelBudget));
 }
 

@@ -86,4 +86,18 @@ std::vector<double> farDensities(const Scene& scene, std::span<const FlatChart> 
     return density;
 }
 
+std::vector<double> farDensitiesOfTriangles(const Scene& scene, const MeshTopology& topology) {
+    std::vector<FlatChart> pieces;
+    std::vector<double> areas;
+    for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
+        if (topology.degenerate(t)) continue;
+        pieces.emplace_back().triangles = {t};
+        areas.push_back(topology.faceArea[t]);
+    }
+    const std::vector<double> density = farDensities(scene, pieces, areas);
+    std::vector<double> result(scene.triangles.size(), 1.0);
+    for (size_t i = 0; i < pieces.size(); ++i) result[pieces[i].triangles[0]] = density[i];
+    return result;
+}
+
 }  // namespace phat

@@ -15,4 +15,7 @@ namespace phat {
 std::vector<double> farDensities(const Scene& scene, std::span<const FlatChart> flats,
                                  std::span<const double> area);
 
+/// The same per triangle, each for itself; 1 for those that are degenerate in `topology`.
+std::vector<double> farDensitiesOfTriangles(const Scene& scene, const MeshTopology& topology);
+
 }  // namespace phat

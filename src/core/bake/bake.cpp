@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "core/atlas/atlas_stats.h"
 #include "core/atlas/glossy_density.h"
 #include "core/atlas/texel_point_bytes.h"
 #include "core/bake/gather.h"
@@ -60,27 +61,40 @@ void bakeIndirect(const GatherContext& context, Phatexture& out) {
     }
 }
 
-void bakeAreaLight(const GatherContext& context, const std::vector<SeamPoint>& seams, Phatexture& out) {
+void bakeAreaPhatexels(const GatherContext& context, Phatexture& out) {
     const GatherInput& input = context.input;
     const BakeSettings& settings = context.settings;
-    if (!input.lights.hasArea()) return;
     out.areaGuides = guidesFor(input, Directions::guided, isAreaPhoton, context.progress);
     // Layer -1: a stream of its own, whatever the number of indirect layers.
     ChosenDirections chosen =
         directionsFor(input, out.areaGuides, isAreaPhoton,
                       {Directions::guided, settings.density, settings.seed, -1}, context.progress);
-    {
-        ProgressStage stage(context.progress, "area light", input.atlas.texelCount());
-        out.area.push_back(gatherArea(context, chosen));
-        out.area.back().scrambles = std::move(chosen.scrambles);
-    }
+    ProgressStage stage(context.progress, "area light", input.atlas.texelCount());
+    out.area.push_back(gatherArea(context, chosen));
+    out.area.back().scrambles = std::move(chosen.scrambles);
+}
+
+std::vector<uint32_t> bakeAreaIrradiance(const GatherContext& context, const std::vector<SeamPoint>& seams) {
+    const GatherInput& input = context.input;
     ProgressStage stage(context.progress, "soft shadows",
                         2 * input.atlas.texelCount());  // all texels, then the hard ones
     const std::vector<IrradianceEstimate> estimates = gatherAreaIrradiance(context);
     IrradianceMap filtered;
     const ChartSet all;
     finish(filterAreaIrradiance(estimates, input.receivers(), all, filtered, kNoSlicing));
-    out.areaIrradiance = finishAreaIrradiance(std::move(filtered), input, seams, context.progress);
+    return finishAreaIrradiance(std::move(filtered), input, seams, context.progress);
+}
+
+void bakeAreaLight(const GatherContext& context, const std::vector<SeamPoint>& seams, Phatexture& out) {
+    if (!context.input.lights.hasArea()) return;
+    if (const Phatexture* same = context.same.areaLight) {
+        out.areaGuides = same->areaGuides;
+        out.area = same->area;
+    } else {
+        bakeAreaPhatexels(context, out);
+    }
+    const Phatexture* same = context.same.areaIrradiance;
+    out.areaIrradiance = same ? same->areaIrradiance : bakeAreaIrradiance(context, seams);
 }
 
 }  // namespace
@@ -93,35 +107,112 @@ Phatexture gatherLight(const GatherContext& context) {
     result.indirectIrradiance = finishIndirectIrradiance(
         gatherIndirectIrradiance(context, result.areaIrradiance), input, seams, context.progress);
     bakeIndirect(context, result);
-    prepareLookup(result, input.atlas, input.points, input.frames, input.rays, context.progress);
+    if (const Phatexture* same = context.same.distances) {
+        result.probes = same->probes;
+        packTiles(result, input.atlas, fitTilePatches(input.atlas, input.points, input.frames), input.frames);
+    } else {
+        prepareLookup(result, input.atlas, input.points, input.frames, input.rays, context.progress);
+    }
     return result;
 }
 
-Bake bake(const RayScene& rays, const BakeSettings& settings, Progress& progress, BakeJournal* journal) {
+namespace {
+
+uint64_t validPhatexels(const std::vector<PhatexelLayer>& layers) {
+    uint64_t count = 0;
+    for (const PhatexelLayer& layer : layers)
+        for (const PackedPhatexel packed : layer.texels) count += packed.directionDistance != 0;
+    return count;
+}
+
+// Whether all surfaces are those of the earlier bake, in the same order.
+bool sameSurfaces(const EarlierCharts& charts) {
+    if (charts.earlierSurface.size() != charts.surfaces.size()) return false;
+    for (uint32_t s = 0; s < charts.earlierSurface.size(); ++s)
+        if (charts.earlierSurface[s] != s) return false;
+    return true;
+}
+
+// The results of an earlier bake of the same scene.
+void takeAll(const Scene& scene, const EarlierBake& earlier, Bake& out) {
+    out.atlas = earlier.charts.atlas;
+    out.points = earlier.results->points;
+    out.phatexture = earlier.results->phatexture;
+    out.keys = earlier.results->keys;
+    out.stats.atlas = statsOf(out.atlas, {}, buildTopology(scene));
+    out.stats.atlas.keptCharts = out.stats.atlas.chartCount;
+    out.stats.kept = {
+        true, validPhatexels(out.phatexture.indirect) + validPhatexels(out.phatexture.area), {"all light"}};
+}
+
+// Atlas, texels and what of them is occluded.
+void makeTexels(const LitScene& scene, const PhotonMap& photons, const BakeSettings& settings,
+                const EarlierBake* earlier, Progress& progress, Bake& out) {
+    const std::vector<Sides> sides = litSides(scene, photons);
+    AtlasStats* stats = &out.stats.atlas;
+    out.atlas = earlier ? buildAtlasOn(earlier->charts, scene.rays, sides, settings.atlas, progress, stats)
+                        : buildAtlas(scene.rays, sides, settings.atlas, progress, stats);
+    out.points = buildTexelPoints(scene.rays.scene(), out.atlas);
+    out.keys.geometry = keyOfGeometry(scene.rays.scene(), out.atlas);
+    if (!earlier || !earlier->results || !sameKey(out.keys.geometry, earlier->results->keys.geometry))
+        return markOccludedTexels(out.points, out.atlas, scene.rays, progress);
+    out.points.state = earlier->results->points.state;
+    out.stats.kept.stages.push_back("find occluded texels");
+}
+
+// What of the light is that of the earlier bake, by the keys of this one.
+SameLight sameLight(const EarlierBake* earlier, const StageKeys& keys, KeptParts& kept) {
+    SameLight same;
+    if (!earlier || !earlier->results) return same;
+    const EarlierResults& before = *earlier->results;
+    const Phatexture* phatexture = &before.phatexture;
+    if (sameKey(keys.areaLight, before.keys.areaLight) && !phatexture->area.empty()) {
+        same.areaLight = phatexture;
+        kept.stages.push_back("area light");
+        kept.phatexels = validPhatexels(phatexture->area);
+    }
+    if (sameKey(keys.areaIrradiance, before.keys.areaIrradiance) && !phatexture->areaIrradiance.empty()) {
+        same.areaIrradiance = phatexture;
+        kept.stages.push_back("soft shadows");
+    }
+    if (sameKey(keys.geometry, before.keys.geometry) && !phatexture->probes.empty()) {
+        same.distances = phatexture;
+        kept.stages.push_back("distances");
+    }
+    return same;
+}
+
+}  // namespace
+
+Bake bake(const RayScene& rays, const BakeSettings& settings, Progress& progress, BakeJournal* journal,
+          const EarlierBake* earlier) {
     if (settings.radiance == RadianceSource::splat && !choosesPhotons(settings.directions))
         throw std::invalid_argument("splatted radiance needs directions from photons");
     const Stopwatch start;
     Bake result;
-    const LightSampler lights(rays.scene());
-
-    const PhotonMap photons = tracePhotons(rays, lights, settings.photons, progress);
-    const PhotonIndex index(photons.photons);
-    result.atlas =
-        buildAtlas(rays, litSides({rays, lights}, photons), settings.atlas, progress, &result.stats.atlas);
-    result.points = buildTexelPoints(rays.scene(), result.atlas);
-    markOccludedTexels(result.points, result.atlas, rays, progress);
-    const std::vector<Frame> frames = blockFrames(result.atlas, result.points);
-    const std::vector<uint8_t> receivers = irradianceTexels(result.atlas, result.points);
-    const GatherInput input{rays, lights, result.atlas, result.points, frames, photons, index, receivers};
-
     std::atomic<uint64_t> rayCount = 0;
-    result.phatexture = gatherLight({input, settings, progress, journal, rayCount});
-
-    result.stats.photons = photons.stats;
+    result.keys.all = keyOfAll(rays.scene(), settings);
+    if (earlier && earlier->results && sameKey(result.keys.all, earlier->results->keys.all) &&
+        sameSurfaces(earlier->charts)) {
+        takeAll(rays.scene(), *earlier, result);
+    } else {
+        const LightSampler lights(rays.scene());
+        const PhotonMap photons = tracePhotons(rays, lights, settings.photons, progress);
+        const PhotonIndex index(photons.photons);
+        makeTexels({rays, lights}, photons, settings, earlier, progress, result);
+        StageKeys& keys = result.keys;
+        keys.areaIrradiance = keyOfAreaIrradiance(keys.geometry, rays.scene(), settings);
+        keys.areaLight = keyOfAreaLight(keys.areaIrradiance, photons, settings);
+        const std::vector<Frame> frames = blockFrames(result.atlas, result.points);
+        const std::vector<uint8_t> receivers = irradianceTexels(result.atlas, result.points);
+        const GatherInput input{rays, lights, result.atlas, result.points, frames, photons, index, receivers};
+        GatherContext context{input, settings, progress, journal, rayCount};
+        context.same = sameLight(earlier, keys, result.stats.kept);
+        result.phatexture = gatherLight(context);
+        result.stats.photons = photons.stats;
+    }
     result.stats.texels = result.atlas.texelCount();
-    for (const PhatexelLayer& layer : result.phatexture.indirect)
-        for (PackedPhatexel packed : layer.texels)
-            result.stats.validPhatexels += packed.directionDistance != 0;
+    result.stats.validPhatexels = validPhatexels(result.phatexture.indirect);
     result.stats.rays = rayCount;
     result.stats.seconds = start.seconds();
     return result;

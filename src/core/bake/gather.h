@@ -28,6 +28,13 @@ struct GatherInput {
     ReceiverTexels receivers() const { return {atlas, points, irradianceTexels}; }
 };
 
+/// What an earlier bake had of the same input; null: not the same.
+struct SameLight {
+    const Phatexture* areaLight = nullptr;  // guides and PHATexels
+    const Phatexture* areaIrradiance = nullptr;
+    const Phatexture* distances = nullptr;
+};
+
 /// A run of the gathering stages: input, progress and journal.
 struct GatherContext {
     GatherInput input;
@@ -36,6 +43,7 @@ struct GatherContext {
     BakeJournal* journal;  // null: an interrupted run begins anew
     std::atomic<uint64_t>& rayCount;
     uint64_t sliceWork = kNoSlicing;  // rays between two yields of a ResumableTask
+    SameLight same = {};              // is taken over
 };
 
 /// All that a bake gathers for the texels of an atlas, whatever they are in the scene by now.

@@ -51,6 +51,11 @@ void prepareLookup(Phatexture& phatexture, const Atlas& atlas, const TexelPoints
         ProgressStage stage(progress, "distances", patches.size());
         phatexture.probes = traceDepthProbes(atlas, points, frames, patches, rays, progress);
     }
+    packTiles(phatexture, atlas, patches, frames);
+}
+
+void packTiles(Phatexture& phatexture, const Atlas& atlas, const std::vector<TilePatch>& patches,
+               const std::vector<Frame>& frames) {
     const glm::uvec2 tiles = atlas.sizeTiles();
     phatexture.tilePatches.assign(patches.size(), {glm::uvec4(0), glm::uvec4(0)});
     for (uint32_t i = 0; i < patches.size(); ++i) {

@@ -36,4 +36,8 @@ PackedTile packedTileOf(const Phatexture& phatexture, const Atlas& atlas, const 
 void prepareLookup(Phatexture& phatexture, const Atlas& atlas, const TexelPoints& points,
                    const std::vector<Frame>& frames, const RayScene& rays, Progress& progress);
 
+/// Fills `tilePatches` alone, for the `probes` that there are. `patches`: fitTilePatches of the atlas.
+void packTiles(Phatexture& phatexture, const Atlas& atlas, const std::vector<TilePatch>& patches,
+               const std::vector<Frame>& frames);
+
 }  // namespace phat

@@ -37,9 +37,8 @@ void clearGeometry(Scene& scene) {
 }
 
 // Divides surfaces in the file and reads all of them again.
-void divideAtWalls(GltfSource& source, const AtlasSettings& atlas, Scene& scene, gltf::MemoryBudget& budget) {
-    const std::vector<DividedSurface> divided =
-        divideAtWalls(RayScene(scene), expectedTexelSizeMeters(scene, atlas));
+void divideAtWalls(GltfSource& source, double texelSizeMeters, Scene& scene, gltf::MemoryBudget& budget) {
+    const std::vector<DividedSurface> divided = divideAtWalls(RayScene(scene), texelSizeMeters);
     if (divided.empty()) return;
     gltf::dividePrimitives(source, scene, divided, budget);
     gltf::Notes sameAsBefore;
@@ -63,7 +62,12 @@ LoadedScene loadPlain(GltfSource& source, const GltfLoadOptions& options, gltf::
     gltf::readLightsAndCameras(document, nodes, loaded.scene, budget, notes);
     gltf::attachPhotometries(options.photometries, source, loaded.scene);
     gltf::readAnimations(document, nodes, loaded.scene, budget, notes);
-    if (options.divideFor) divideAtWalls(source, *options.divideFor, loaded.scene, budget);
+    if (options.divideFor) {
+        loaded.wallTexelSizeMeters = options.wallTexelSizeMeters > 0
+                                         ? options.wallTexelSizeMeters
+                                         : expectedTexelSizeMeters(loaded.scene, *options.divideFor);
+        divideAtWalls(source, loaded.wallTexelSizeMeters, loaded.scene, budget);
+    }
     loaded.notes = gltf::linesOf(notes);
     return loaded;
 }

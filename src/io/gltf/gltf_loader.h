@@ -16,6 +16,7 @@ struct LoadedScene {
     Scene scene;
     /// One line each: what was dropped, mended or is shown in one pose, by name.
     std::vector<std::string> notes;
+    double wallTexelSizeMeters = 0;  // that walls divided surfaces for; 0: they did not
 };
 
 /// The photometric file that a light of the scene is to have.
@@ -29,7 +30,8 @@ struct NamedPhotometry {
 struct GltfLoadOptions {
     std::string variant;  // of KHR_materials_variants; empty: the materials that primitives have of their own
     std::optional<AtlasSettings> divideFor =
-        {};  // divide surfaces at walls (divided_surfaces.h) for this atlas
+        {};                          // divide surfaces at walls (divided_surfaces.h) for this atlas
+    double wallTexelSizeMeters = 0;  // for texels of this size then; 0: of the size that is to be expected
     std::vector<NamedPhotometry> photometries = {};
 };
 

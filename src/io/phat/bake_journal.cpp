@@ -75,19 +75,6 @@ bool writeFully(int file, const void* from, size_t size, uint64_t offset) {
 
 }  // namespace
 
-void Fingerprint::add(std::span<const uint8_t> bytes) {
-    state_ = hashOf(state_, bytes.size());
-    for (size_t at = 0; at < bytes.size(); at += 8) {
-        uint64_t word = 0;
-        std::memcpy(&word, bytes.data() + at, std::min<size_t>(8, bytes.size() - at));
-        state_ = mixBits(state_ + word + 0x9e3779b97f4a7c15ull);
-    }
-}
-
-void Fingerprint::add(const std::string& text) {
-    add({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-}
-
 void addGltf(Fingerprint& fingerprint, const GltfSource& source) {
     try {
         fingerprint.add(source.json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));

@@ -6,25 +6,14 @@
 // cut off or damaged, and everything after it, counts as never written.
 
 #include <memory>
-#include <span>
 #include <string>
 
-#include "core/bake/bake.h"
+#include "core/bake/journal.h"
+#include "core/base/fingerprint.h"
 
 namespace phat {
 
 struct GltfSource;  // io/gltf/gltf_source.h
-
-/// A fingerprint of 64 bits (not cryptographic): order and lengths of the pieces count.
-class Fingerprint {
-  public:
-    void add(std::span<const uint8_t> bytes);
-    void add(const std::string& text);
-    uint64_t value() const { return state_; }
-
-  private:
-    uint64_t state_ = 0;
-};
 
 /// Adds the bytes of a glTF file and of all files that it names. Throws FileError. pre: its buffers are read.
 void addGltf(Fingerprint& fingerprint, const GltfSource& source);

@@ -209,6 +209,7 @@ std::vector<uint8_t> bakedBytes(const GltfSource& source, const Scene& scene, co
                            {"input", record.source},
                            {"settings", record.settings},
                            {"seed", record.seed}};
+    if (options.inputs) extension["inputs"] = describeInputs(*options.inputs);
     for (const Surface& surface : scene.surfaces)
         extension["surfaces"].push_back({{"node", surface.node}, {"primitive", surface.primitive}});
     Payloads payloads;

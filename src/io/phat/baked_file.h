@@ -10,6 +10,7 @@
 #include "core/probes/light_probes.h"
 #include "io/base/file_error.h"
 #include "io/gltf/gltf_loader.h"
+#include "io/phat/baked_inputs.h"
 
 namespace phat {
 
@@ -36,6 +37,7 @@ struct BakedScene {
     std::optional<SceneBvh> bvh;  // where the file has trees, and they are those of the scene
     LightProbes probes;           // none in files that were baked without
     BakeRecord record;
+    BakedInputs inputs;
 };
 
 /// Whether the file carries the extension PHAT_photon_accumulation_texture.
@@ -55,7 +57,8 @@ struct FileTooLarge : FileError {
 struct BakedFileOptions {
     Progress* progress = nullptr;  // of the compression
     const LightProbes* probes = nullptr;
-    uint64_t mostBytes = ~uint64_t(0);  // of the file
+    uint64_t mostBytes = ~uint64_t(0);       // of the file
+    std::optional<BakedInputs> inputs = {};  // none: a later bake takes over nothing
 };
 
 /// Rewrites `source` with the atlas and the PHATexels into `outPath`. `scene` must be what loadGltf(source)

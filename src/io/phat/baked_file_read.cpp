@@ -292,6 +292,7 @@ void readExtension(const GltfSource& source, BakedScene& baked) {
 
     Scene& scene = baked.loaded.scene;
     baked.record = readRecord(extension, storage);
+    baked.inputs = readInputs(extension.value("inputs", json()));
     restoreAddedLights(source.json, scene);
     restoreSurfaceOrder(extension, scene);
     baked.atlas = readAtlas(reader, extension, scene);
