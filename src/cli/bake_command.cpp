@@ -77,6 +77,11 @@ uint64_t fingerprintOf(const BakeOptions& options, const GltfSource& source, con
     addGltf(fingerprint, source);
     for (const std::string& file : {options.lighting.environment, options.earlier})
         if (!file.empty()) addFile(fingerprint, file);
+    for (const NamedPhotometry& photometry : options.lighting.photometries) {
+        fingerprint.add(photometry.light);
+        fingerprint.add(photometry.bytes);
+        fingerprint.add(float(photometry.multiplier));
+    }
     return fingerprint.value();
 }
 

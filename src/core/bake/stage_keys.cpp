@@ -111,6 +111,15 @@ void addEnvironment(Fingerprint& to, const Scene& scene) {
     to.addAll(scene.environment->radiance.pixels);
 }
 
+void addPhotometry(Fingerprint& to, const SharedValue<Photometry>& photometry) {
+    to.add(uint64_t(bool(photometry)));
+    if (!photometry) return;
+    const PhotometricWeb& web = photometry->web();
+    to.add(web.peakCandela);
+    to.add(uint64_t(web.horizontalSteps));
+    to.addAll(web.relative);
+}
+
 void addPunctualLights(Fingerprint& to, const Scene& scene) {
     to.add(uint64_t(scene.lights.size()));
     for (const PunctualLight& light : scene.lights) {
@@ -118,6 +127,8 @@ void addPunctualLights(Fingerprint& to, const Scene& scene) {
         addVector(to, light.intensity);
         addVector(to, light.position);
         addVector(to, light.direction);
+        addVector(to, light.horizontalZero);
+        addPhotometry(to, light.photometry);
         for (const float number :
              {light.angularRadius, light.cosInnerCone, light.cosOuterCone, light.rangeMeters})
             to.add(number);

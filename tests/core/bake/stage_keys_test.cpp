@@ -45,6 +45,11 @@ TEST(StageKeys, ChangeWithWhatTheirStagesRead) {
         {"roughness", [](Scene& s) { s.materials[0].roughness = 0.1f; }, true, false, false},
         {"texture", [](Scene& s) { s.materials[0].baseColorTexture.image = 0; }, true, false, false},
         {"point light", [](Scene& s) { s.lights[0].intensity.y *= 2; }, true, false, false},
+        {"photometry",
+         [](Scene& s) {
+             s.lights[0].photometry = Photometry(PhotometricWeb{"", 100, 1, 1, {1, 1}});
+         },
+         true, false, false},
         {"emission", [&](Scene& s) { s.materials[lamp].emission.x = 1; }, true, false, true},
         {"emitter's albedo", [&](Scene& s) { s.materials[lamp].baseColor.x = 0; }, true, false, true},
         {"sky", [](Scene& s) { s.environment = Environment{Image(2, 1, glm::vec3(1))}; }, true, false, true},
