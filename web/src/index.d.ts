@@ -17,6 +17,8 @@ export class PhatexturesExtension implements GLTFLoaderPlugin {
     readonly name: string;
     /** The parser that it was made for. */
     readonly parser: GLTFParser;
+    /** Called by GLTFLoader. The lamp of a node that has a photometry (EXT_lights_ies), or null. */
+    createNodeAttachment(node: number): Promise<Object3D> | null;
     /** Called by GLTFLoader. Sets what `bakedLightOf` returns where the file is baked. */
     afterRoot(gltf: GLTF): Promise<void>;
 }

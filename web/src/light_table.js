@@ -1,7 +1,7 @@
 // The punctual lights that shine where a room is, as shaders/lib/lights.glsl reads them, without shadow maps.
 // twin: createLightTable in src/gl/shadow_maps.cpp.
 import { Matrix4, Vector3 } from 'three';
-import { axesOf, webTexels } from './photometry.js';
+import { axesOf, webTexels } from './photometric_web.js';
 
 const kPoint = 0,
     kSpot = 1,

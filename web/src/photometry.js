@@ -1,8 +1,9 @@
 // Lamps that emit what a photometric file says (EXT_lights_ies), which WebGLRenderer has none of: point lights of the
 // mean intensity over all directions, which our materials multiply by a table's value over that mean.
-import { Color, DataTexture, FloatType, NearestFilter, PointLight, RGBAFormat, ShaderChunk, Vector3 } from 'three';
+import { Color, DataTexture, FloatType, NearestFilter, PointLight, RGBAFormat, ShaderChunk } from 'three';
 import { fail, kName, readPayload } from './file.js';
 import { shaderLibrary } from './gl.js';
+import { axesOf, webTexels } from './photometric_web.js';
 import { kTableWidth } from './tables.js';
 
 const kExtension = 'EXT_lights_ies';
@@ -30,31 +31,6 @@ float phatPhotometricFalloff(float decay, vec3 towardLight) {
 }
 `;
 const kPointLightInfo = 'getPointLightInfo( pointLight, geometryPosition, directLight );';
-
-// The cells of a web's grid, a texel each. twin: addPhotometry in src/gl/shadow_maps.cpp.
-function texelsOf({ steps: [rows, columns], values }) {
-    const texels = new Float32Array(4 * rows * columns),
-        point = (h, v) => values[(h % columns) * (rows + 1) + v];
-    for (let h = 0, at = 0; h < columns; ++h)
-        for (let v = 0; v < rows; ++v, at += 4)
-            texels.set([point(h, v), point(h, v + 1), point(h + 1, v), point(h + 1, v + 1)], at);
-    return texels;
-}
-
-const allTexels = new WeakMap(); // by their webs
-
-export function webTexels(web) {
-    if (!allTexels.has(web)) allTexels.set(web, texelsOf(web));
-    return allTexels.get(web);
-}
-
-// Where the vertical and the horizontal angle of a lamp are 0, in the world.
-export function axesOf(light) {
-    const [x, y, z] = [new Vector3(), new Vector3(), new Vector3()];
-    light.matrixWorld.extractBasis(x, y, z);
-    const direction = z.normalize().negate();
-    return { direction, horizontalZero: x.addScaledVector(direction, -x.dot(direction)).normalize() };
-}
 
 // The lamps of all rooms, because a room's lamps light what stands in another one of the same scene, too.
 const lamps = [],

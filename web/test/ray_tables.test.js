@@ -108,9 +108,9 @@ test('lights are as bright in the space of a room that is scaled', () => {
     const { rows, count } = lightTable(root, 1);
     assert.equal(count, 2);
     assert.deepEqual([...rows.subarray(0, 8)], [3, 0, 0, 0, 2, 2, 2, 3]);
-    const [x, y, z, type] = rows.subarray(16);
+    const [x, y, z, type] = rows.subarray(20);
     assert.deepEqual([x, y, z, type], [0, 1, 0, 1]);
-    assert.ok(Math.abs(rows[27] - Math.cos(0.375)) < 1e-6 && Math.abs(rows[28] - Math.cos(0.5)) < 1e-6);
+    assert.ok(Math.abs(rows[31] - Math.cos(0.375)) < 1e-6 && Math.abs(rows[32] - Math.cos(0.5)) < 1e-6);
     point.visible = false;
     assert.equal(lightTable(root, 1).count, 1);
 });

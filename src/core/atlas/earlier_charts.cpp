@@ -24,9 +24,13 @@ void forEarlierTriangles(const Scene& scene, const EarlierCharts& earlier, const
     }
 }
 
-bool hasSides(const Chart& chart, Sides asked) {
+bool hasSides(const Chart& chart, NeededSides needed) {
     const bool both = chart.otherSide != kNoChart;
-    return both || (asked != Sides::both && chart.back == (asked == Sides::back));
+    return both || !(chart.back ? needed.front : needed.back);
+}
+
+NeededSides neededOf(Sides sides) {
+    return {sides != Sides::back, sides != Sides::front};
 }
 
 // Per chart of the earlier atlas: whether its sides are enough and its surfaces of one node.
@@ -35,6 +39,11 @@ std::vector<bool> usableCharts(const Scene& scene, const std::vector<Sides>& com
     constexpr uint32_t kNoNode = ~0u;
     const std::vector<uint32_t> component =
         componentSides.empty() ? std::vector<uint32_t>() : connectedComponents(scene);
+    const auto neededBy = [&](uint32_t triangle) {
+        if (component.empty()) return neededOf(Sides::front);
+        const uint32_t own = component[triangle];
+        return earlier.needed.empty() ? neededOf(componentSides[own]) : earlier.needed[own];
+    };
     std::vector<bool> usable(earlier.atlas.charts.size(), true);
     std::vector<uint32_t> node(usable.size(), kNoNode);
     forEarlierTriangles(scene, earlier, [&](uint32_t now, uint32_t before) {
@@ -42,8 +51,8 @@ std::vector<bool> usableCharts(const Scene& scene, const std::vector<Sides>& com
         if (chart == kNoChart) return;
         const uint32_t nodeNow = scene.surfaces[scene.triangleSurface[now]].node;
         if (node[chart] == kNoNode) node[chart] = nodeNow;
-        const Sides asked = component.empty() ? Sides::front : componentSides[component[now]];
-        if (node[chart] != nodeNow || !hasSides(earlier.atlas.charts[chart], asked)) usable[chart] = false;
+        if (node[chart] != nodeNow || !hasSides(earlier.atlas.charts[chart], neededBy(now)))
+            usable[chart] = false;
     });
     return usable;
 }

@@ -13,17 +13,22 @@ namespace phat {
 
 inline constexpr uint32_t kNewSurface = ~0u;
 
+/// Sides of a connected piece of surface that have to have texels.
+struct NeededSides {
+    bool front = false, back = false;
+};
+
 /// The atlas of an earlier bake of a scene.
 struct EarlierCharts {
     const Atlas& atlas;
     std::span<const Surface> surfaces;     // of the earlier scene
     std::vector<uint32_t> earlierSurface;  // per surface of the scene: the same one of the earlier scene, of
                                            // the same shape and size, or kNewSurface; none is named twice
+    std::vector<NeededSides> needed = {};  // per component; empty: those that it is built for
 };
 
-/// Which surfaces of the scene keep their charts: those whose charts have all sides that `componentSides`
-/// asks for, and all of whose surfaces are kept and still of one node. Charts may have sides that are dark
-/// now.
+/// Which surfaces of the scene keep their charts: those whose charts have all sides that are needed, and all
+/// of whose surfaces are kept and still of one node. Charts may have sides that are dark now.
 std::vector<bool> keptSurfaces(const Scene& scene, const std::vector<Sides>& componentSides,
                                const EarlierCharts& earlier);
 

@@ -150,8 +150,13 @@ void makeTexels(const LitScene& scene, const PhotonMap& photons, const BakeSetti
                 const EarlierBake* earlier, Progress& progress, Bake& out) {
     const std::vector<Sides> sides = litSides(scene, photons);
     AtlasStats* stats = &out.stats.atlas;
-    out.atlas = earlier ? buildAtlasOn(earlier->charts, scene.rays, sides, settings.atlas, progress, stats)
-                        : buildAtlas(scene.rays, sides, settings.atlas, progress, stats);
+    if (earlier) {
+        EarlierCharts charts = earlier->charts;
+        charts.needed = clearlyLitSides(scene, photons);
+        out.atlas = buildAtlasOn(charts, scene.rays, sides, settings.atlas, progress, stats);
+    } else {
+        out.atlas = buildAtlas(scene.rays, sides, settings.atlas, progress, stats);
+    }
     out.points = buildTexelPoints(scene.rays.scene(), out.atlas);
     out.keys.geometry = keyOfGeometry(scene.rays.scene(), out.atlas);
     if (!earlier || !earlier->results || !sameKey(out.keys.geometry, earlier->results->keys.geometry))

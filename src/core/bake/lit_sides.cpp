@@ -11,15 +11,21 @@
 namespace phat {
 namespace {
 
-// Of the scene's usual irradiance: with so much, and of so many photons that they are no leak, a side is lit.
-constexpr double kLitFraction = 0.002;
-constexpr uint32_t kLitPhotons = 4;
+/// When a side is lit.
+struct Limits {
+    // Of the scene's usual irradiance: with so much, and of so many photons that they are no leak.
+    double fraction;
+    uint32_t photons;
+    // Of kSideRays, that meet a lit side. A crack of a millimetre in a wall of two metres lets one in a
+    // thousand through.
+    uint32_t seen;
+};
+constexpr Limits kLit{0.002, 4, 2}, kClearlyLit{0.02, 40, 20};
+
 // A side that no photon found is dark without further ado if the other side has so many.
 constexpr uint32_t kEnoughPhotons = 256;
-// The other sides ask what they see: rays a side, and how many of them must meet a lit side. A crack of a
-// millimetre in a wall of two metres lets one in a thousand through.
+// The other sides ask what they see: rays a side.
 constexpr uint32_t kSideRays = 128;
-constexpr uint32_t kMinSeen = 2;
 
 // What a ray meets if not a side: darkness, or a light in the environment.
 constexpr uint32_t kNothing = ~0u, kSky = ~0u - 1;
@@ -127,7 +133,7 @@ std::vector<uint32_t> sidesSeenFrom(const LitScene& lit, const Components& compo
 }
 
 /// Lights the undecided sides that see lit ones, until none is left that does.
-void spreadBySight(std::vector<Light>& light, const std::vector<Side>& sides) {
+void spreadBySight(std::vector<Light>& light, const std::vector<Side>& sides, uint32_t minSeen) {
     const auto isLit = [&](uint32_t seen) {
         return seen == kSky || (seen != kNothing && light[seen] == Light::lit);
     };
@@ -136,16 +142,15 @@ void spreadBySight(std::vector<Light>& light, const std::vector<Side>& sides) {
         for (size_t s = 0; s < sides.size(); ++s) {
             if (light[s] != Light::undecided) continue;
             const auto& seen = sides[s].seen;
-            if (std::count_if(seen.begin(), seen.end(), isLit) < kMinSeen) continue;
+            if (std::count_if(seen.begin(), seen.end(), isLit) < minSeen) continue;
             light[s] = Light::lit;
             changed = true;
         }
     }
 }
 
-}  // namespace
-
-std::vector<Sides> litSides(const LitScene& lit, const PhotonMap& photons) {
+/// [2 * component + back]
+std::vector<Light> lightOfSides(const LitScene& lit, const PhotonMap& photons, const Limits& limits) {
     const Scene& scene = lit.rays.scene();
     const Components components = findComponents(scene);
     std::vector<Side> sides(2 * size_t(components.count()));
@@ -161,8 +166,8 @@ std::vector<Sides> litSides(const LitScene& lit, const PhotonMap& photons) {
         const bool doubleSided = scene.materialOf(components.triangle[components.first[c]]).doubleSided;
         if (!(components.area[c] > 0) || (!doubleSided && (s & 1))) continue;
         const double irradiance = sides[s].fluxWatts / components.area[c];
-        const uint32_t enough = doubleSided ? kLitPhotons : 1;  // the front is the only side there is
-        if (sides[s].photons >= enough && irradiance >= kLitFraction * usual)
+        const uint32_t enough = doubleSided ? limits.photons : 1;  // the front is the only side there is
+        if (sides[s].photons >= enough && irradiance >= limits.fraction * usual)
             light[s] = Light::lit;
         else if (sides[s].photons > 0 || sides[s ^ 1].photons < kEnoughPhotons)
             light[s] = Light::undecided;
@@ -170,12 +175,26 @@ std::vector<Sides> litSides(const LitScene& lit, const PhotonMap& photons) {
     tbb::parallel_for(uint32_t(0), uint32_t(sides.size()), [&](uint32_t s) {
         if (light[s] == Light::undecided) sides[s].seen = sidesSeenFrom(lit, components, s);
     });
-    spreadBySight(light, sides);
+    spreadBySight(light, sides, limits.seen);
+    return light;
+}
 
-    std::vector<Sides> result(components.count(), Sides::front);
-    for (uint32_t c = 0; c < components.count(); ++c)
+}  // namespace
+
+std::vector<Sides> litSides(const LitScene& scene, const PhotonMap& photons) {
+    const std::vector<Light> light = lightOfSides(scene, photons, kLit);
+    std::vector<Sides> result(light.size() / 2, Sides::front);
+    for (size_t c = 0; c < result.size(); ++c)
         if (light[2 * c + 1] == Light::lit)
             result[c] = light[2 * c] == Light::lit ? Sides::both : Sides::back;
+    return result;
+}
+
+std::vector<NeededSides> clearlyLitSides(const LitScene& scene, const PhotonMap& photons) {
+    const std::vector<Light> light = lightOfSides(scene, photons, kClearlyLit);
+    std::vector<NeededSides> result(light.size() / 2);
+    for (size_t c = 0; c < result.size(); ++c)
+        result[c] = {light[2 * c] == Light::lit, light[2 * c + 1] == Light::lit};
     return result;
 }
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/atlas/atlas.h"
+#include "core/atlas/earlier_charts.h"
 #include "core/transport/path.h"
 #include "core/transport/photon_map.h"
 
@@ -14,5 +14,10 @@ namespace phat {
 /// the outside of a lamp shade has texels, however bright its inside is, and the inside of a solid, into
 /// which a few photons leak through its seams, has none. The front where neither side is lit.
 std::vector<Sides> litSides(const LitScene& scene, const PhotonMap& photons);
+
+/// The same for a bake that continues an earlier one: the sides that are lit far beyond noise, which is none
+/// of a piece that nearly no light reaches. Sides near the limits would be lit in one bake and dark in the
+/// next.
+std::vector<NeededSides> clearlyLitSides(const LitScene& scene, const PhotonMap& photons);
 
 }  // namespace phat

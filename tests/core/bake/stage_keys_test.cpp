@@ -57,7 +57,9 @@ TEST(StageKeys, ChangeWithWhatTheirStagesRead) {
         {"mask", [](Scene& s) { s.materials[0].alphaMode = AlphaMode::mask; }, true, true, true},
         {"both sides", [](Scene& s) { s.materials[0].doubleSided = true; }, true, true, true},
         {"corner", [](Scene& s) { s.positions[0].x += 0.01f; }, true, true, true},
-        {"normal", [](Scene& s) { s.normals[0] = glm::vec3(1, 0, 0); }, true, true, true},
+        {"normal",
+         [](Scene& s) { s.normals[0] = glm::normalize(s.normals[0] + glm::vec3(0.1f, 0.2f, 0.3f)); }, true,
+         true, true},
         {"nodes joined", [](Scene& s) { s.surfaces[0].node = kBoxNode; }, true, true, true},
     };
     for (const Change& change : changes) {
