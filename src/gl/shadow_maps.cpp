@@ -160,7 +160,7 @@ GlTexture drawAllTints(const std::vector<PunctualLight>& lights, const std::vect
 }
 
 // A texel for each cell of a web's grid: its corners, the two of its horizontal angle first.
-// twin: texelsOf in web/src/photometry.js.
+// twin: texelsOf in web/src/photometric_web.js.
 void addPhotometry(const PhotometricWeb& web, std::vector<glm::vec4>& texels) {
     const auto point = [&](int h, int v) {
         return web.relative[size_t(h % web.horizontalSteps) * (web.verticalSteps + 1) + v];
