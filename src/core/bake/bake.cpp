@@ -269,9 +269,9 @@ uint64_t estimateBakeMemory(const Scene& scene, const BakeSettings& settings) {
     constexpr double kTileTexels = kTileSize * kTileSize, kBlockTexels = kBlockSize * kBlockSize;
     constexpr double kNodeTexels = kLevelSteps[0] * kLevelSteps[0];
     constexpr double kDirections = 2 * sizeof(glm::vec3) + sizeof(float);  // of ChosenDirections
-    // At most one finer node in each group of four texels keeps its rays.
+    // In cluttered rooms nearly every other group of four texels has a finer node that keeps its rays.
     constexpr double kIndirectIrradiance =
-        sizeof(NodeRays) / kNodeTexels + sizeof(FineNodeRays) / 4.0 + 2 * sizeof(glm::vec3);
+        sizeof(NodeRays) / kNodeTexels + sizeof(FineNodeRays) / 8.0 + 2 * sizeof(glm::vec3);
     constexpr double kAreaLight = sizeof(PackedPhatexel) + sizeof(uint32_t);  // a layer, a map
     constexpr double kTables =
         2 * sizeof(Guide) / kBlockTexels + (sizeof(DepthProbe) + sizeof(PackedTile)) / kTileTexels;
