@@ -76,6 +76,20 @@ export class GlbBuilder {
         });
     }
 
+    // Rough, and no metal, but for `factors` of pbrMetallicRoughness.
+    material(name, baseColor, more = {}, factors = {}) {
+        return this.push('materials', {
+            name,
+            pbrMetallicRoughness: {
+                baseColorFactor: [...baseColor, 1],
+                metallicFactor: 0,
+                roughnessFactor: 1,
+                ...factors,
+            },
+            ...more,
+        });
+    }
+
     // `quads`: [corner, side, side], which is counter-clockwise.
     add(material, quads) {
         const positions = quads.flatMap(([corner, u, v]) =>

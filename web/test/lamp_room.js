@@ -38,19 +38,8 @@ function addBox(room, material, { at, turn = 0, movable, travels }) {
 // where an animation of a second takes it.
 export function lampRoom({ ceiling, wall, point, paint = [0.8, 0.15, 0.1], box }) {
     const room = new GlbBuilder();
-    const material = (name, baseColor, more = {}, factors = {}) =>
-        room.push('materials', {
-            name,
-            pbrMetallicRoughness: {
-                baseColorFactor: [...baseColor, 1],
-                metallicFactor: 0,
-                roughnessFactor: 1,
-                ...factors,
-            },
-            ...more,
-        });
     const shining = (name, rgb, emissiveStrength) =>
-        material(name, [0, 0, 0], {
+        room.material(name, [0, 0, 0], {
             emissiveFactor: emissiveStrength > 0 ? rgb : [0, 0, 0],
             extensions: { KHR_materials_emissive_strength: { emissiveStrength } },
         });
@@ -58,15 +47,15 @@ export function lampRoom({ ceiling, wall, point, paint = [0.8, 0.15, 0.1], box }
         up = [0, 2.5, 0],
         deep = [0, 0, 3],
         back = [0, 0, -3];
-    room.add(material('white', [0.7, 0.7, 0.7]), [
+    room.add(room.material('white', [0.7, 0.7, 0.7]), [
         [[-1.5, 0, -1.5], deep, across],
         [[-1.5, 2.5, -1.5], across, deep],
         [[-1.5, 0, -1.5], across, up],
         [[1.5, 0, 1.5], [-3, 0, 0], up],
         [[1.5, 0, 1.5], up, back],
     ]);
-    room.add(material('red', paint), [[[-1.5, 0, 1.5], back, up]]);
-    room.add(material('plate', [0.9, 0.9, 0.9], {}, { metallicFactor: 1, roughnessFactor: 0.3 }), [
+    room.add(room.material('red', paint), [[[-1.5, 0, 1.5], back, up]]);
+    room.add(room.material('plate', [0.9, 0.9, 0.9], {}, { metallicFactor: 1, roughnessFactor: 0.3 }), [
         [[-0.8, 0.3, -0.9], [0, 0, 1.2], [1.6, 0, 0]],
         [[-0.8, 0.3, -0.9], [1.6, 0, 0], [0, 0, 1.2]],
     ]);
@@ -74,7 +63,7 @@ export function lampRoom({ ceiling, wall, point, paint = [0.8, 0.15, 0.1], box }
         room.add(shining('ceiling', [1, 0.95, 0.9], ceiling), [[[-0.5, 2.49, -0.5], [1, 0, 0], [0, 0, 1]]]);
     if (wall !== undefined)
         room.add(shining('wall', [0.3, 0.5, 1], wall), [[[1.49, 1, -0.4], [0, 0, 0.8], [0, 0.8, 0]]]);
-    if (box) addBox(room, material('box', [0.2, 0.6, 0.25]), box);
+    if (box) addBox(room, room.material('box', [0.2, 0.6, 0.25]), box);
     room.push('cameras', { type: 'perspective', perspective: { yfov: 1, aspectRatio: 16 / 9, znear: 0.01 } });
     const tilt = -0.25;
     room.json.scenes[0].nodes.push(

@@ -21,20 +21,10 @@ const degrees = (end, step) => Array.from({ length: end / step + 1 }, (_, i) => 
 
 export function measuredRoom() {
     const room = new GlbBuilder();
-    const material = (name, baseColor, factors = {}) =>
-        room.push('materials', {
-            name,
-            pbrMetallicRoughness: {
-                baseColorFactor: [...baseColor, 1],
-                metallicFactor: 0,
-                roughnessFactor: 1,
-                ...factors,
-            },
-        });
     const across = [4, 0, 0],
         up = [0, 3, 0],
         deep = [0, 0, 4];
-    room.add(material('white', [0.7, 0.7, 0.7]), [
+    room.add(room.material('white', [0.7, 0.7, 0.7]), [
         [[-2, 0, -2], deep, across],
         [[-2, 3, -2], across, deep],
         [[-2, 0, -2], across, up],
@@ -42,14 +32,14 @@ export function measuredRoom() {
         [[-2, 0, 2], [0, 0, -4], up],
         [[2, 0, -2], deep, up],
     ]);
-    room.add(material('box', [0.2, 0.4, 0.7]), [
+    room.add(room.material('box', [0.2, 0.4, 0.7]), [
         [[-0.9, 0, -0.4], [0.6, 0, 0], [0, 0.7, 0]],
         [[-0.3, 0, -0.4], [0, 0, -0.6], [0, 0.7, 0]],
         [[-0.3, 0, -1], [-0.6, 0, 0], [0, 0.7, 0]],
         [[-0.9, 0, -1], [0, 0, 0.6], [0, 0.7, 0]],
         [[-0.9, 0.7, -0.4], [0.6, 0, 0], [0, 0, -0.6]],
     ]);
-    room.add(material('plate', [0.9, 0.8, 0.6], { metallicFactor: 1, roughnessFactor: 0.1 }), [
+    room.add(room.material('plate', [0.9, 0.8, 0.6], {}, { metallicFactor: 1, roughnessFactor: 0.1 }), [
         [[0.2, 0.02, -1.4], [0, 0, 1.6], [1.4, 0, 0]],
     ]);
     room.push('cameras', { type: 'perspective', perspective: { yfov: 1.1, aspectRatio: 16 / 9, znear: 0.01 } });

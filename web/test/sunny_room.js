@@ -15,12 +15,8 @@ function tube([x, z], radius, bottom, top) {
 
 export function sunnyRoom() {
     const room = new GlbBuilder();
-    const material = (name, baseColor) =>
-        room.push('materials', {
-            name,
-            pbrMetallicRoughness: { baseColorFactor: [...baseColor, 1], metallicFactor: 0, roughnessFactor: 1 },
-            extensions: { KHR_materials_specular: { specularFactor: 0 } },
-        });
+    const dull = { extensions: { KHR_materials_specular: { specularFactor: 0 } } },
+        material = (name, baseColor) => room.material(name, baseColor, dull);
     const across = [4, 0, 0],
         up = [0, 3, 0],
         deep = [0, 0, 4];
