@@ -7,6 +7,7 @@
 #include "core/atlas/atlas_stats.h"
 #include "core/atlas/far_density.h"
 #include "core/atlas/glossy_density.h"
+#include "core/base/median.h"
 #include "core/scene/length_unit.h"
 
 namespace phat {
@@ -122,22 +123,14 @@ double usualTexelSize(const Scene& scene, const Atlas& atlas, const std::vector<
     for (uint32_t t = 0; t < atlas.triangleChart.size(); ++t)
         if (atlas.triangleChart[t] != kNoChart) triangleOf[atlas.triangleChart[t]] = t;
     std::vector<std::pair<double, double>> sizes;  // and tiles
-    double all = 0;
     for (uint32_t c = 0; c < atlas.charts.size(); ++c) {
         const Chart& chart = atlas.charts[c];
         if (chart.otherSide < c) continue;  // its triangles are those of the other
         const double tiles = double(chart.sizeTiles.x) * double(chart.sizeTiles.y);
         const double density = double(glossy[chart.surface]) * farDensity[triangleOf[c]];
         sizes.emplace_back(double(chart.texelSizeMeters) * density, tiles);
-        all += tiles;
     }
-    std::sort(sizes.begin(), sizes.end());
-    double below = 0;
-    for (const auto& [size, tiles] : sizes) {
-        below += tiles;
-        if (below >= 0.5 * all) return size;
-    }
-    return 0;
+    return weightedMedianOf(std::move(sizes));
 }
 
 // Triangles without area are what the unwrapper leaves out.

@@ -145,20 +145,21 @@ void takeAll(const Scene& scene, const EarlierBake& earlier, Bake& out) {
         true, validPhatexels(out.phatexture.indirect) + validPhatexels(out.phatexture.area), {"all light"}};
 }
 
-// Atlas, texels and what of them is occluded.
-void makeTexels(const LitScene& scene, const PhotonMap& photons, const BakeSettings& settings,
-                const EarlierBake* earlier, Progress& progress, Bake& out) {
-    const std::vector<Sides> sides = litSides(scene, photons);
+void makeAtlas(const LitScene& scene, const PhotonMap& photons, const AtlasSettings& settings,
+               const EarlierBake* earlier, Progress& progress, Bake& out) {
     AtlasStats* stats = &out.stats.atlas;
-    if (earlier) {
-        EarlierCharts charts = earlier->charts;
-        charts.needed = clearlyLitSides(scene, photons);
-        out.atlas = buildAtlasOn(charts, scene.rays, sides, settings.atlas, progress, stats);
-    } else {
-        out.atlas = buildAtlas(scene.rays, sides, settings.atlas, progress, stats);
+    if (!earlier) {
+        out.atlas = buildAtlas(scene.rays, litSides(scene, photons), settings, progress, stats);
+        return;
     }
+    EarlierCharts charts = earlier->charts;
+    const std::vector<Sides> sides = litSides(scene, photons, &charts.needed);
+    out.atlas = buildAtlasOn(charts, scene.rays, sides, settings, progress, stats);
+}
+
+// Texels and what of them is occluded. pre: the key of the geometry is known.
+void makeTexels(const LitScene& scene, const EarlierBake* earlier, Progress& progress, Bake& out) {
     out.points = buildTexelPoints(scene.rays.scene(), out.atlas);
-    out.keys.geometry = keyOfGeometry(scene.rays.scene(), out.atlas);
     if (!earlier || !earlier->results || !sameKey(out.keys.geometry, earlier->results->keys.geometry))
         return markOccludedTexels(out.points, out.atlas, scene.rays, progress);
     out.points.state = earlier->results->points.state;
@@ -196,7 +197,8 @@ Bake bake(const RayScene& rays, const BakeSettings& settings, Progress& progress
     const Stopwatch start;
     Bake result;
     std::atomic<uint64_t> rayCount = 0;
-    result.keys.all = keyOfAll(rays.scene(), settings);
+    const SceneKeys sceneKeys(rays.scene());
+    result.keys.all = sceneKeys.ofAll(settings);
     if (earlier && earlier->results && sameKey(result.keys.all, earlier->results->keys.all) &&
         sameSurfaces(earlier->charts)) {
         takeAll(rays.scene(), *earlier, result);
@@ -204,9 +206,11 @@ Bake bake(const RayScene& rays, const BakeSettings& settings, Progress& progress
         const LightSampler lights(rays.scene());
         const PhotonMap photons = tracePhotons(rays, lights, settings.photons, progress);
         const PhotonIndex index(photons.photons);
-        makeTexels({rays, lights}, photons, settings, earlier, progress, result);
+        makeAtlas({rays, lights}, photons, settings.atlas, earlier, progress, result);
         StageKeys& keys = result.keys;
-        keys.areaIrradiance = keyOfAreaIrradiance(keys.geometry, rays.scene(), settings);
+        keys.geometry = sceneKeys.ofGeometry(result.atlas);
+        makeTexels({rays, lights}, earlier, progress, result);
+        keys.areaIrradiance = sceneKeys.ofAreaIrradiance(keys.geometry, settings);
         keys.areaLight = keyOfAreaLight(keys.areaIrradiance, photons, settings);
         const std::vector<Frame> frames = blockFrames(result.atlas, result.points);
         const std::vector<uint8_t> receivers = irradianceTexels(result.atlas, result.points);

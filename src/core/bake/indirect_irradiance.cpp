@@ -158,7 +158,7 @@ ResumableTask solve(std::vector<IrradianceLevel>& levels, const LinkedNodes& nod
     const std::vector<NodeOfTexel> nodeOf = nodesOfTexels(levels, input);
     std::vector<std::vector<glm::vec3>> value(levels.size());
     for (int i = 0; i < bounces; ++i) {
-        for (size_t level = 0; level < levels.size(); ++level) value[level] = levels[level].value;
+        for (size_t level = 0; level < levels.size(); ++level) value[level] = std::move(levels[level].value);
         bounceInto(levels, nodes, progress, [&](uint32_t texel) {
             const NodeOfTexel at = nodeOf[texel];
             return at.node != kNoNode ? value[at.level][at.node] : glm::vec3(0);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/base/hemisphere_map.h"
+#include "core/base/median.h"
 #include "core/base/random.h"
 #include "core/scene/glass.h"
 
@@ -79,24 +80,13 @@ Components findComponents(const Scene& scene) {
 /// W/m2: the median over the area of what the brighter sides receive. A mean would be that of the inside of
 /// the brightest lamp shade.
 double usualIrradiance(const Components& components, const std::vector<Side>& sides) {
-    struct Lit {
-        double irradiance, area;
-    };
-    std::vector<Lit> lit;
-    double total = 0;
+    std::vector<std::pair<double, double>> lit;  // irradiance, area
     for (uint32_t c = 0; c < components.count(); ++c) {
         const double flux = std::max(sides[2 * c].fluxWatts, sides[2 * c + 1].fluxWatts);
-        if (!(flux > 0 && components.area[c] > 0)) continue;
-        lit.push_back({flux / components.area[c], components.area[c]});
-        total += components.area[c];
+        if (flux > 0 && components.area[c] > 0)
+            lit.emplace_back(flux / components.area[c], components.area[c]);
     }
-    std::sort(lit.begin(), lit.end(), [](const Lit& a, const Lit& b) { return a.irradiance < b.irradiance; });
-    double below = 0;
-    for (const Lit& l : lit) {
-        below += l.area;
-        if (below >= 0.5 * total) return l.irradiance;
-    }
-    return 0;
+    return weightedMedianOf(std::move(lit));
 }
 
 /// The sides that cosine-distributed rays from everywhere on a side meet.
@@ -149,16 +139,21 @@ void spreadBySight(std::vector<Light>& light, const std::vector<Side>& sides, ui
     }
 }
 
-/// [2 * component + back]
-std::vector<Light> lightOfSides(const LitScene& lit, const PhotonMap& photons, const Limits& limits) {
-    const Scene& scene = lit.rays.scene();
-    const Components components = findComponents(scene);
+// What photons bring to the sides of the components.
+std::vector<Side> sidesUnder(const PhotonMap& photons, const Components& components) {
     std::vector<Side> sides(2 * size_t(components.count()));
     for (const Photon& photon : photons.photons) {
         Side& side = sides[2 * components.ofTriangle[photon.triangle] + photon.backFace];
         side.fluxWatts += double(luminance(photon.fluxWatts));
         ++side.photons;
     }
+    return sides;
+}
+
+/// Per side. What sides see is traced where it is asked for first.
+std::vector<Light> lightOf(const LitScene& lit, const Components& components, std::vector<Side>& sides,
+                           const Limits& limits) {
+    const Scene& scene = lit.rays.scene();
     const double usual = usualIrradiance(components, sides);
     std::vector<Light> light(sides.size(), Light::dark);
     for (uint32_t s = 0; s < sides.size(); ++s) {
@@ -173,16 +168,14 @@ std::vector<Light> lightOfSides(const LitScene& lit, const PhotonMap& photons, c
             light[s] = Light::undecided;
     }
     tbb::parallel_for(uint32_t(0), uint32_t(sides.size()), [&](uint32_t s) {
-        if (light[s] == Light::undecided) sides[s].seen = sidesSeenFrom(lit, components, s);
+        if (light[s] == Light::undecided && sides[s].seen.empty())
+            sides[s].seen = sidesSeenFrom(lit, components, s);
     });
     spreadBySight(light, sides, limits.seen);
     return light;
 }
 
-}  // namespace
-
-std::vector<Sides> litSides(const LitScene& scene, const PhotonMap& photons) {
-    const std::vector<Light> light = lightOfSides(scene, photons, kLit);
+std::vector<Sides> sidesWithTexels(const std::vector<Light>& light) {
     std::vector<Sides> result(light.size() / 2, Sides::front);
     for (size_t c = 0; c < result.size(); ++c)
         if (light[2 * c + 1] == Light::lit)
@@ -190,11 +183,18 @@ std::vector<Sides> litSides(const LitScene& scene, const PhotonMap& photons) {
     return result;
 }
 
-std::vector<NeededSides> clearlyLitSides(const LitScene& scene, const PhotonMap& photons) {
-    const std::vector<Light> light = lightOfSides(scene, photons, kClearlyLit);
-    std::vector<NeededSides> result(light.size() / 2);
+}  // namespace
+
+std::vector<Sides> litSides(const LitScene& scene, const PhotonMap& photons,
+                            std::vector<NeededSides>* clearlyLit) {
+    const Components components = findComponents(scene.rays.scene());
+    std::vector<Side> sides = sidesUnder(photons, components);
+    const std::vector<Sides> result = sidesWithTexels(lightOf(scene, components, sides, kLit));
+    if (!clearlyLit) return result;
+    const std::vector<Light> clearly = lightOf(scene, components, sides, kClearlyLit);
+    clearlyLit->resize(result.size());
     for (size_t c = 0; c < result.size(); ++c)
-        result[c] = {light[2 * c] == Light::lit, light[2 * c + 1] == Light::lit};
+        (*clearlyLit)[c] = {clearly[2 * c] == Light::lit, clearly[2 * c + 1] == Light::lit};
     return result;
 }
 

@@ -71,21 +71,16 @@ uint64_t partKey(const Material& m, MaterialPart part, const std::vector<uint64_
     return key.value();
 }
 
-// Per surface.
-void addMaterials(Fingerprint& to, const Scene& scene, MaterialPart part) {
-    std::vector<uint64_t> images, materials;
-    for (const SharedValue<TextureImage>& image : scene.images) {
-        Fingerprint key;
-        key.add(uint64_t(image->width));
-        key.add(uint64_t(image->height));
-        key.addAll(image->texels);
-        images.push_back(key.value());
-    }
-    for (const Material& material : scene.materials) materials.push_back(partKey(material, part, images));
-    for (const Surface& surface : scene.surfaces) to.add(materials[surface.material]);
+uint64_t imageKey(const TextureImage& image) {
+    Fingerprint key;
+    key.add(uint64_t(image.width));
+    key.add(uint64_t(image.height));
+    key.addAll(image.texels);
+    return key.value();
 }
 
-void addSurfaces(Fingerprint& to, const Scene& scene) {
+uint64_t surfacesKey(const Scene& scene) {
+    Fingerprint to;
     to.addAll(scene.positions);
     to.addAll(scene.normals);
     to.addAll(scene.tangents);
@@ -102,6 +97,7 @@ void addSurfaces(Fingerprint& to, const Scene& scene) {
             to.add(uint64_t(number));
         to.add(surface.metersPerUnit);
     }
+    return to.value();
 }
 
 void addEnvironment(Fingerprint& to, const Scene& scene) {
@@ -145,12 +141,25 @@ void addAtlasSettings(Fingerprint& to, const AtlasSettings& atlas) {
 
 }  // namespace
 
-uint64_t keyOfAll(const Scene& scene, const BakeSettings& settings) {
+SceneKeys::SceneKeys(const Scene& scene) : scene_(scene), surfaces_(surfacesKey(scene)) {
+    std::vector<uint64_t> images;
+    for (const SharedValue<TextureImage>& image : scene.images) images.push_back(imageKey(*image));
+    const auto keyOf = [&](MaterialPart part) {
+        Fingerprint key;
+        std::vector<uint64_t> materials;
+        for (const Material& material : scene.materials) materials.push_back(partKey(material, part, images));
+        for (const Surface& surface : scene.surfaces) key.add(materials[surface.material]);
+        return key.value();
+    };
+    materials_ = {keyOf(MaterialPart::all), keyOf(MaterialPart::emission), keyOf(MaterialPart::opacity)};
+}
+
+uint64_t SceneKeys::ofAll(const BakeSettings& settings) const {
     Fingerprint key;
-    addSurfaces(key, scene);
-    addMaterials(key, scene, MaterialPart::all);
-    addEnvironment(key, scene);
-    addPunctualLights(key, scene);
+    key.add(surfaces_);
+    key.add(materials_.all);
+    addEnvironment(key, scene_);
+    addPunctualLights(key, scene_);
     addAtlasSettings(key, settings.atlas);
     const PhotonSettings& photons = settings.photons;
     const DensityEstimate& density = settings.density;
@@ -163,10 +172,10 @@ uint64_t keyOfAll(const Scene& scene, const BakeSettings& settings) {
     return key.value();
 }
 
-uint64_t keyOfGeometry(const Scene& scene, const Atlas& atlas) {
+uint64_t SceneKeys::ofGeometry(const Atlas& atlas) const {
     Fingerprint key;
-    addSurfaces(key, scene);
-    addMaterials(key, scene, MaterialPart::opacity);
+    key.add(surfaces_);
+    key.add(materials_.opacity);
     key.add(uint64_t(atlas.sizeTexels.x));
     key.add(atlas.unitMeters);
     for (const Chart& chart : atlas.charts) {
@@ -181,11 +190,11 @@ uint64_t keyOfGeometry(const Scene& scene, const Atlas& atlas) {
     return key.value();
 }
 
-uint64_t keyOfAreaIrradiance(uint64_t geometry, const Scene& scene, const BakeSettings& settings) {
+uint64_t SceneKeys::ofAreaIrradiance(uint64_t geometry, const BakeSettings& settings) const {
     Fingerprint key;
     key.add(geometry);
-    addMaterials(key, scene, MaterialPart::emission);
-    addEnvironment(key, scene);
+    key.add(materials_.emission);
+    addEnvironment(key, scene_);
     key.add(uint64_t(settings.irradianceSamples));
     key.add(settings.seed);
     return key.value();

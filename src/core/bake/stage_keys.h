@@ -23,10 +23,27 @@ struct StageKeys {
     bool operator==(const StageKeys&) const = default;
 };
 
-uint64_t keyOfAll(const Scene& scene, const BakeSettings& settings);
-uint64_t keyOfGeometry(const Scene& scene, const Atlas& atlas);
-/// `geometry`: the key of it.
-uint64_t keyOfAreaIrradiance(uint64_t geometry, const Scene& scene, const BakeSettings& settings);
+/// The keys of a scene, whose vertices and pictures are read once for all of them. The scene outlives it.
+class SceneKeys {
+  public:
+    explicit SceneKeys(const Scene& scene);
+
+    uint64_t ofAll(const BakeSettings& settings) const;
+    uint64_t ofGeometry(const Atlas& atlas) const;
+    /// `geometry`: the key of it.
+    uint64_t ofAreaIrradiance(uint64_t geometry, const BakeSettings& settings) const;
+
+  private:
+    // By what materials may do to the light that a stage looks at.
+    struct Materials {
+        uint64_t all = 0, emission = 0, opacity = 0;
+    };
+
+    const Scene& scene_;
+    uint64_t surfaces_;
+    Materials materials_;
+};
+
 /// `areaIrradiance`: the key of it.
 uint64_t keyOfAreaLight(uint64_t areaIrradiance, const PhotonMap& photons, const BakeSettings& settings);
 

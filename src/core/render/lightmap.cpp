@@ -25,10 +25,13 @@ std::vector<uint8_t> filledTexels(const Atlas& atlas, const TexelPoints& points)
 }
 
 void addPunctual(const LightmapInput& input, Lightmap& lightmap, Progress& progress) {
+    const LightSampler lights(input.scene);
+    if (!lights.hasPunctual()) return;
+    const RayScene rays(input.scene);
     std::optional<IrradianceTerms> terms;
     if (lightmap.byNormal) terms.emplace(input.atlas.texelCount());
     const std::vector<glm::vec3> irradiance =
-        punctualIrradiance(input.scene, input.atlas, input.points, progress, terms ? &*terms : nullptr);
+        punctualIrradiance({rays, lights}, input.atlas, input.points, progress, terms ? &*terms : nullptr);
     for (size_t i = 0; i < irradiance.size(); ++i) lightmap.irradiance[i] += irradiance[i];
     if (terms) addScaled(*terms, irradiance, input.points, *lightmap.byNormal);
 }
@@ -47,7 +50,7 @@ Lightmap lightmapOf(const LightmapInput& input, LightmapLight light, bool byNorm
     add({phatexture.indirect, phatexture.indirectGuides, phatexture.indirectIrradiance});
     if (light != LightmapLight::indirect)
         add({phatexture.area, phatexture.areaGuides, phatexture.areaIrradiance});
-    if (light == LightmapLight::all && scene.lights.hasPunctual()) addPunctual(input, lightmap, progress);
+    if (light == LightmapLight::all) addPunctual(input, lightmap, progress);
     std::vector<uint8_t> known = filledTexels(atlas, points);
     dilateWithinCharts(lightmap.irradiance, known, atlas);
     // Texels without a place have no normal that terms could be scaled for.

@@ -20,7 +20,7 @@ enum class LightmapLight : uint8_t {
 
 /// What a lightmap is made of. All outlive it.
 struct LightmapInput {
-    LitScene scene;  // asked for rays by LightmapLight::all alone
+    const Scene& scene;
     const Atlas& atlas;
     const TexelPoints& points;
     const Phatexture& phatexture;

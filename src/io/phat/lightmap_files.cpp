@@ -119,9 +119,7 @@ std::vector<std::string> lightmapFileNames(const LightmapExport& what) {
 std::vector<LightmapFile> lightmapFiles(const LightmapExport& what, Progress& progress,
                                         std::vector<std::string>& notes) {
     const BakedScene& baked = what.baked;
-    const RayScene rays(baked.loaded.scene);
-    const LightSampler lights(baked.loaded.scene);
-    const Lightmap lightmap = lightmapOf({{rays, lights}, baked.atlas, baked.points, baked.phatexture},
+    const Lightmap lightmap = lightmapOf({baked.loaded.scene, baked.atlas, baked.points, baked.phatexture},
                                          what.light, what.directional, progress);
     float largest = 0;
     for (const glm::vec3& value : lightmap.irradiance) largest = std::max(largest, maxComponent(value));

@@ -17,8 +17,9 @@ struct Keys {
 
 Keys keysOf(const Scene& scene) {
     static const Atlas atlas;
-    const uint64_t geometry = keyOfGeometry(scene, atlas);
-    return {keyOfAll(scene, smallBake()), geometry, keyOfAreaIrradiance(geometry, scene, smallBake())};
+    const SceneKeys keys(scene);
+    const uint64_t geometry = keys.ofGeometry(atlas);
+    return {keys.ofAll(smallBake()), geometry, keys.ofAreaIrradiance(geometry, smallBake())};
 }
 
 struct Change {

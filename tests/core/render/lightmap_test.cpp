@@ -22,7 +22,7 @@ struct Baked {
     }
 
     std::vector<glm::vec3> lightmap(LightmapLight light) {
-        return lightmapOf({{rays, lights}, atlas, points, phatexture}, light, false, progress).irradiance;
+        return lightmapOf({scene, atlas, points, phatexture}, light, false, progress).irradiance;
     }
 
     SilentProgress progress;
@@ -133,7 +133,7 @@ TEST(Lightmap, TermsPointToWhereTheLightIs) {
     baked.phatexture.indirect = {layerFrom(baked, frames, indirect)};
     baked.phatexture.indirectGuides = {uniformGuide()};
     baked.phatexture.areaIrradiance.clear();
-    const LightmapInput input{{baked.rays, baked.lights}, baked.atlas, baked.points, baked.phatexture};
+    const LightmapInput input{baked.scene, baked.atlas, baked.points, baked.phatexture};
     const Lightmap lightmap = lightmapOf(input, LightmapLight::all, true, baked.progress);
     const std::array<glm::vec3, 3> normals = {glm::vec3(0, 1, 0), indirect, sun};
     for (size_t i = 0; i < lightmap.irradiance.size(); ++i) {
@@ -163,7 +163,7 @@ TEST(Lightmap, TermsOfAnEvenSkyAreThoseOfItsIrradiance) {
                 packPhatexel({glm::vec3(2), squareToHemisphere(rng.uniform2()), 5, 1 / (2 * kPi), true}, 1);
     baked.phatexture.indirect = {layer};
     baked.phatexture.indirectGuides = {uniformGuide()};
-    const LightmapInput input{{baked.rays, baked.lights}, baked.atlas, baked.points, baked.phatexture};
+    const LightmapInput input{baked.scene, baked.atlas, baked.points, baked.phatexture};
     const Lightmap lightmap = lightmapOf(input, LightmapLight::indirect, true, baked.progress);
     double up = 0, aside = 0, count = 0;
     for (size_t i = 0; i < lightmap.irradiance.size(); ++i) {
