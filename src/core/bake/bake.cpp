@@ -163,7 +163,7 @@ void makeTexels(const LitScene& scene, const EarlierBake* earlier, Progress& pro
     if (!earlier || !earlier->results || !sameKey(out.keys.geometry, earlier->results->keys.geometry))
         return markOccludedTexels(out.points, out.atlas, scene.rays, progress);
     out.points.state = earlier->results->points.state;
-    out.stats.kept.stages.push_back("find occluded texels");
+    out.stats.kept.stages.emplace_back("find occluded texels");
 }
 
 // What of the light is that of the earlier bake, by the keys of this one.
@@ -174,16 +174,16 @@ SameLight sameLight(const EarlierBake* earlier, const StageKeys& keys, KeptParts
     const Phatexture* phatexture = &before.phatexture;
     if (sameKey(keys.areaLight, before.keys.areaLight) && !phatexture->area.empty()) {
         same.areaLight = phatexture;
-        kept.stages.push_back("area light");
+        kept.stages.emplace_back("area light");
         kept.phatexels = validPhatexels(phatexture->area);
     }
     if (sameKey(keys.areaIrradiance, before.keys.areaIrradiance) && !phatexture->areaIrradiance.empty()) {
         same.areaIrradiance = phatexture;
-        kept.stages.push_back("soft shadows");
+        kept.stages.emplace_back("soft shadows");
     }
     if (sameKey(keys.geometry, before.keys.geometry) && !phatexture->probes.empty()) {
         same.distances = phatexture;
-        kept.stages.push_back("distances");
+        kept.stages.emplace_back("distances");
     }
     return same;
 }
