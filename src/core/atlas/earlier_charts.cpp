@@ -114,7 +114,8 @@ Atlas keptPart(const Scene& scene, const EarlierCharts& earlier) {
     return atlas;
 }
 
-// The size of texels of density 1: the median over the texels of all charts.
+// The size of texels of density 1: the median over the tiles of all charts. Those of one tile along a side do
+// not count if there are others: what is smaller than a tile has finer texels than it was made for.
 double usualTexelSize(const Scene& scene, const Atlas& atlas, const std::vector<double>& farDensity,
                       const AtlasSettings& settings) {
     if (settings.texelSizeMeters > 0) return settings.texelSizeMeters;
@@ -122,15 +123,17 @@ double usualTexelSize(const Scene& scene, const Atlas& atlas, const std::vector<
     std::vector<uint32_t> triangleOf(atlas.charts.size(), 0);
     for (uint32_t t = 0; t < atlas.triangleChart.size(); ++t)
         if (atlas.triangleChart[t] != kNoChart) triangleOf[atlas.triangleChart[t]] = t;
-    std::vector<std::pair<double, double>> sizes;  // and tiles
+    std::vector<std::pair<double, double>> ofSmall, ofLarge;  // sizes and tiles
     for (uint32_t c = 0; c < atlas.charts.size(); ++c) {
         const Chart& chart = atlas.charts[c];
         if (chart.otherSide < c) continue;  // its triangles are those of the other
-        const double tiles = double(chart.sizeTiles.x) * double(chart.sizeTiles.y);
         const double density = double(glossy[chart.surface]) * farDensity[triangleOf[c]];
-        sizes.emplace_back(double(chart.texelSizeMeters) * density, tiles);
+        const bool small = chart.sizeTiles.x == 1 || chart.sizeTiles.y == 1;
+        (small ? ofSmall : ofLarge)
+            .emplace_back(double(chart.texelSizeMeters) * density,
+                          double(chart.sizeTiles.x) * double(chart.sizeTiles.y));
     }
-    return weightedMedianOf(std::move(sizes));
+    return weightedMedianOf(ofLarge.empty() ? std::move(ofSmall) : std::move(ofLarge));
 }
 
 // Triangles without area are what the unwrapper leaves out.

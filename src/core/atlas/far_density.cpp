@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
+#include "core/atlas/atlas.h"
 #include "core/base/median.h"
 #include "core/scene/triangle_corners.h"
 
@@ -87,16 +89,25 @@ std::vector<double> farDensities(const Scene& scene, std::span<const FlatChart> 
 }
 
 std::vector<double> farDensitiesOfTriangles(const Scene& scene, const MeshTopology& topology) {
+    const std::vector<uint32_t> component = connectedComponents(scene);
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> pieceOf;
     std::vector<FlatChart> pieces;
     std::vector<double> areas;
     for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
         if (topology.degenerate(t)) continue;
-        pieces.emplace_back().triangles = {t};
-        areas.push_back(topology.faceArea[t]);
+        const auto [piece, isNew] =
+            pieceOf.try_emplace({scene.triangleSurface[t], component[t]}, uint32_t(pieces.size()));
+        if (isNew) {
+            pieces.emplace_back();
+            areas.push_back(0);
+        }
+        pieces[piece->second].triangles.push_back(t);
+        areas[piece->second] += topology.faceArea[t];
     }
     const std::vector<double> density = farDensities(scene, pieces, areas);
     std::vector<double> result(scene.triangles.size(), 1.0);
-    for (size_t i = 0; i < pieces.size(); ++i) result[pieces[i].triangles[0]] = density[i];
+    for (size_t i = 0; i < pieces.size(); ++i)
+        for (const uint32_t t : pieces[i].triangles) result[t] = density[i];
     return result;
 }
 
