@@ -119,6 +119,7 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
                            {"phatexels", engine.stats().phatexels - updated},
                            {"settled", engine.converged()}});
             reportExposure(options, *exposures[v], report);
+            exposures[v]->causeOfBlack.clear();  // of the first frame
             reportNotes(file, report);
             reports.push_back(std::move(report));
         }
