@@ -90,8 +90,7 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
     Renderer renderer({engine.scene().scene(), baked.atlas, engine.scene().points(), engine.phatexture()},
                       shaderFolder());
     std::vector<json> reports;
-    std::vector<std::optional<Exposure>> exposures(
-        views.size());  // the first frame's, so that films do not flicker
+    std::vector<std::optional<Exposure>> exposures(views.size());  // the first frame's: films do not flicker
     // A frame at the very end, whatever rounding makes of it.
     const int count = int(std::floor((frames.end - frames.start) * frames.perSecond + 1e-6)) + 1;
     uint64_t updated = engine.stats().phatexels;
@@ -109,6 +108,7 @@ std::vector<json> renderAnimated(const RenderOptions& options, Progress& progres
             const Image picture = readMean(sum);
             progress.throwIfStopped();
             const View frame = frameView(view, i);
+            if (exposures[v]) exposures[v]->causeOfBlack.clear();  // of the first frame alone
             if (!exposures[v]) exposures[v] = exposureOf(options, view, picture, engine.rays());
             writePicture(options, frame, picture, exposures[v]->stops);
             json report =

@@ -21,6 +21,7 @@ void declareExposure(CLI::App& command, std::optional<float>& stops);
 struct Exposure {
     float stops = 0;
     bool automatic = false;
+    std::string causeOfBlack;  // why the picture shows no light at all; empty: it does
 };
 
 /// That of the flags or, if they leave it to the picture, the picture's own; none for linear pictures and for
@@ -31,7 +32,7 @@ Exposure exposureOf(const RenderOptions& options, const View& view, const Image&
 /// Adds it to a view's report, for pictures that have one.
 void reportExposure(const RenderOptions& options, const Exposure& exposure, nlohmann::json& report);
 
-/// "exposure +1.3 EV (auto)"
+/// "exposure +1.3 EV (auto)", and on a line of its own why the picture is black, if it is.
 std::string describeExposure(const nlohmann::json& exposure);
 
 }  // namespace phat

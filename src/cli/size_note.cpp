@@ -11,6 +11,12 @@ std::optional<std::string> sizeNote(const Scene& scene) {
     const auto across = [](const Bounds& bounds) { return maxComponent(bounds.high - bounds.low); };
     const Bounds all = boundsOf(scene);
     if (all.empty()) return {};
+    constexpr float kFloatStep = 0x1p-23f, kMaxStep = 1e-3f;  // of the scene
+    const float farthest = maxComponent(glm::max(glm::abs(all.low), glm::abs(all.high)));
+    if (kFloatStep * farthest > kMaxStep * all.diagonal())
+        return fmt::format(
+            "the scene is {:.0f} km from its origin, where positions are exact to {:.0f} mm: move it there",
+            0.001f * farthest, 1000 * kFloatStep * farthest);
     // A house may stand on kilometres of ground.
     if (const float length = across(boundsWithoutGround(scene)); length > kMaxMeters)
         return fmt::format(

@@ -310,6 +310,24 @@ TEST(Lit, ExposureIsPrintedAndIsForDisplaysOnly) {
     EXPECT_NE(printed.out.find("EV (auto)"), std::string::npos) << printed.out;
 }
 
+// Nothing that shines, and a camera that sees nothing: each picture is black, and says why.
+TEST(Lit, BlackPicturesSayWhy) {
+    const TemporaryFolder folder;
+    const std::string room = writeRoom(folder);
+    const auto causeOf = [&](const std::string& eye, const std::string& target, const std::string& sky) {
+        const Drawn drawn = draw(
+            folder, room, "a.png",
+            {"--method", "path", "--exposure", "1", "--eye", eye, "--target", target, "--sky", sky}, "1");
+        return drawn.report["exposure"].value("black", "");
+    };
+    EXPECT_NE(causeOf("1,1,1", "3,1,1", "none").find("no light reaches"), std::string::npos);
+    EXPECT_NE(causeOf("1,1,9", "1,1,20", "none").find("no surface"), std::string::npos);
+    EXPECT_EQ(causeOf("1,1,1", "3,1,1", "auto"), "");
+    const auto printed = runPhat({"render", room, "-o", folder.file("b.png"), "--method", "path", "--size",
+                                  "16x9", "--spp", "1", "--sky", "none"});
+    EXPECT_NE(printed.out.find("the picture is black: no light"), std::string::npos) << printed.out;
+}
+
 // None of these may cost a bake, which would say so on stderr.
 TEST(Lit, WrongNamesAreRefusedBeforeTheBake) {
     const TemporaryFolder folder;

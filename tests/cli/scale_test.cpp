@@ -54,6 +54,16 @@ TEST(ScaleOfFiles, UnlikelySizesGetANote) {
                           "/notes"));
         expectNote(noteOn({"info", target, "--json"}, "/scene/notes"));
     }
+    // Map coordinates.
+    Scene house;
+    addQuad(house, lambert(0.5f), {4e5f, 0, -5e6f}, {8, 0, 0}, {0, 4, 0});
+    writeGltf(folder.file("house.gltf"), house);
+    const auto notes = nlohmann::json::parse(runPhat({"info", folder.file("house.gltf"), "--json"}).out)
+                           .at("scene")
+                           .at("notes");
+    EXPECT_EQ(notes.front(),
+              "the scene is 5000 km from its origin, where positions are exact to 596 mm: "
+              "move it there");
     // A wall on a large ground is no scene in another unit.
     EXPECT_EQ(noteOn({"info", writeYard(folder, 1, 5000), "--json"}, "/scene/notes"), "");
 }

@@ -2,11 +2,13 @@
 
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "core/scene/camera_ray.h"
 #include "core/scene/enclosure.h"
 #include "core/scene/seen_light.h"
+#include "core/scene/shading.h"
 
 namespace phat {
 namespace {
@@ -46,22 +48,76 @@ struct RoomView {
     float score = 0;
 };
 
-// How much there is to see: depth counts by its logarithm, so that a corridor does not beat the room, and
-// what stands right before the eye counts against the view.
-float depthScore(const RayScene& rays, const RoomView& view) {
-    constexpr float kNear = 0.35f;  // of the room's height
-    float depth = 0, near = 0;
+// What a view shows on a grid of rays.
+struct Seen {
+    glm::vec3 position{0}, normal{0};
+    float distance = 0;
+    uint32_t material = 0;
+    bool surface = false;
+};
+
+using SeenGrid = std::array<Seen, size_t(kRaysAcross) * kRaysDown>;
+
+SeenGrid seenIn(const RayScene& rays, const RoomView& view) {
+    const Scene& scene = rays.scene();
+    SeenGrid grid;
     for (int y = 0; y < kRaysDown; ++y) {
         for (int x = 0; x < kRaysAcross; ++x) {
-            const Hit hit =
-                visibleBehindGlass(rays, {view.from.eye, rayThrough(headingOf(view.heading), x, y)});
-            if (!hit) continue;  // a window shows none of the room
-            depth += std::log1p(hit.distance / view.from.roomHeight);
-            near += hit.distance < kNear * view.from.roomHeight;
+            const Ray ray{view.from.eye, rayThrough(headingOf(view.heading), x, y)};
+            const Hit hit = visibleBehindGlass(rays, ray);
+            if (!hit) continue;
+            grid[size_t(y * kRaysAcross + x)] = {
+                ray.origin + hit.distance * ray.direction,
+                surfaceAt(scene, hit, ray.direction).normalGeometric, hit.distance,
+                scene.surfaces[scene.triangleSurface[hit.triangle]].material, true};
         }
     }
+    return grid;
+}
+
+// Whether two neighbouring rays meet different things: another material, or planes that are not one.
+bool differs(const Seen& a, const Seen& b, float roomHeight) {
+    constexpr float kStep = 0.02f;       // of the room's height
+    constexpr float kSameNormal = 0.9f;  // a cosine
+    if (!a.surface || !b.surface) return a.surface != b.surface;
+    return a.material != b.material || glm::dot(a.normal, b.normal) < kSameNormal ||
+           std::abs(glm::dot(a.normal, b.position - a.position)) > kStep * roomHeight;
+}
+
+// The fraction of neighbouring rays that meet different things: small on bare walls, large on furniture.
+float detailOf(const SeenGrid& grid, float roomHeight) {
+    int pairs = 0, different = 0;
+    for (int y = 0; y < kRaysDown; ++y) {
+        for (int x = 0; x < kRaysAcross; ++x) {
+            const Seen& seen = grid[size_t(y * kRaysAcross + x)];
+            const auto compare = [&](int dx, int dy) {
+                if (x + dx >= kRaysAcross || y + dy >= kRaysDown) return;
+                ++pairs;
+                different += differs(seen, grid[size_t((y + dy) * kRaysAcross + x + dx)], roomHeight);
+            };
+            compare(1, 0);
+            compare(0, 1);
+        }
+    }
+    return float(different) / float(pairs);
+}
+
+// How much there is to see: depth counts by its logarithm, so that a corridor does not beat the room, what
+// stands right before the eye counts against the view, and things count more than bare walls.
+float contentScore(const RayScene& rays, const RoomView& view) {
+    constexpr float kNear = 0.35f;        // of the room's height
+    constexpr float kBare = 0.1f;         // what a wall without anything on it is worth
+    constexpr float kMostDetail = 0.25f;  // beyond it a view is not better, but cluttered
+    const SeenGrid grid = seenIn(rays, view);
+    float depth = 0, near = 0;
+    for (const Seen& seen : grid) {
+        if (!seen.surface) continue;  // a window shows none of the room
+        depth += std::log1p(seen.distance / view.from.roomHeight);
+        near += seen.distance < kNear * view.from.roomHeight;
+    }
     constexpr float kCount = kRaysAcross * kRaysDown;
-    return depth / kCount * std::max(0.05f, 1 - 2 * near / kCount);
+    const float detail = std::min(detailOf(grid, view.from.roomHeight), kMostDetail);
+    return depth / kCount * std::max(0.05f, 1 - 2 * near / kCount) * (kBare + detail);
 }
 
 Camera cameraOf(const RoomView& view) {
@@ -80,7 +136,7 @@ DefaultView insideView(const RayScene& rays, const LightSampler& lights,
     std::vector<RoomView> views;
     for (const StandPoint& point : points)
         for (int heading = 0; heading < kHeadings; ++heading) views.push_back({point, heading});
-    rank(views, [&](const RoomView& view) { return depthScore(rays, view); });
+    rank(views, [&](const RoomView& view) { return contentScore(rays, view); });
     views.resize(std::min(views.size(), kMaxLitViews));
     rank(views, [&](const RoomView& view) {
         return view.score * (0.3f + litFraction(rays, lights, cameraOf(view)));

@@ -16,9 +16,9 @@ struct DefaultView {
     bool inside = false;
 };
 
-/// In a room: from the eye's height above its floor, level, from where most of it is seen and lit. Else from
-/// three quarters and above, as near as all of the scene but a ground plane fits. The same for any number of
-/// threads, and for a scene in another unit.
+/// In a room: from the eye's height above its floor, level, from where most of it and of what stands in it is
+/// seen and lit. Else from three quarters and above, as near as all of the scene but a ground plane fits. The
+/// same for any number of threads, and for a scene in another unit.
 DefaultView defaultView(const RayScene& rays, const LightSampler& lights);
 
 Camera defaultCamera(const Scene& scene);

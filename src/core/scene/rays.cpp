@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/scene/camera_ray.h"
 #include "core/scene/length_unit.h"
 #include "core/scene/ray_opacity.h"
 #include "core/scene/transparency.h"
@@ -19,9 +20,33 @@ namespace {
 /// What Embree hands to the filter for one query. The materials come with the query and not with the
 /// acceleration structure, which scenes with different materials share.
 struct Query : RTCIntersectContext {
-    explicit Query(const Scene& asked) : scene(asked) { rtcInitIntersectContext(this); }
+    explicit Query(const RayScene& asked) : rays(asked), scene(asked.scene()) {
+        rtcInitIntersectContext(this);
+    }
+    const RayScene& rays;
     const Scene& scene;
 };
+
+// Whether it is seen from behind, where it is black.
+bool isBlackBack(const RayScene& rays, const Hit& hit) {
+    return isCulled(rays.scene(), hit) && rays.glassOf(hit.triangle) == Glass::none;
+}
+
+// Embree's geometric normal follows the winding: against the ray means the front was hit.
+float facingOf(const RTCHit& hit, glm::vec3 direction) {
+    return hit.Ng_x * direction.x + hit.Ng_y * direction.y + hit.Ng_z * direction.z;
+}
+
+void filterBlackBacks(const RTCFilterFunctionNArguments* arguments) {
+    const RayScene& rays = static_cast<const Query*>(arguments->context)->rays;
+    for (unsigned i = 0; i < arguments->N; ++i) {
+        if (arguments->valid[i] != -1) continue;
+        const RTCHit hit = rtcGetHitFromHitN(arguments->hit, arguments->N, i);
+        const RTCRay ray = rtcGetRayFromRayN(arguments->ray, arguments->N, i);
+        const bool back = facingOf(hit, {ray.dir_x, ray.dir_y, ray.dir_z}) > 0.0f;
+        if (isBlackBack(rays, {ray.tfar, hit.primID, {hit.u, hit.v}, back})) arguments->valid[i] = 0;
+    }
+}
 
 void filterTransparent(const RTCFilterFunctionNArguments* arguments) {
     const Scene& scene = static_cast<const Query*>(arguments->context)->scene;
@@ -70,7 +95,7 @@ std::shared_ptr<const RayScene::Bvh> RayScene::buildBvh(const Scene& scene) {
     bvh->unitMeters = lengthUnit(scene);
     bvh->scene = rtcNewScene(bvh->device);
     // Without the robust mode rays slip between adjacent triangles.
-    rtcSetSceneFlags(bvh->scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(bvh->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
 
     RTCGeometry mesh = rtcNewGeometry(bvh->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     // Embree reads 16 bytes at the last vertex, so it gets a copy of its own with its own padding.
@@ -119,20 +144,35 @@ Hit RayScene::closestHit(glm::vec3 origin, glm::vec3 direction, float maxDistanc
     query.ray = makeRay(origin, direction, maxDistance);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    Query context(*scene_);
+    Query context(*this);
     rtcIntersect1(bvh_->scene, &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
 
-    // Embree's geometric normal follows the winding: against the ray means the front was hit.
-    const float facing =
-        query.hit.Ng_x * direction.x + query.hit.Ng_y * direction.y + query.hit.Ng_z * direction.z;
-    return {query.ray.tfar, query.hit.primID, {query.hit.u, query.hit.v}, facing > 0.0f};
+    const float distance = query.ray.tfar, facing = facingOf(query.hit, direction);
+    const Hit hit{distance, query.hit.primID, {query.hit.u, query.hit.v}, facing > 0.0f};
+    if (!isBlackBack(*this, hit)) return hit;
+
+    // Where a front coincides with it, as on a leaf of two layers, which of them is met is a matter of
+    // rounding.
+    const glm::vec3 position = origin + distance * direction;
+    const glm::vec3 normal = glm::normalize(glm::vec3(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z));
+    constexpr float kMinCosine = 0.05f, kRounding = 0x1p-21f;
+    const float rounding = kRounding * (distance + maxComponent(glm::abs(position))) /
+                           std::max(glm::dot(normal, direction), kMinCosine);
+    query.ray = makeRay(origin, direction, std::min(distance + rounding, maxDistance));
+    query.ray.tnear = std::max(distance - rounding, 0.0f);
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    context.filter = filterBlackBacks;
+    rtcIntersect1(bvh_->scene, &context, &query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
+    return {
+        query.ray.tfar, query.hit.primID, {query.hit.u, query.hit.v}, facingOf(query.hit, direction) > 0.0f};
 }
 
 bool RayScene::anyHit(glm::vec3 origin, glm::vec3 direction, float maxDistance) const {
     assert(isUnit(direction));
     RTCRay ray = makeRay(origin, direction, maxDistance);
-    Query context(*scene_);
+    Query context(*this);
     rtcOccluded1(bvh_->scene, &context, &ray);
     return ray.tfar < 0.0f;
 }

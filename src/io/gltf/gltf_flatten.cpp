@@ -123,6 +123,25 @@ void placeTangents(MeshPart& part, const Placement& placement, Notes& notes) {
     }
 }
 
+// Meshes whose normals point behind their triangles, turned inside out by an exporter, would be black. Single
+// normals may do so on purpose, as on leaves that are shaded like the tree's crown.
+void turnInvertedNormals(MeshPart& part, Notes& notes) {
+    constexpr double kInverted = 0.95;  // of the triangles' corners
+    size_t behind = 0;
+    for (const glm::uvec3& t : part.triangles) {
+        const glm::dvec3 p = part.positions[t[0]];
+        const glm::dvec3 area =
+            glm::cross(glm::dvec3(part.positions[t[1]]) - p, glm::dvec3(part.positions[t[2]]) - p);
+        for (int corner = 0; corner < 3; ++corner)
+            behind += glm::dot(area, glm::dvec3(part.normals[t[corner]])) < 0;
+    }
+    if (part.triangles.empty() || double(behind) < kInverted * 3.0 * double(part.triangles.size())) return;
+    for (glm::vec3& normal : part.normals) normal = -normal;
+    // cross(normal, tangent) turns, too.
+    for (glm::vec4& tangent : part.tangents) tangent.w = -tangent.w;
+    ++notes.turnedNormals;
+}
+
 void appendPart(Scene& scene, const MeshPart& part, Surface surface) {
     surface.firstTriangle = uint32_t(scene.triangles.size());
     surface.triangleCount = uint32_t(part.triangles.size());
@@ -223,6 +242,7 @@ void flattenMeshes(const Document& document, const std::vector<WorldNode>& nodes
                 if (part.triangles.empty()) continue;
                 placeNormals(part, placement, notes);
                 placeTangents(part, placement, notes);
+                turnInvertedNormals(part, notes);
                 Surface surface;
                 surface.node = instances[i]->node;
                 surface.mesh = uint32_t(meshIndex);

@@ -41,12 +41,7 @@ std::string faultOfLight(const json& light) {
             if (!part.is_number() || !isWithin(part.get<double>(), -kMaxNumber, kMaxNumber))
                 return "its colour is out of range";
     }
-    if (type != "spot") return "";
-    if (!light.contains("spot") || !light["spot"].is_object()) return "it has no cone";
-    const double inner = numberOf(light["spot"], "innerConeAngle", 0);
-    const double outer = numberOf(light["spot"], "outerConeAngle", kPi / 4);
-    const bool ordered = inner >= 0 && outer > 0 && outer <= 3.1416 / 2 && inner <= outer;
-    return ordered ? "" : "its cone angles are out of order";
+    return "";
 }
 
 std::string faultOfCamera(const json& camera) {
@@ -82,6 +77,26 @@ void mendRange(json& light, size_t index, Notes& notes) {
     light.erase("range");
 }
 
+// A cone's outer angle is at most a right one, and its inner angle no larger; one that says nothing of use is
+// glTF's default.
+void mendCone(json& light, size_t index, Notes& notes) {
+    if (!light.is_object() || light.value("type", json()) != "spot") return;
+    json& spot = light["spot"];
+    if (!spot.is_object()) spot = json::object();
+    constexpr double kDefaultOuter = kPi / 4, kMaxOuter = kPi / 2, kRounding = 1e-5;
+    const double inner = numberOf(spot, "innerConeAngle", 0);
+    const double outer = numberOf(spot, "outerConeAngle", kDefaultOuter);
+    const double mendedOuter = outer > 0 ? std::min(outer, kMaxOuter) : kDefaultOuter;
+    const double mendedInner = inner > 0 ? std::min(inner, mendedOuter) : 0.0;
+    if (mendedOuter == outer && mendedInner == inner) return;
+    spot["outerConeAngle"] = mendedOuter;
+    spot["innerConeAngle"] = mendedInner;
+    if (std::abs(mendedOuter - outer) <= kRounding && std::abs(mendedInner - inner) <= kRounding) return;
+    notes.lines.push_back(
+        fmt::format("the cone angles of light {} are out of range or order and are taken as {:.3g} to {:.3g}",
+                    index, mendedInner, mendedOuter));
+}
+
 // What nodes refer to by `referenceOf(node)` is taken off them where it is one of `broken`.
 template <class ReferenceOf, class TakeOff>
 void takeOffNodes(json& gltf, const std::set<size_t>& broken, const ReferenceOf& referenceOf,
@@ -106,6 +121,7 @@ void mendLights(json& gltf, Notes& notes) {
             broken.insert(i);
         }
         mendRange(light, i, notes);
+        mendCone(light, i, notes);
     }
     const auto lightOf = [](const json& node) -> const json* {
         const json* own = findExtension(node, kLights);

@@ -35,6 +35,8 @@ std::vector<std::string> linesOf(const Notes& notes) {
         "triangles were dropped: their positions are not finite or too far away");
     add(notes.repairedNormals, "vertex normal was not usable and is computed from the triangles",
         "vertex normals were not usable and are computed from the triangles");
+    add(notes.turnedNormals, "primitive has normals that point behind its triangles: they are turned",
+        "primitives have normals that point behind their triangles: they are turned");
     add(notes.repairedTangents, "vertex tangent was not usable and is replaced",
         "vertex tangents were not usable and are replaced");
     add(notes.repairedUvs, "texture coordinate was not usable and is set to 0",

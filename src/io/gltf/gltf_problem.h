@@ -46,6 +46,7 @@ struct Notes {
     uint64_t incompleteTriangles = 0;   // indices left over at the end of a triangle list
     uint64_t unplaceableTriangles = 0;  // with a corner that is not finite or absurdly far
     uint64_t repairedNormals = 0;
+    uint64_t turnedNormals = 0;  // primitives
     uint64_t repairedTangents = 0;
     uint64_t repairedUvs = 0;
     uint64_t repairedColors = 0;

@@ -187,6 +187,26 @@ TEST(DefaultCamera, PrefersWhatIsLit) {
     }
 }
 
+// Wherever the only thing in a room stands, the view shows it rather than a bare wall.
+TEST(DefaultCamera, ShowsWhatStandsInTheRoom) {
+    const glm::vec3 room(4, kRoom.y, 4), middle(2, 0, 2);
+    for (const glm::vec3 wall :
+         {glm::vec3(1, 0, 0), glm::vec3(-1, 0, 0), glm::vec3(0, 0, 1), glm::vec3(0, 0, -1)}) {
+        Scene scene;
+        addRoom(scene, lambert(0.7f), room);
+        const glm::vec3 center = middle + 1.8f * wall;
+        const glm::vec3 half = 0.15f * glm::abs(wall) + 0.7f * glm::abs(glm::vec3(wall.z, 0, wall.x));
+        addBox(scene, lambert(0.4f), center - half, center + half + glm::vec3(0, 1.4f, 0));
+        const DefaultView view = viewOf(scene);
+        ASSERT_TRUE(view.inside);
+        const glm::vec3 top = center + glm::vec3(0, 1.4f, 0) - 0.15f * wall;
+        const glm::vec4 seen = glm::inverse(view.camera.worldFromCamera) * glm::vec4(top, 1);
+        const float slope = std::tan(0.5f * view.camera.yfovRadians);
+        EXPECT_LT(std::abs(seen.x), -seen.z * slope * 1.5f) << wall.x << ' ' << wall.z;
+        EXPECT_LT(std::abs(seen.y), -seen.z * slope) << wall.x << ' ' << wall.z;
+    }
+}
+
 TEST(DefaultCamera, IsFiniteWithoutAScene) {
     EXPECT_TRUE(std::isfinite(defaultCamera(Scene()).worldFromCamera[3].z));
     Scene point;

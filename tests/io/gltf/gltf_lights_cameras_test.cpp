@@ -74,9 +74,7 @@ TEST(GltfLights, DefaultsOfEachType) {
 TEST(GltfLights, NonsenseIsLeftOutWithANote) {
     for (const Json& light :
          {Json{{"type", "laser"}}, Json::object(), Json{{"type", 3}},
-          Json{{"type", "point"}, {"intensity", -1}}, Json{{"type", "point"}, {"color", {1, 1}}},
-          Json{{"type", "spot"}},
-          Json{{"type", "spot"}, {"spot", {{"innerConeAngle", 1}, {"outerConeAngle", 0.5}}}}}) {
+          Json{{"type", "point"}, {"intensity", -1}}, Json{{"type", "point"}, {"color", {1, 1}}}}) {
         GltfBuilder builder = withLight({{"type", "point"}}, Json::object());
         builder.json["extensions"]["KHR_lights_punctual"]["lights"].push_back(light);
         builder.root({{"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}});
@@ -88,6 +86,27 @@ TEST(GltfLights, NonsenseIsLeftOutWithANote) {
     EXPECT_THROW(
         load(withLight({{"type", "point"}}, {{"extensions", {{"KHR_lights_punctual", {{"light", 9}}}}}})),
         FileError);
+}
+
+TEST(GltfLights, ConesOutOfOrderAreMended) {
+    const auto expectCone = [](const Json& spot, float inner, float outer, size_t notes) {
+        Json light = {{"type", "spot"}};
+        if (!spot.is_null()) light["spot"] = spot;
+        const LoadedScene loaded = loadWithNotes(withLight(light, Json::object()));
+        ASSERT_EQ(loaded.scene.lights.size(), 1u) << spot;
+        EXPECT_NEAR(loaded.scene.lights[0].cosInnerCone, std::cos(inner), 1e-6f) << spot;
+        EXPECT_NEAR(loaded.scene.lights[0].cosOuterCone, std::cos(outer), 1e-6f) << spot;
+        EXPECT_EQ(loaded.notes.size(), notes) << spot;
+    };
+    constexpr float kRight = kPi / 2, kDefault = kPi / 4;
+    expectCone({{"innerConeAngle", 1}, {"outerConeAngle", 0.5}}, 0.5f, 0.5f, 1);
+    expectCone({{"innerConeAngle", 0.2}, {"outerConeAngle", 3}}, 0.2f, kRight, 1);
+    expectCone({{"innerConeAngle", -1}, {"outerConeAngle", "wide"}}, 0, kDefault, 1);
+    // As they are exported, but for the last digits.
+    expectCone({{"innerConeAngle", 0.5}, {"outerConeAngle", 0.5}}, 0.5f, 0.5f, 0);
+    expectCone({{"outerConeAngle", 1.5707964}}, 0, kRight, 0);
+    // Left away as a whole, it is the default, too.
+    expectCone(Json(), 0, kDefault, 0);
 }
 
 TEST(GltfLights, RangesWithoutEndAndWithoutSense) {
