@@ -1,6 +1,7 @@
 // The light that a pixel's reflection ray brings: what its hit emits and reflects.
 // twin: reflectedFromTexels in src/core/bake/irradiance_ray.cpp. Other than there, hits have no normal maps; what they
 // reflect sharply are PHATexels instead of walks; hits without texels have no indirect light; shadows at hits are hard.
+#include "lib/environment.glsl"
 #include "lib/hit_light.glsl"
 #include "lib/hit_surface.glsl"
 #ifdef GLASS
@@ -21,8 +22,6 @@
 uniform usampler2D hits;    // see lib/packed_rays.glsl
 uniform usampler2D places;
 uniform sampler2DArray irradiance;  // 0 indirect, 1 area lights; filtered
-uniform sampler2D environment;      // see background.frag
-uniform float turn;
 uniform vec3 brightest;             // radiance that nothing exceeds
 uniform float raySpread;            // radians that a ray of a mirror stands for
 uniform int ray;
@@ -55,11 +54,6 @@ const int kDrawsInMirrors = 8;
 // The specular lobes' BRDF, 1/sr.
 vec3 evaluateGloss(ViewedBrdf viewed, vec3 towardLight) {
     return towardLight.z > 1e-3 ? evaluateLobes(viewed, towardLight).specular / towardLight.z : vec3(0.0);
-}
-
-vec3 environmentRadiance(vec3 d) {
-    vec2 uv = vec2(atan(d.z, d.x) / (2.0 * kPi) + 0.5 - turn, acos(clamp(d.y, -1.0, 1.0)) / kPi);
-    return textureLod(environment, uv, 0.0).rgb;
 }
 
 vec3 arrivingAt(vec2 texel, int source) {
@@ -170,6 +164,15 @@ float emissionWeight(TracedRay ray, HitSurface s) {
     return powerWeight(max(ray.pdf, 1e-6), lightPdf);
 }
 
+// The same of the environment.
+float skyWeight(TracedRay ray) {
+#ifdef SKY
+    return powerWeight(max(ray.pdf, 1e-6), environmentPdf(ray.direction));
+#else
+    return 1.0;
+#endif
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     TracedRay found = unpackRay(texelFetch(hits, pixel, 0), texelFetch(places, pixel, 0));
@@ -178,7 +181,7 @@ void main() {
     if (found.count == 0) return;
     vec3 indirect = vec3(0.0), area = vec3(0.0);
     if (found.triangle < 0) {
-        area = environmentRadiance(found.direction);
+        area = skyWeight(found) * environmentRadiance(found.direction);
     } else {
         HitSurface s = hitSurface(found.triangle, found.barycentric, found.backFace, -found.direction,
                                   rayWidth(found, raySpread));

@@ -8,6 +8,7 @@
 #include "core/base/octahedral.h"
 #include "core/scene/light_emitters.h"
 #include "core/scene/transparency.h"
+#include "gl/alias_table.h"
 #include "gl/atlas_sides.h"
 #include "gl/textures.h"
 
@@ -149,37 +150,6 @@ void addTriangle(std::vector<glm::uvec4>& texels, const Scene& scene, const Atla
         {bitsOf(uvs[2].x), bitsOf(uvs[2].y), uint32_t(toBack.x & 0xffff) | uint32_t(toBack.y) << 16,
          glm::packHalf2x16({std::min(uvPerMeter(corners, uvs), 6e4f), std::min(thickness, 6e4f)})});
     texels.push_back(colors);
-}
-
-/// Walker's alias method: with column `i` chosen uniformly, i by threshold[i], else alias[i].
-struct AliasTable {
-    std::vector<float> threshold;
-    std::vector<uint32_t> alias;
-};
-
-// source: Vose 1991, "A Linear Algorithm for Generating Random Numbers with a Given Distribution".
-AliasTable aliasTable(const std::vector<double>& probabilities) {
-    const size_t count = probabilities.size();
-    AliasTable table{std::vector<float>(count, 1.0f), std::vector<uint32_t>(count)};
-    std::vector<double> scaled(count);
-    std::vector<uint32_t> small, large;
-    for (uint32_t i = 0; i < count; ++i) {
-        table.alias[i] = i;
-        scaled[i] = probabilities[i] * double(count);
-        (scaled[i] < 1 ? small : large).push_back(i);
-    }
-    while (!small.empty() && !large.empty()) {
-        const uint32_t low = small.back(), high = large.back();
-        small.pop_back();
-        table.threshold[low] = float(scaled[low]);
-        table.alias[low] = high;
-        scaled[high] -= 1 - scaled[low];
-        if (scaled[high] < 1) {
-            large.pop_back();
-            small.push_back(high);
-        }
-    }
-    return table;
 }
 
 void addEmitters(std::vector<glm::uvec4>& texels, const Scene& scene,

@@ -1,6 +1,7 @@
 // The table that shaders/lib/hit_surface.glsl reads: materials, triangles in the order of the leaves, emitters.
 // twin: src/gl/hit_tables.cpp, findEmissiveTriangles in src/core/scene/light_emitters.cpp.
 import { DoubleSide } from 'three';
+import { aliasTable } from './alias_table.js';
 import { half, luminance, packDirection } from './file.js';
 import { kChartsOffset, kVertexWords } from './surfaces.js';
 import { emissionMap, emissionOf, isUnlit } from './material.js';
@@ -113,26 +114,6 @@ function findEmitters(corners, drawRanges, images) {
         }
     }
     return emitters;
-}
-
-// Walker's alias method: with column i chosen uniformly, i by thresholds[i], else aliases[i].
-// source: Vose 1991, "A Linear Algorithm for Generating Random Numbers with a Given Distribution".
-export function aliasTable(probabilities) {
-    const scaled = probabilities.map((p) => p * probabilities.length),
-        thresholds = probabilities.map(() => 1),
-        aliases = probabilities.map((_, i) => i),
-        small = [],
-        large = [];
-    scaled.forEach((p, i) => (p < 1 ? small : large).push(i));
-    while (small.length > 0 && large.length > 0) {
-        const low = small.pop(),
-            high = large.at(-1);
-        thresholds[low] = scaled[low];
-        aliases[low] = high;
-        scaled[high] -= 1 - scaled[low];
-        if (scaled[high] < 1) small.push(large.pop());
-    }
-    return { thresholds, aliases };
 }
 
 // Sixteen words an emitter.

@@ -7,18 +7,27 @@ import { after, before, test } from 'node:test';
 import { borrowBrowser, serve } from './browser.js';
 import { mirrorRoom } from './mirror_room.js';
 import { borrowRoom, maeOverMean, meanOf, partOf, phat, readExr } from './room.js';
+import { skyYard, sunnySky } from './sky_yard.js';
 import { loaded, loseContext, open, openPlugin, pixelsOf, rest } from './site.js';
 
 const size = { width: 160, height: 90 };
-let folder, mirror, mesa;
+let folder, mirror, yard, mesa;
+
+// The scene's file and page. `lit`: options that say by what.
+async function baked(name, scene, ...lit) {
+    const [from, file, site] = [`${name}.glb`, `${name}.phat.glb`, name].map((part) => join(folder, part));
+    await writeFile(from, scene);
+    await phat('bake', from, '-o', file, ...lit, '--resolution', '60k', '--photons', '50k', '--quiet');
+    await phat('web', file, '-o', site, '--quiet');
+    return { file, site };
+}
 
 before(async () => {
     folder = await mkdtemp(join(tmpdir(), 'phat-rays-'));
-    const [scene, file, site] = ['mirror.glb', 'mirror.phat.glb', 'mirror'].map((name) => join(folder, name));
-    await writeFile(scene, mirrorRoom());
-    await phat('bake', scene, '-o', file, '--resolution', '60k', '--photons', '50k', '--quiet');
-    await phat('web', file, '-o', site, '--quiet');
-    mirror = { file, site };
+    mirror = await baked('mirror', mirrorRoom());
+    const sky = join(folder, 'sky.hdr');
+    await writeFile(sky, sunnySky());
+    yard = await baked('yard', skyYard(), '--environment', sky);
     mesa = await borrowBrowser('gl-egl');
 });
 after(async () => {
@@ -93,6 +102,8 @@ async function compare(t, { file, site }, reflections, noisy = [0, 0, 0, 0]) {
 
 test('traces what phat render traces: a mirror that shows panes, pictures and lights', (t) =>
     compare(t, mirror, 'rays', [81, 38, 101, 59]));
+
+test('traces what phat render traces: metal under a sky with a sun', (t) => compare(t, yard, 'rays'));
 
 for (const name of ['tabletop', 'gallery'])
     test(`traces what phat render traces: ${name}`, async (t) => {

@@ -1,0 +1,120 @@
+// Rays that the GPU traces under an environment, whose bright parts light samples find.
+
+#include <gtest/gtest.h>
+
+#include "core/scene/brdf.h"
+#include "core/scene/environment_sampling.h"
+#include "gl/traced_world.h"
+
+namespace phat::test {
+namespace {
+
+constexpr int kWidth = 64, kHeight = 32;
+const glm::vec3 kEye(0, 1, 1), kMiddle(0.1f, 0, 0);
+
+/// One radiance everywhere, and another in a texel near where a floor mirrors it.
+Environment skyWithSun(float sky, float sun) {
+    Environment environment{Image(kWidth, kHeight)};
+    for (glm::vec3& radiance : environment.radiance.pixels) radiance = glm::vec3(sky);
+    environment.radiance.at(kWidth / 4, kHeight / 4) = glm::vec3(sun);  // toward -Z, 45 degrees up
+    return environment;
+}
+
+/// A small floor under it, and what its middle shows.
+struct SkyWorld {
+    SkyWorld(float roughness, const Environment& environment) : world(worldOf(roughness, environment)) {
+        bvh = buildSceneBvh(world.scene);
+        fillWithLookups(world, 0, 0);
+        frame.width = 32;
+        frame.height = 24;
+        frame.camera = lookAtCamera(kEye, kMiddle, 0.5f);
+        frame.component = Component::direct;
+        frame.tracedByGpu = Reflections::rays;
+    }
+
+    static RendererWorld worldOf(float roughness, const Environment& environment) {
+        Scene scene;
+        addFloor(scene, whiteMetal(roughness), 8);
+        scene.environment = environment;
+        return worldOfQuads(std::move(scene), 4);
+    }
+    RendererInput input() const { return {world.scene, world.atlas, world.points, world.phatexture, &bvh}; }
+
+    HeadlessContext context;
+    RendererWorld world;
+    SceneBvh bvh;
+    FrameSettings frame;
+};
+
+// What the middle of the floor reflects, by integration over directions.
+double reflectedOf(const Environment& environment, float roughness) {
+    const Frame frame = frameFromNormal({0, 1, 0});
+    const glm::vec3 towardEye = frame.toLocal(glm::normalize(kEye - kMiddle));
+    Brdf brdf;
+    brdf.f0 = glm::vec3(1);
+    brdf.alpha = square(roughness);
+    constexpr int kSteps = 16 * kHeight;
+    double sum = 0;
+    for (int y = 0; y < kSteps / 2; ++y)  // above the floor
+        for (int x = 0; x < 2 * kSteps; ++x) {
+            const float polar = (float(y) + 0.5f) * kPi / kSteps, azimuth = (float(x) + 0.5f) * kPi / kSteps;
+            const glm::vec3 d(std::sin(polar) * std::cos(azimuth), std::cos(polar),
+                              std::sin(polar) * std::sin(azimuth));
+            const double solidAngle = double(square(kPi / kSteps) * std::sin(polar));
+            sum += solidAngle * double(environmentRadiance(environment, d).x) *
+                   double(evaluateBrdf(brdf, towardEye, frame.toLocal(d)).x);
+        }
+    return sum;
+}
+
+struct MeanAndNoise {
+    double mean = 0, noise = 0;  // the latter: root mean square over the pixels, relative to the mean
+};
+MeanAndNoise seenBy(SkyWorld& sky, int samples) {
+    sky.frame.samplesPerPixel = samples;
+    Renderer renderer(sky.input(), kShaderFolder);
+    const Image image = renderer.render(sky.frame);
+    MeanAndNoise found;
+    for (const glm::vec3& pixel : image.pixels) found.mean += double(pixel.x) / double(image.pixels.size());
+    for (const glm::vec3& pixel : image.pixels)
+        found.noise += square(double(pixel.x) / found.mean - 1) / double(image.pixels.size());
+    found.noise = std::sqrt(found.noise);
+    return found;
+}
+
+// Rays and light samples share the sun's light at every width of the lobe. Neither alone has the mean.
+TEST(GpuSky, SunBringsItsShareOfTheLobe) {
+    const Environment environment = skyWithSun(0.5f, 200);
+    for (const float roughness : {0.1f, 0.3f, 0.5f, 0.8f}) {
+        SkyWorld sky(roughness, environment);
+        const double expected = reflectedOf(environment, roughness);
+        EXPECT_NEAR(seenBy(sky, 64).mean, expected, 0.02 * expected) << roughness;
+    }
+}
+
+// In one frame a rough lobe's few rays miss the sun in most pixels.
+TEST(GpuSky, OneFrameShowsTheSunWithoutFireflies) {
+    const Environment environment = skyWithSun(0.1f, 2000);
+    SkyWorld sky(0.6f, environment);
+    const MeanAndNoise one = seenBy(sky, 1);
+    const double expected = reflectedOf(environment, 0.6f);
+    EXPECT_NEAR(one.mean, expected, 0.05 * expected);
+    EXPECT_LT(one.noise, 0.1);
+}
+
+// The cells of large pictures have several texels, the last ones fewer.
+TEST(GpuSky, LargePicturesAreSampledByCells) {
+    constexpr int kScale = 27;  // 1,728 x 864: cells of 2x2
+    const Environment small = skyWithSun(0.5f, 200);
+    Environment large{Image(kScale * kWidth + 1, kScale * kHeight + 1)};
+    for (int y = 0; y < large.radiance.height; ++y)
+        for (int x = 0; x < large.radiance.width; ++x)
+            large.radiance.at(x, y) =
+                small.radiance.at(std::min(x / kScale, kWidth - 1), std::min(y / kScale, kHeight - 1));
+    SkyWorld sky(0.5f, large);
+    const double expected = reflectedOf(large, 0.5f);
+    EXPECT_NEAR(seenBy(sky, 16).mean, expected, 0.02 * expected);
+}
+
+}  // namespace
+}  // namespace phat::test
