@@ -56,7 +56,7 @@ ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, cons
 
 uint64_t rayBytes(const GpuRayScene& rays) {
     return bytesOf(rays.bvh.nodes, rays.bvh.triangles, rays.bvh.opacity, rays.bvh.alphas, rays.hits.table,
-                   rays.hits.images.colors, rays.hits.images.roughness);
+                   rays.hits.images.colors, rays.hits.images.linear);
 }
 
 uint64_t pyramidBytes(const RelightPass& pass) {

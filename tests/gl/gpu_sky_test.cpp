@@ -20,31 +20,13 @@ Environment skyWithSun(float sky, float sun) {
     return environment;
 }
 
-/// A small floor under it, and what its middle shows.
-struct SkyWorld {
-    SkyWorld(float roughness, const Environment& environment) : world(worldOf(roughness, environment)) {
-        bvh = buildSceneBvh(world.scene);
-        fillWithLookups(world, 0, 0);
-        frame.width = 32;
-        frame.height = 24;
-        frame.camera = lookAtCamera(kEye, kMiddle, 0.5f);
-        frame.component = Component::direct;
-        frame.tracedByGpu = Reflections::rays;
-    }
-
-    static RendererWorld worldOf(float roughness, const Environment& environment) {
-        Scene scene;
-        addFloor(scene, whiteMetal(roughness), 8);
-        scene.environment = environment;
-        return worldOfQuads(std::move(scene), 4);
-    }
-    RendererInput input() const { return {world.scene, world.atlas, world.points, world.phatexture, &bvh}; }
-
-    HeadlessContext context;
-    RendererWorld world;
-    SceneBvh bvh;
-    FrameSettings frame;
-};
+/// Of its middle.
+GpuWorld floorUnder(const Environment& environment, float roughness) {
+    Scene scene;
+    addFloor(scene, whiteMetal(roughness), 8);
+    scene.environment = environment;
+    return GpuWorld(std::move(scene));
+}
 
 // What the middle of the floor reflects, by integration over directions.
 double reflectedOf(const Environment& environment, float roughness) {
@@ -70,7 +52,9 @@ double reflectedOf(const Environment& environment, float roughness) {
 struct MeanAndNoise {
     double mean = 0, noise = 0;  // the latter: root mean square over the pixels, relative to the mean
 };
-MeanAndNoise seenBy(SkyWorld& sky, int samples) {
+MeanAndNoise seenBy(GpuWorld sky, int samples) {
+    sky.frame.camera = lookAtCamera(kEye, kMiddle, 0.5f);
+    sky.frame.component = Component::direct;
     sky.frame.samplesPerPixel = samples;
     Renderer renderer(sky.input(), kShaderFolder);
     const Image image = renderer.render(sky.frame);
@@ -86,17 +70,16 @@ MeanAndNoise seenBy(SkyWorld& sky, int samples) {
 TEST(GpuSky, SunBringsItsShareOfTheLobe) {
     const Environment environment = skyWithSun(0.5f, 200);
     for (const float roughness : {0.1f, 0.3f, 0.5f, 0.8f}) {
-        SkyWorld sky(roughness, environment);
         const double expected = reflectedOf(environment, roughness);
-        EXPECT_NEAR(seenBy(sky, 64).mean, expected, 0.02 * expected) << roughness;
+        EXPECT_NEAR(seenBy(floorUnder(environment, roughness), 64).mean, expected, 0.02 * expected)
+            << roughness;
     }
 }
 
 // In one frame a rough lobe's few rays miss the sun in most pixels.
 TEST(GpuSky, OneFrameShowsTheSunWithoutFireflies) {
     const Environment environment = skyWithSun(0.1f, 2000);
-    SkyWorld sky(0.6f, environment);
-    const MeanAndNoise one = seenBy(sky, 1);
+    const MeanAndNoise one = seenBy(floorUnder(environment, 0.6f), 1);
     const double expected = reflectedOf(environment, 0.6f);
     EXPECT_NEAR(one.mean, expected, 0.05 * expected);
     EXPECT_LT(one.noise, 0.1);
@@ -111,9 +94,8 @@ TEST(GpuSky, LargePicturesAreSampledByCells) {
         for (int x = 0; x < large.radiance.width; ++x)
             large.radiance.at(x, y) =
                 small.radiance.at(std::min(x / kScale, kWidth - 1), std::min(y / kScale, kHeight - 1));
-    SkyWorld sky(0.5f, large);
     const double expected = reflectedOf(large, 0.5f);
-    EXPECT_NEAR(seenBy(sky, 16).mean, expected, 0.02 * expected);
+    EXPECT_NEAR(seenBy(floorUnder(large, 0.5f), 16).mean, expected, 0.02 * expected);
 }
 
 }  // namespace

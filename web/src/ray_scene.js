@@ -135,7 +135,7 @@ export class RayScene {
         program.set('emitterCount', hits.emitterCount);
         program.bind('hitTable', unit, gl.TEXTURE_2D, hits.table);
         program.bind('hitColors', unit + 1, gl.TEXTURE_2D_ARRAY, images.colors);
-        program.bind('hitRoughness', unit + 2, gl.TEXTURE_2D_ARRAY, images.roughness);
+        program.bind('hitLinear', unit + 2, gl.TEXTURE_2D_ARRAY, images.linear);
     }
 
     freeTables() {
