@@ -4,6 +4,9 @@
 #include "lib/environment.glsl"
 #include "lib/hit_light.glsl"
 #include "lib/hit_surface.glsl"
+#ifdef SKY
+#include "lib/sky_at_hits.glsl"
+#endif
 #ifdef GLASS
 #include "lib/hit_glass.glsl"
 #endif
@@ -110,6 +113,12 @@ vec3 bakedLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFromLo
         }
     }
     HitLookup lookup = hitLookup(position, s.texel, s.chart);
+#ifdef SKY
+    SkyLobes lobes = SkyLobes(viewed, coatChance, float(draws));
+    lobes.viewed.brdf.alpha = max(lobes.viewed.brdf.alpha, sharpest);
+    lobes.viewed.brdf.clearcoatAlpha = max(lobes.viewed.brdf.clearcoatAlpha, sharpest);
+    if (drawn == 2) sum += skyByPoints(lookup, lobes, worldFromLocal, u.xyz);
+#endif
     for (int i = 0; i < draws; ++i) {
         vec3 h = squareToVisibleNormal(quasirandom(u.xy, i), wo, alpha), wi = reflect(-wo, h);
         if (wi.z <= 0.0) continue;
@@ -117,7 +126,13 @@ vec3 bakedLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFromLo
                               : viewed.transmission / (1.0 - coatChance) * schlick(viewed.brdf.f0, viewed.brdf.f90, dot(wo, h));
         vec3 weight = fresnel * visibleNormalWeight(wi, wo, alpha) / float(draws);
         for (int source = 0; source < drawn; ++source) {
-            vec3 found = phatexelToward(lookup, worldFromLocal * wi, source == 0 ? 0 : layerCount);
+            vec3 direction = worldFromLocal * wi, found = phatexelToward(lookup, direction, source == 0 ? 0 : layerCount);
+#ifdef SKY
+            if (source == 1 && seesSky(lookup, direction, quasirandom(u.yx, i)))
+                found = skyByLobe(direction, glossDensity(lobes, wi));
+            else if (source == 1 && lookup.seesSky)
+                found = vec3(0.0);
+#endif
             if (found.x >= 0.0)
                 sum += weight * min(found, kMaxOverMean / max(sharpest, 1e-4) * means[source]);
             else if (source == 0)  // no PHATexel looks there where something is near, which hides the emitters

@@ -111,6 +111,40 @@ void addEntries(std::vector<glm::uvec2>& entries, const std::vector<double>& cha
         entries.emplace_back(std::bit_cast<uint32_t>(table.threshold[i]), table.alias[i]);
 }
 
+// Mean of the bilinear radiance over a cell.
+glm::vec3 meanRadiance(const Image& image, glm::ivec2 low, glm::ivec2 high) {
+    constexpr double kWeights[3] = {0.125, 0.75, 0.125};
+    glm::dvec3 sum(0);
+    for (int y = low.y; y < high.y; ++y)
+        for (int x = low.x; x < high.x; ++x)
+            for (int i = 0; i < 9; ++i) {
+                const int column = (x + i % 3 - 1 + image.width) % image.width;
+                const int row = std::clamp(y + i / 3 - 1, 0, image.height - 1);
+                sum += kWeights[i % 3] * kWeights[i / 3] * glm::dvec3(image.at(column, row));
+            }
+    return glm::vec3(sum / double((high.x - low.x) * (high.y - low.y)));
+}
+
+// The middles of cells that are chosen systematically.
+void addSkyPoints(GpuEnvironment& gpu, const EnvironmentChances& chances, const Image& image) {
+    double sum = 0;
+    for (int y = 0; y < gpu.cells.y; ++y)
+        for (int x = 0; x < gpu.cells.x; ++x) {
+            sum += chances.rows[size_t(y)] * chances.of[size_t(y)][size_t(x)];
+            const glm::ivec2 low = gpu.cellTexels * glm::ivec2(x, y);
+            const glm::ivec2 high = glm::min(low + gpu.cellTexels, glm::ivec2(image.width, image.height));
+            const double azimuth = double(kPi) * ((low.x + high.x) / double(image.width) - 1);
+            const double polar = double(kPi) * (low.y + high.y) / (2.0 * image.height);
+            const float root = chances.texels[size_t(low.y) * size_t(image.width) + size_t(low.x)].a;
+            while (int(gpu.points.size()) < kSkyPoints &&
+                   double(gpu.points.size()) + 0.5 <= sum * kSkyPoints) {
+                gpu.points.emplace_back(std::sin(polar) * std::cos(azimuth), std::cos(polar),
+                                        std::sin(polar) * std::sin(azimuth), square(root));
+                gpu.pointRadiance.emplace_back(meanRadiance(image, low, high), 0);
+            }
+        }
+}
+
 }  // namespace
 
 GpuEnvironment uploadEnvironment(const Environment& environment) {
@@ -127,6 +161,7 @@ GpuEnvironment uploadEnvironment(const Environment& environment) {
                         chances.texels.data());
     gpu.sampler = createSampler(GL_REPEAT, GL_CLAMP_TO_EDGE, GL_LINEAR, GL_LINEAR);
     if (chances.rows.empty()) return gpu;
+    addSkyPoints(gpu, chances, image);
     std::vector<glm::uvec2> entries;
     addEntries(entries, chances.rows);
     for (const std::vector<double>& row : chances.of) addEntries(entries, row);
@@ -141,6 +176,16 @@ GpuEnvironment uploadEnvironment(const Environment& environment) {
 
 void bindEnvironment(const GpuEnvironment& gpu, const ShaderProgram& program, int unit) {
     program.bind("environment", unit, gpu.picture.name(), gpu.picture ? gpu.sampler.name() : 0);
+}
+
+void setSkyPoints(const GpuEnvironment& gpu, const ShaderProgram& program, float turn) {
+    const float cosine = std::cos(2 * kPi * turn), sine = std::sin(2 * kPi * turn);
+    std::vector<glm::vec4> points;
+    for (const glm::vec4& p : gpu.points)
+        points.emplace_back(cosine * p.x - sine * p.z, p.y, sine * p.x + cosine * p.z, p.w);
+    if (points.empty()) return;
+    program.set("skyPoints", std::span<const glm::vec4>(points));
+    program.set("skyPointRadiance", std::span<const glm::vec4>(gpu.pointRadiance));
 }
 
 void bindEnvironmentSamples(const GpuEnvironment& gpu, const ShaderProgram& program, int firstUnit) {

@@ -88,6 +88,7 @@ void bindShade(const RayPass& pass, const RayTargets& targets, const RayFrame& f
         program,
         {frame.scene, frame.atlas, frame.lookup, frame.surfaces, frame.shadows, frame.environmentTurn},
         targets.hits, targets.places);
+    if (pass.sky) setSkyPoints(frame.surfaces.environment, program, frame.environmentTurn);
     program.set("raySpread", frame.pixelRadians);
     program.set("regularized", kRegularized);
 }

@@ -28,25 +28,30 @@ GpuWorld floorUnder(const Environment& environment, float roughness) {
     return GpuWorld(std::move(scene));
 }
 
-// What the middle of the floor reflects, by integration over directions.
-double reflectedOf(const Environment& environment, float roughness) {
-    const Frame frame = frameFromNormal({0, 1, 0});
-    const glm::vec3 towardEye = frame.toLocal(glm::normalize(kEye - kMiddle));
+// What white metal reflects of all of an environment toward an eye, by integration over directions.
+double reflectedOf(const Environment& environment, float roughness, glm::vec3 normal, glm::vec3 toward) {
+    const Frame frame = frameFromNormal(normal);
+    const glm::vec3 towardEye = frame.toLocal(glm::normalize(toward));
     Brdf brdf;
     brdf.f0 = glm::vec3(1);
     brdf.alpha = square(roughness);
     constexpr int kSteps = 16 * kHeight;
     double sum = 0;
-    for (int y = 0; y < kSteps / 2; ++y)  // above the floor
+    for (int y = 0; y < kSteps; ++y)
         for (int x = 0; x < 2 * kSteps; ++x) {
             const float polar = (float(y) + 0.5f) * kPi / kSteps, azimuth = (float(x) + 0.5f) * kPi / kSteps;
             const glm::vec3 d(std::sin(polar) * std::cos(azimuth), std::cos(polar),
                               std::sin(polar) * std::sin(azimuth));
+            if (glm::dot(d, normal) <= 0) continue;
             const double solidAngle = double(square(kPi / kSteps) * std::sin(polar));
             sum += solidAngle * double(environmentRadiance(environment, d).x) *
                    double(evaluateBrdf(brdf, towardEye, frame.toLocal(d)).x);
         }
     return sum;
+}
+
+double reflectedOf(const Environment& environment, float roughness) {
+    return reflectedOf(environment, roughness, {0, 1, 0}, kEye - kMiddle);
 }
 
 struct MeanAndNoise {
@@ -96,6 +101,27 @@ TEST(GpuSky, LargePicturesAreSampledByCells) {
                 small.radiance.at(std::min(x / kScale, kWidth - 1), std::min(y / kScale, kHeight - 1));
     const double expected = reflectedOf(large, 0.5f);
     EXPECT_NEAR(seenBy(floorUnder(large, 0.5f), 16).mean, expected, 0.02 * expected);
+}
+
+// A rough metal wall that a mirror shows: its PHATexels know nothing of the sky.
+TEST(GpuSky, MirrorShowsWhatMetalsReflectOfIt) {
+    Environment environment = skyWithSun(0.5f, 0.5f);
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x)
+            if (y >= kHeight / 2) environment.radiance.at(x, y) = glm::vec3(0);
+    environment.radiance.at(3 * kWidth / 4, kHeight / 4) = glm::vec3(300);  // toward +Z, 45 degrees up
+    Scene scene;
+    addFloor(scene, whiteMetal(0), 8);
+    addQuad(scene, whiteMetal(0.4f), {-4, 0, -3}, {8, 0, 0}, {0, 8, 0});
+    scene.environment = environment;
+    GpuWorld gpu(std::move(scene));
+    fillWithLookups(gpu.world, 0, 0.05f);
+    gpu.frame.camera = lookAtCamera(kEye, kMiddle, 0.5f);
+    gpu.frame.samplesPerPixel = 16;
+    Renderer renderer(gpu.input(), kShaderFolder);
+    const glm::vec3 arriving = glm::reflect(kMiddle - kEye, glm::vec3(0, 1, 0));
+    const double expected = reflectedOf(environment, 0.4f, {0, 0, 1}, -arriving);
+    EXPECT_NEAR(gpu.middle(renderer, Component::glossyIndirect), expected, 0.05 * expected);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ const kMaxRadiance = 65504;
 // Of a larger picture, texels are chosen together. twin: src/gl/environment_upload.cpp.
 const kMaxCells = 1 << 19;
 const kMinOverMean = 2; // twin: src/gl/environment_upload.cpp
+const kSkyPoints = 32; // twin: shaders/lib/sky_at_hits.glsl
 
 // Luminance of the bilinear radiance, whose mean over a texel takes an eighth from either neighbour along an axis.
 function lightOfTexels({ width, height, data }) {
@@ -82,6 +83,43 @@ function choiceEntries({ columns, rows, chances }) {
     return table;
 }
 
+// Mean of the bilinear radiance over a cell.
+function meanRadiance({ width, height, data }, [left, top], [right, bottom]) {
+    const weights = [0.125, 0.75, 0.125],
+        sum = [0, 0, 0];
+    for (let y = top; y < bottom; ++y)
+        for (let x = left; x < right; ++x)
+            for (let i = 0; i < 9; ++i) {
+                const row = Math.min(Math.max(y + Math.floor(i / 3) - 1, 0), height - 1),
+                    at = 4 * (row * width + ((x + (i % 3) - 1 + width) % width));
+                for (let c = 0; c < 3; ++c) sum[c] += weights[i % 3] * weights[Math.floor(i / 3)] * data[at + c];
+            }
+    return sum.map((of) => of / ((right - left) * (bottom - top)));
+}
+
+// { points, pointRadiance }, four numbers each: the middles of cells that are chosen systematically, with their density, 1/sr,
+// and the mean radiance of the cells.
+function skyPoints({ columns, chances, densities }, image, cellTexels) {
+    const points = [],
+        pointRadiance = [],
+        { width, height } = image;
+    let sum = 0;
+    chances.forEach((chance, cell) => {
+        sum += chance;
+        const low = [cell % columns, Math.floor(cell / columns)].map((x) => cellTexels * x),
+            high = [Math.min(low[0] + cellTexels, width), Math.min(low[1] + cellTexels, height)],
+            azimuth = Math.PI * ((low[0] + high[0]) / width - 1),
+            polar = (Math.PI * (low[1] + high[1])) / (2 * height),
+            across = Math.sin(polar);
+        while (points.length < 4 * kSkyPoints && points.length / 4 + 0.5 <= sum * kSkyPoints) {
+            const density = densities[low[1] * width + low[0]];
+            points.push(across * Math.cos(azimuth), Math.cos(polar), across * Math.sin(azimuth), density);
+            pointRadiance.push(...meanRadiance(image, low, high), 0);
+        }
+    });
+    return { points, pointRadiance };
+}
+
 // Row 0 at +Y, as shaders/lib/environment.glsl has it; three.js has it at -Y.
 function turnedOver({ width, height, data }) {
     const rows = new Float32Array(data.length);
@@ -90,7 +128,7 @@ function turnedOver({ width, height, data }) {
     return { width, height, data: rows };
 }
 
-// { picture, choices, columns, rows, cellTexels }; `choices` is null where nothing is sampled. `environment`: a texture of
+// { picture, choices, columns, rows, cellTexels, points, pointRadiance }; `choices` is null where nothing is sampled. `environment`: a texture of
 // three.js, or none.
 export function uploadEnvironment(gl, environment) {
     const black = { width: 1, height: 1, data: new Float32Array(4) },
@@ -106,5 +144,5 @@ export function uploadEnvironment(gl, environment) {
         gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
     const { columns, rows } = chances,
         choices = chances.chances ? createTable(gl, gl.RGBA32UI, choiceEntries(chances)) : null;
-    return { picture, choices, columns, rows, cellTexels };
+    return { picture, choices, columns, rows, cellTexels, ...(choices ? skyPoints(chances, image, cellTexels) : {}) };
 }

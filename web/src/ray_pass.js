@@ -66,6 +66,10 @@ export function shadeHits(program, world, targets, { spread, regularized }, draw
     gl.bindSampler(unit, scene.linear);
     program.bind('irradiance', unit, gl.TEXTURE_2D_ARRAY, passes.atlas.irradiance);
     program.set('turn', 0);
+    if (scene.environment.choices) {
+        program.set('skyPoints', scene.environment.points);
+        program.set('skyPointRadiance', scene.environment.pointRadiance);
+    }
     program.set('regularized', regularized);
     program.set('sharpAtHits', scene.environmentFrom ? kSharpUnderSky : kSharpAtHits);
     draw();

@@ -1,10 +1,11 @@
-// A yard of rough and of smooth metal before a wall, as a .glb, and a sky with a small sun, as an .hdr.
+// A yard of rough and of smooth metal before a wall, a part of which is of metal, too, as a .glb, and a sky with a small sun, as an .hdr.
 import { GlbBuilder } from './built_room.js';
 
 export function skyYard() {
     const room = new GlbBuilder(),
         metal = (name, roughnessFactor) => room.material(name, [0.9, 0.8, 0.7], {}, { metallicFactor: 1, roughnessFactor });
-    room.add(room.material('wall', [0.6, 0.5, 0.4]), [[[-4, 0, -3], [8, 0, 0], [0, 1, 0]]]);
+    room.add(room.material('wall', [0.6, 0.5, 0.4]), [[[-4, 0, -3], [3, 0, 0], [0, 1, 0]]]);
+    room.add(metal('sheet', 0.4), [[[-1, 0, -3], [5, 0, 0], [0, 1, 0]]]);
     room.add(metal('rough', 0.5), [[[-4, 0, 2], [4, 0, 0], [0, 0, -5]]]);
     room.add(metal('smooth', 0.15), [[[0, 0, 2], [4, 0, 0], [0, 0, -5]]]);
     room.push('cameras', { type: 'perspective', perspective: { yfov: 1, aspectRatio: 16 / 9, znear: 0.01 } });
