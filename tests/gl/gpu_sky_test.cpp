@@ -103,6 +103,18 @@ TEST(GpuSky, LargePicturesAreSampledByCells) {
     EXPECT_NEAR(seenBy(floorUnder(large, 0.5f), 16).mean, expected, 0.02 * expected);
 }
 
+// Interpolated normals that turn away from the eye, as at the silhouettes of coarse meshes.
+TEST(GpuSky, MirrorsAreNotBlackWhereTheyWouldShowWhatIsUnderTheTriangle) {
+    Scene scene;
+    addFloor(scene, whiteMetal(0), 8);
+    for (glm::vec3& normal : scene.normals) normal = glm::normalize(glm::vec3(0, 1, -0.27f));
+    scene.environment = skyWithSun(1, 1);
+    GpuWorld gpu(std::move(scene));
+    gpu.frame.camera = lookAtCamera({0, 0.34f, 0.94f}, {0, 0, 0}, 2);
+    Renderer renderer(gpu.input(), kShaderFolder);
+    EXPECT_NEAR(gpu.middle(renderer, Component::direct), 1, 0.02f);
+}
+
 // A rough metal wall that a mirror shows: its PHATexels know nothing of the sky.
 TEST(GpuSky, MirrorShowsWhatMetalsReflectOfIt) {
     Environment environment = skyWithSun(0.5f, 0.5f);
