@@ -1,6 +1,6 @@
 // The light that a pixel's reflection ray brings: what its hit emits and reflects.
 // twin: reflectedFromTexels in src/core/bake/irradiance_ray.cpp. Other than there, what hits reflect sharply are PHATexels, and
-// the sky where it has bright parts, instead of walks; hits without texels have no indirect light; shadows at hits are hard.
+// the sky itself, instead of walks; hits without texels have no indirect light; shadows at hits are hard.
 #include "lib/environment.glsl"
 #include "lib/hit_light.glsl"
 #include "lib/hit_surface.glsl"

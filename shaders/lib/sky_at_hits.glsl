@@ -8,7 +8,7 @@
 const int kSkyPoints = 32;
 const int kSkyPointsAtHits = 2;
 
-uniform vec4 skyPoints[kSkyPoints];  // directions by how bright the sky is; their density, 1/sr
+uniform vec4 skyPoints[kSkyPoints];  // directions by how bright the sky is; their density, 1/sr. All 0: none is sampled
 uniform vec4 skyPointRadiance[kSkyPoints];
 
 // `u`: in [0,1), hides the cells of the depth probe.

@@ -192,7 +192,7 @@ void traceLobe(const RayPass& pass, const RayTargets& targets, const RayFrame& f
     }
     glEnable(GL_BLEND);
     if (frame.scene.hits.emitterCount > 0) traceLights(pass.lights, targets, frame, lobe);
-    if (pass.sky) traceLights(pass.skyLights, targets, frame, lobe);
+    if (frame.surfaces.environment.choices) traceLights(pass.skyLights, targets, frame, lobe);
     glDisable(GL_BLEND);
     frame.clock.ended(Pass::rayLights);
     poolLight(pass, targets, frame, lobe);

@@ -27,7 +27,7 @@ struct GpuRayScene {
 struct RayFeatures {
     std::vector<std::string> bvhDefines;  // of the trees
     bool glass = false;                   // whether there is any
-    bool sky = false;                     // whether it is sampled
+    bool sky = false;                     // whether there is an environment
     bool counts = false;                  // with shaders/lib/count_fetches.glsl
 };
 

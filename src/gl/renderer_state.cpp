@@ -221,7 +221,7 @@ const RayPass& Renderer::State::rayTracing() {
     if (!made || glassAppears)
         made = createRayPass(
             shaderFolder, lookupFor(false), lookup,
-            {bvhDefines(*restBvh), !glass.empty(), bool(scene.environment.choices), countsFetches});
+            {bvhDefines(*restBvh), !glass.empty(), bool(scene.environment.picture), countsFetches});
     return *made;
 }
 
