@@ -17,8 +17,8 @@ struct HitImages {
     std::map<int32_t, uint32_t> colorLayers, linearLayers;  // by Scene::images
 };
 
-/// Pictures of base colour and of emission; of metallic and roughness, and of normals. They are shrunk as kMaxHitImageBytes
-/// asks for; those beyond 255 have no layer. Throws GlError.
+/// Pictures of base colour and of emission; of metallic and roughness, and of normals. They are shrunk as
+/// kMaxHitImageBytes asks for; those beyond 255 have no layer. Throws GlError.
 HitImages uploadHitImages(const Scene& scene);
 
 /// Of each array.
