@@ -9,6 +9,7 @@ layout(location = 0) out uvec4 lightOut;
 
 // Less would dim lines of a pixel's width, and lamps that single rays of rough lobes meet.
 const float kMaxOverNeighbors = 16.0;
+const float kLargest = 65408.0;  // that packPooledLight holds
 
 float luminance(vec3 rgb) {
     return dot(rgb, vec3(0.2126, 0.7152, 0.0722));
@@ -33,7 +34,10 @@ void main() {
     vec4 indirect = texelFetch(indirectSums, pixel, 0), area = texelFetch(areaSums, pixel, 0);
     lightOut = uvec4(0u);
     if (indirect.a <= 0.0) return;
-    PooledLight light = PooledLight(kept(pixel, indirect) * indirect.rgb / indirect.a, area.rgb / indirect.a, indirect.a, area.a / indirect.a);
+    // The sums are halves, which are infinite where rays found the sun.
+    vec3 meanArea = min(area.rgb / indirect.a, min(brightest, vec3(kLargest)));
+    PooledLight light =
+        PooledLight(kept(pixel, indirect) * indirect.rgb / indirect.a, meanArea, indirect.a, area.a / indirect.a);
     // A clamp: the two are independent estimates, whose noise must not exceed all light that there is.
     vec3 scale = min(vec3(1.0), brightest / max(light.indirect + light.area, vec3(1e-20)));
     light.indirect *= scale;

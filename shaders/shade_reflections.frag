@@ -1,8 +1,12 @@
 // The light that a pixel's reflection ray brings: what its hit emits and reflects.
-// twin: reflectedFromTexels in src/core/bake/irradiance_ray.cpp. Other than there, hits have no normal maps; what they
-// reflect sharply are PHATexels instead of walks; hits without texels have no indirect light; shadows at hits are hard.
+// twin: reflectedFromTexels in src/core/bake/irradiance_ray.cpp. Other than there, what hits reflect sharply are PHATexels, and
+// the sky itself, instead of walks; hits without texels have no indirect light; shadows at hits are hard.
+#include "lib/environment.glsl"
 #include "lib/hit_light.glsl"
 #include "lib/hit_surface.glsl"
+#ifdef SKY
+#include "lib/sky_at_hits.glsl"
+#endif
 #ifdef GLASS
 #include "lib/hit_glass.glsl"
 #endif
@@ -21,8 +25,6 @@
 uniform usampler2D hits;    // see lib/packed_rays.glsl
 uniform usampler2D places;
 uniform sampler2DArray irradiance;  // 0 indirect, 1 area lights; filtered
-uniform sampler2D environment;      // see background.frag
-uniform float turn;
 uniform vec3 brightest;             // radiance that nothing exceeds
 uniform float raySpread;            // radians that a ray of a mirror stands for
 uniform int ray;
@@ -55,11 +57,6 @@ const int kDrawsInMirrors = 8;
 // The specular lobes' BRDF, 1/sr.
 vec3 evaluateGloss(ViewedBrdf viewed, vec3 towardLight) {
     return towardLight.z > 1e-3 ? evaluateLobes(viewed, towardLight).specular / towardLight.z : vec3(0.0);
-}
-
-vec3 environmentRadiance(vec3 d) {
-    vec2 uv = vec2(atan(d.z, d.x) / (2.0 * kPi) + 0.5 - turn, acos(clamp(d.y, -1.0, 1.0)) / kPi);
-    return textureLod(environment, uv, 0.0).rgb;
 }
 
 vec3 arrivingAt(vec2 texel, int source) {
@@ -116,6 +113,12 @@ vec3 bakedLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFromLo
         }
     }
     HitLookup lookup = hitLookup(position, s.texel, s.chart);
+#ifdef SKY
+    SkyLobes lobes = SkyLobes(viewed, coatChance, float(draws));
+    lobes.viewed.brdf.alpha = max(lobes.viewed.brdf.alpha, sharpest);
+    lobes.viewed.brdf.clearcoatAlpha = max(lobes.viewed.brdf.clearcoatAlpha, sharpest);
+    if (drawn == 2) sum += skyByPoints(lookup, lobes, worldFromLocal, u.xyz);
+#endif
     for (int i = 0; i < draws; ++i) {
         vec3 h = squareToVisibleNormal(quasirandom(u.xy, i), wo, alpha), wi = reflect(-wo, h);
         if (wi.z <= 0.0) continue;
@@ -123,7 +126,13 @@ vec3 bakedLight(vec3 position, HitSurface s, ViewedBrdf viewed, mat3 worldFromLo
                               : viewed.transmission / (1.0 - coatChance) * schlick(viewed.brdf.f0, viewed.brdf.f90, dot(wo, h));
         vec3 weight = fresnel * visibleNormalWeight(wi, wo, alpha) / float(draws);
         for (int source = 0; source < drawn; ++source) {
-            vec3 found = phatexelToward(lookup, worldFromLocal * wi, source == 0 ? 0 : layerCount);
+            vec3 direction = worldFromLocal * wi, found = phatexelToward(lookup, direction, source == 0 ? 0 : layerCount);
+#ifdef SKY
+            if (source == 1 && seesSky(lookup, direction, quasirandom(u.yx, i)))
+                found = skyByLobe(direction, glossDensity(lobes, wi));
+            else if (source == 1 && lookup.seesSky)
+                found = vec3(0.0);
+#endif
             if (found.x >= 0.0)
                 sum += weight * min(found, kMaxOverMean / max(sharpest, 1e-4) * means[source]);
             else if (source == 0)  // no PHATexel looks there where something is near, which hides the emitters
@@ -170,6 +179,15 @@ float emissionWeight(TracedRay ray, HitSurface s) {
     return powerWeight(max(ray.pdf, 1e-6), lightPdf);
 }
 
+// The same of the environment.
+float skyWeight(TracedRay ray) {
+#ifdef SKY
+    return powerWeight(max(ray.pdf, 1e-6), environmentPdf(ray.direction));
+#else
+    return 1.0;
+#endif
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     TracedRay found = unpackRay(texelFetch(hits, pixel, 0), texelFetch(places, pixel, 0));
@@ -178,7 +196,7 @@ void main() {
     if (found.count == 0) return;
     vec3 indirect = vec3(0.0), area = vec3(0.0);
     if (found.triangle < 0) {
-        area = environmentRadiance(found.direction);
+        area = skyWeight(found) * environmentRadiance(found.direction);
     } else {
         HitSurface s = hitSurface(found.triangle, found.barycentric, found.backFace, -found.direction,
                                   rayWidth(found, raySpread));

@@ -1,13 +1,17 @@
-// Light that a pixel's lobe receives from one sampled point of the emitters: small ones, which its reflection rays would
-// seldom meet. source: estimateByLightSample in src/core/render/traced_reflections.cpp; the weights are those of
-// emissionWeight in shade_reflections.frag.
+// Light that a pixel's lobe receives from one sampled point of the emitters, or with SKY of the environment: small ones,
+// which its reflection rays would seldom meet. source: estimateByLightSample in src/core/render/traced_reflections.cpp; the weights are those of
+// emissionWeight and skyWeight in shade_reflections.frag.
 #include "lib/bvh.glsl"
 #include "lib/hit_surface.glsl"
 #include "lib/lobe_pixels.glsl"
+#include "lib/packed_rays.glsl"
 #include "lib/ray_origin.glsl"
 #include "lib/reflection_guides.glsl"
 #include "lib/sample_numbers.glsl"
 #include "lib/scalar_lobe.glsl"
+#ifdef SKY
+#include "lib/environment_samples.glsl"
+#endif
 #ifdef GLASS
 #include "lib/glass_rays.glsl"
 #endif
@@ -29,11 +33,14 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     if (int(texelFetch(guides, pixel, 0).z >> 24) == 0) return;
     vec4 u = sampleNumbersOf(lightSample, pixel, lightSamples);
-    HitEmitter emitter = hitEmitter(chooseEmitter(u.z));
     PixelLobe l = pixelLobe(pixel, lobe);
     uvec4 point = texelFetch(points, pixel, 0);
     vec3 position = uintBitsToFloat(point.xyz), normalGeometric = octahedralToDirection(unpackSnorm2x16(point.w));
-    EmitterSample light = sampleEmitter(emitter, u.xy, position);
+#ifdef SKY
+    EmitterSample light = sampleEnvironment(u);
+#else
+    EmitterSample light = sampleEmitter(hitEmitter(chooseEmitter(u.z)), u.xy, position);
+#endif
     if (light.pdf <= 0.0 || dot(light.direction, normalGeometric) <= 0.0) return;
 
     mat3 worldFromLocal = frameFromNormal(l.normal);
@@ -42,7 +49,7 @@ void main() {
     if (wo.z <= 0.0 || wi.z <= 0.0) return;
     float value = lobeValueLocal(ScalarLobe(l.normal, l.f0, l.f90, l.alpha), wo, wi);
     float lobePdf = smithG1(wo.z, l.alpha) * ggxD(normalize(wo + wi).z, l.alpha) / (4.0 * wo.z);
-    float weight = powerWeight(light.pdf, lobePdf);
+    float weight = powerWeight(light.pdf, min(lobePdf, kMaxPdf));
     float albedo = specularAlbedo(vec3(l.f0), l.f90, l.alpha, wo.z).x;
     // Below this weight no emitter is bright enough to be visible, and the ray is saved.
     if (value <= 0.0 || weight < 1e-6 || albedo <= 0.0) return;

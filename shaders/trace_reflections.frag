@@ -3,7 +3,7 @@
 #include "lib/lobe_pixels.glsl"
 #include "lib/packed_rays.glsl"
 #include "lib/ray_origin.glsl"
-#include "lib/reflection_guides.glsl"
+#include "lib/reflection_pool.glsl"
 #include "lib/sample_numbers.glsl"
 #include "lib/scalar_lobe.glsl"
 #include "lib/visible_normal.glsl"
@@ -38,7 +38,13 @@ void main() {
     vec3 h = squareToVisibleNormal(sampleNumbersOf(ray, pixel, rays).xy, wo, l.alpha);
     vec3 wi = reflect(-wo, h);
     vec3 direction = normalize(worldFromLocal * wi);
-    if (wi.z <= 0.0 || dot(direction, normalGeometric) <= 0.0) discard;
+    float above = dot(direction, normalGeometric);
+    if (wi.z <= 0.0) discard;
+    if (above <= 0.0) {
+        // At the silhouettes of coarse meshes. A mirror's pixel has no other ray, and would be black.
+        if (l.alpha >= kMinPooledAlpha) discard;
+        direction = normalize(direction + (1e-3 - above) * normalGeometric);
+    }
     float weight = schlick(vec3(l.f0), l.f90, dot(wo, h)).x * visibleNormalWeight(wi, wo, l.alpha);
     float pdf = smithG1(wo.z, l.alpha) * ggxD(h.z, l.alpha) / (4.0 * wo.z);
 

@@ -13,13 +13,14 @@ struct HitLookup {
     ivec2 texel;
     LookupTile tile;
     DepthProbe probe;
+    bool seesSky;  // whether the PHATexel that was read last looks past everything
 };
 
 HitLookup hitLookup(vec3 position, vec2 at, uint chartIndex) {
     ChartExtent chart = chartExtent(chartIndex);
     ivec2 texel = texelInChart(chart, at, at);
     LookupTile tile = lookupTileAt(chart, texel);
-    return HitLookup(position, chart, texel, tile, depthProbeAt(tile, texel, position));
+    return HitLookup(position, chart, texel, tile, depthProbeAt(tile, texel, position), false);
 }
 
 // PHATexels that are read for a direction, of neighbouring groups.
@@ -30,7 +31,7 @@ const int kGroups = 1;
 #endif
 
 // A PHATexel of the group at `corner` toward `direction` (world): its radiance, and the inverse of its density; none: zeros.
-vec4 phatexelOfGroup(HitLookup at, vec3 direction, ivec2 corner, int bits, int layer) {
+vec4 phatexelOfGroup(inout HitLookup at, vec3 direction, ivec2 corner, int bits, int layer) {
     LookupTile tile = at.tile;
     vec3 directionBlock = direction * tile.tilePatch.worldFromBlock;
     if (directionBlock.z <= 0.0) return vec4(0.0);
@@ -42,6 +43,7 @@ vec4 phatexelOfGroup(HitLookup at, vec3 direction, ivec2 corner, int bits, int l
     if (!isInChart(at.chart, found)) return vec4(0.0);
     Phatexel phatexel = unpackPhatexel(READ(texelFetch(phatexels, ivec3(found, layer), 0).xy));
     if (!phatexel.valid) return vec4(0.0);
+    at.seesSky = phatexel.distance >= kFarDistance;
     if (kGroups == 1) return vec4(phatexel.radiance, 1.0);
     float density = cellDensity(inverseCdfCellAt(layer, tile.block, guideCell(phatexel.directionBlock)));
     return vec4(phatexel.radiance, 1.0 / max(density, kMinDensity));

@@ -1,6 +1,6 @@
 // The surface at a ray's hit, from tables of what the rasteriser reads from vertices and materials.
-// twin: surfaceAt in src/core/scene/shading.cpp without normal maps, and with means of the textures that are not base
-// colour, emission, or metallic and roughness; src/gl/hit_tables.cpp writes the tables.
+// twin: surfaceAt in src/core/scene/shading.cpp with means of the textures that are not base colour, emission, metallic
+// and roughness, or normals; src/gl/hit_tables.cpp writes the tables.
 #include "lib/brdf.glsl"
 #include "lib/octahedral.glsl"
 #include "lib/table.glsl"
@@ -10,7 +10,7 @@ uniform int hitFirstTriangle;         // texels
 uniform int hitFirstEmitter;
 uniform int emitterCount;
 uniform sampler2DArray hitColors;     // sRGB: base colours and emission
-uniform sampler2DArray hitRoughness;  // G roughness, B metallic
+uniform sampler2DArray hitLinear;     // G roughness, B metallic; or normals
 
 const int kHitMaterialTexels = 5;
 const int kHitTriangleTexels = 6;
@@ -68,9 +68,20 @@ vec3 hitNormal(uvec3 corners, vec3 w) {
            w.z * octahedralToDirection(unpackSnorm2x16(corners.z));
 }
 
-// `blackBack`: whether the back of a single-sided material is black; else it is as the front, which glass lets light
-// through by. `width`: metres, of what the ray stands for, across it.
-HitSurface hitSide(int triangle, vec2 barycentric, bool back, bool blackBack, vec3 towardEye, float width) {
+// Normals by a picture; `normal` is the interpolated one. `corners`: the colours, whose upper bytes are the tangent.
+vec3 mappedNormal(vec3 texel, float scale, vec3 normal, uvec3 corners) {
+    uint code = (corners.x >> 24) | ((corners.y >> 24) << 8) | ((corners.z >> 24) << 16);
+    if (code == 0u) return normal;
+    vec2 square = vec2(float(code & 2047u), float((code >> 11) & 2047u)) / 1023.0 - 1.0;
+    vec3 tangent = octahedralToDirection(square);
+    tangent = normalize(tangent - dot(tangent, normal) * normal);
+    vec3 bitangent = (float(code >> 22) - 2.0) * cross(normal, tangent), n = 2.0 * texel - 1.0;
+    return normalize(n.x * scale * tangent + n.y * scale * bitangent + n.z * normal);
+}
+
+// `isShaded`: else the surface is glass as light goes through it, by the interpolated normals, from either side. The back
+// of a single-sided material is black where it is shaded. `width`: metres, of what the ray stands for, across it.
+HitSurface hitSide(int triangle, vec2 barycentric, bool back, bool isShaded, vec3 towardEye, float width) {
     HitSurface s;
     int first = hitFirstTriangle + kHitTriangleTexels * triangle;
     uvec4 t0 = hitTexel(first), t1 = hitTexel(first + 1), t2 = hitTexel(first + 2), t4 = hitTexel(first + 4);
@@ -84,10 +95,10 @@ HitSurface hitSide(int triangle, vec2 barycentric, bool back, bool blackBack, ve
     s.emitter = 0u;
     s.brdf = Brdf(vec3(0.0), vec3(0.0), 0.0, 1.0, 0.0, kMinAlpha, vec3(0.0, 0.0, 1.0), 0.0, vec3(0.0));
     s.emission = vec3(0.0);
-    s.normal = normalize((back ? -1.0 : 1.0) * hitNormal(t2.xyz, w));
-    if (back && blackBack && (flags & kHitDoubleSided) == 0u) return s;
+    float side = back ? -1.0 : 1.0;
+    s.normal = side * normalize(hitNormal(t2.xyz, w));
+    if (back && isShaded && (flags & kHitDoubleSided) == 0u) return s;
     float cosine = dot(s.normal, towardEye);
-    if (cosine < 1e-3) s.normal = normalize(s.normal + (1e-3 - cosine) * towardEye);
 
     vec3 base = uintBitsToFloat(m0.xyz), emission = uintBitsToFloat(m1.xyz);
     float metallic = uintBitsToFloat(m0.w), roughness = uintBitsToFloat(m1.w);
@@ -97,22 +108,30 @@ HitSurface hitSide(int triangle, vec2 barycentric, bool back, bool blackBack, ve
         s.emitter = t5.w;
     }
     uint layers = m3.w;
-    if (layers != 0xffffffu) {
+    if (layers != 0xffffffffu) {
         uvec4 t3 = hitTexel(first + 3);
         float size = float(textureSize(hitColors, 0).x);
         vec2 uv = w.x * uintBitsToFloat(t3.xy) + w.y * uintBitsToFloat(t3.zw) + w.z * uintBitsToFloat(t4.xy);
         uv = vec2(wrapped(uv.x, (flags & kHitMirroredU) != 0u, (flags & kHitClampedU) != 0u, size),
                   wrapped(uv.y, (flags & kHitMirroredV) != 0u, (flags & kHitClampedV) != 0u, size));
         float level = log2(max(size * unpackHalf2x16(t4.w).x * width / max(cosine, 0.1), 1e-6));
-        uint colorLayer = layers & 255u, emissionLayer = (layers >> 8) & 255u, roughnessLayer = layers >> 16;
+        uint colorLayer = layers & 255u, emissionLayer = (layers >> 8) & 255u, roughnessLayer = (layers >> 16) & 255u,
+             normalLayer = layers >> 24;
         if (colorLayer != kNoLayer) base *= textureLod(hitColors, vec3(uv, float(colorLayer)), level).rgb;
         if (emissionLayer != kNoLayer) emission *= textureLod(hitColors, vec3(uv, float(emissionLayer)), level).rgb;
         if (roughnessLayer != kNoLayer) {
-            vec3 texel = textureLod(hitRoughness, vec3(uv, float(roughnessLayer)), level).rgb;
+            vec3 texel = textureLod(hitLinear, vec3(uv, float(roughnessLayer)), level).rgb;
             roughness *= texel.g;
             metallic *= texel.b;
         }
+        if (normalLayer != kNoLayer && isShaded) {
+            vec3 texel = textureLod(hitLinear, vec3(uv, float(normalLayer)), level).rgb;
+            float scale = unpackHalf2x16(m3.y).y;
+            s.normal = side * mappedNormal(texel, scale, side * s.normal, hitTexel(first + 5).xyz);
+        }
     }
+    cosine = dot(s.normal, towardEye);
+    if (cosine < 1e-3) s.normal = normalize(s.normal + (1e-3 - cosine) * towardEye);
     s.emission = emission;
     if ((flags & kHitUnlit) != 0u) return s;
     vec3 dielectricF0 = uintBitsToFloat(m2.xyz);

@@ -22,9 +22,9 @@ void drawBackground(const CommonPass& pass, const DisplayInput& input, const Cam
     const GLfloat farthest = 0;
     glDepthMask(GL_TRUE);
     glClearBufferfv(GL_DEPTH, 0, &farthest);
-    if (!shown || !input.scene.environment) return;
+    if (!shown || !input.scene.environment.picture) return;
     const ShaderProgram& program = pass.background.program;
-    program.bind("environment", 0, input.scene.environment.name(), input.scene.environmentSampler.name());
+    bindEnvironment(input.scene.environment, program, 0);
     program.set("worldFromClip", camera.worldFromClipRotation);
     program.set("viewport", glm::vec2(size));
     program.set("turn", input.environmentTurn);

@@ -76,10 +76,11 @@ HitImages uploadHitImages(const Scene& scene) {
     for (const Material& material : scene.materials) {
         addLayer(scene, material.baseColorTexture, images.colorLayers);
         addLayer(scene, material.emissionTexture, images.colorLayers);
-        addLayer(scene, material.metallicRoughnessTexture, images.roughnessLayers);
+        addLayer(scene, material.metallicRoughnessTexture, images.linearLayers);
+        addLayer(scene, material.normalTexture, images.linearLayers);
     }
     images.colors = uploadLayers(scene, images.colorLayers, GL_SRGB8_ALPHA8);
-    images.roughness = uploadLayers(scene, images.roughnessLayers, GL_RGBA8);
+    images.linear = uploadLayers(scene, images.linearLayers, GL_RGBA8);
     checkGl("uploading the pictures that rays read");
     return images;
 }

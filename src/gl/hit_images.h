@@ -12,13 +12,13 @@ namespace phat {
 inline constexpr uint32_t kNoLayer = 255;
 
 struct HitImages {
-    GlTexture colors;     // SRGB8_ALPHA8 array with mipmaps; one layer even without pictures
-    GlTexture roughness;  // RGBA8, as `colors`
-    std::map<int32_t, uint32_t> colorLayers, roughnessLayers;  // by Scene::images
+    GlTexture colors;  // SRGB8_ALPHA8 array with mipmaps; one layer even without pictures
+    GlTexture linear;  // RGBA8, as `colors`
+    std::map<int32_t, uint32_t> colorLayers, linearLayers;  // by Scene::images
 };
 
-/// Pictures of base colour, of emission, and of metallic and roughness. They are shrunk as kMaxHitImageBytes
-/// asks for; those beyond 255 have no layer. Throws GlError.
+/// Pictures of base colour and of emission; of metallic and roughness, and of normals. They are shrunk as
+/// kMaxHitImageBytes asks for; those beyond 255 have no layer. Throws GlError.
 HitImages uploadHitImages(const Scene& scene);
 
 /// Of each array.

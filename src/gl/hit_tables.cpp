@@ -8,6 +8,7 @@
 #include "core/base/octahedral.h"
 #include "core/scene/light_emitters.h"
 #include "core/scene/transparency.h"
+#include "gl/alias_table.h"
 #include "gl/atlas_sides.h"
 #include "gl/textures.h"
 
@@ -15,6 +16,7 @@ namespace phat {
 namespace {
 
 constexpr uint32_t kMaterialTexels = 5, kTriangleTexels = 6, kEmitterTexels = 4;
+constexpr uint32_t kMaxTangent = 2046;  // twin: mappedNormal in shaders/lib/hit_surface.glsl
 constexpr uint32_t kUnlit = 1, kDoubleSided = 2, kReadsColors = 4, kMirroredU = 16, kClampedU = 32,
                    kMirroredV = 64, kClampedV = 128;
 
@@ -40,7 +42,8 @@ bool samePlace(const TextureSlot& a, const TextureSlot& b) {
 // The slot whose texture coordinates a triangle has; those of a material's other pictures that lie elsewhere
 // are replaced by their means.
 const TextureSlot& placedSlot(const Material& m) {
-    for (const TextureSlot* slot : {&m.baseColorTexture, &m.emissionTexture, &m.metallicRoughnessTexture})
+    for (const TextureSlot* slot :
+         {&m.baseColorTexture, &m.emissionTexture, &m.metallicRoughnessTexture, &m.normalTexture})
         if (slot->image >= 0) return *slot;
     return m.baseColorTexture;
 }
@@ -73,7 +76,8 @@ void addMaterial(std::vector<glm::uvec4>& texels, const Scene& scene, const Mate
     const TextureSlot& placed = placedSlot(m);
     const uint32_t color = layerOf(m.baseColorTexture, placed, images.colorLayers);
     const uint32_t emission = layerOf(m.emissionTexture, placed, images.colorLayers);
-    const uint32_t roughness = layerOf(m.metallicRoughnessTexture, placed, images.roughnessLayers);
+    const uint32_t roughness = layerOf(m.metallicRoughnessTexture, placed, images.linearLayers);
+    const uint32_t normal = layerOf(m.normalTexture, placed, images.linearLayers);
     const auto mean = [&](const TextureSlot& slot, bool srgb) { return meanTexel(scene, slot, srgb); };
     glm::vec3 baseColor(m.baseColor), emitted(m.emission);
     glm::vec2 metallicRoughness(m.metallic, m.roughness);
@@ -97,7 +101,8 @@ void addMaterial(std::vector<glm::uvec4>& texels, const Scene& scene, const Mate
     texels.push_back(bitsOf(f0, f90));
     texels.push_back({glm::packHalf2x16({m.clearcoat * mean(m.clearcoatTexture, false).r,
                                          m.clearcoatRoughness * mean(m.clearcoatRoughnessTexture, false).g}),
-                      glm::packHalf2x16({transmission, 0}), flags, color | emission << 8 | roughness << 16});
+                      glm::packHalf2x16({transmission, m.normalScale}), flags,
+                      color | emission << 8 | roughness << 16 | normal << 24});
     texels.push_back(bitsOf(absorptionOf(m), m.ior));
 }
 
@@ -111,6 +116,15 @@ float uvPerMeter(const std::array<glm::vec3, 3>& corners, const std::array<glm::
 uint32_t packColor(glm::vec4 color) {
     const glm::uvec3 bytes(glm::clamp(glm::vec3(color), 0.0f, 1.0f) * 255.0f + 0.5f);
     return bytes.x | bytes.y << 8 | bytes.z << 16;
+}
+
+// 24 bits: octahedral, the handedness plus 2. `tangent`: the sum of the corners'; 0 where they have none.
+uint32_t packTangent(glm::vec4 tangent) {
+    const glm::vec3 along(tangent);
+    if (glm::length(along) < 1e-6f) return 0;
+    const glm::vec2 square = 0.5f * octahedralFromDirection(glm::normalize(along)) + 0.5f;
+    const glm::uvec2 code(glm::clamp(square, 0.0f, 1.0f) * float(kMaxTangent) + 0.5f);
+    return code.x | code.y << 11 | (tangent.w < 0 ? 1u : 3u) << 22;
 }
 
 // Metres, of a pane.
@@ -132,6 +146,7 @@ void addTriangle(std::vector<glm::uvec4>& texels, const Scene& scene, const Atla
                                                    : kHitGlass;
     const float thickness = glass == Glass::thin ? thicknessOf(scene, surface) : 0.0f;
     glm::uvec4 normals(0, 0, 0, surface.material | kind), colors(0, 0, 0, emitter);
+    glm::vec4 tangent(0);
     for (int i = 0; i < 3; ++i) {
         const uint32_t v = scene.triangles[triangle][i];
         texel[size_t(i)] = atlas.triangleTexels[triangle][i] + sides.frontOffset;
@@ -139,7 +154,9 @@ void addTriangle(std::vector<glm::uvec4>& texels, const Scene& scene, const Atla
         corners[size_t(i)] = scene.positions[v];
         normals[i] = glm::packSnorm2x16(octahedralFromDirection(scene.normals[v]));
         colors[i] = packColor(scene.colors[v]);
+        tangent += scene.tangents[v];
     }
+    for (int i = 0; i < 3; ++i) colors[i] |= (packTangent(tangent) >> (8 * i)) << 24;
     const glm::ivec2 toBack(sides.backOffset - sides.frontOffset);
     texels.push_back(bitsOf(texel[0], texel[1]));
     texels.push_back({bitsOf(texel[2].x), bitsOf(texel[2].y), sides.charts.x, sides.charts.y});
@@ -149,37 +166,6 @@ void addTriangle(std::vector<glm::uvec4>& texels, const Scene& scene, const Atla
         {bitsOf(uvs[2].x), bitsOf(uvs[2].y), uint32_t(toBack.x & 0xffff) | uint32_t(toBack.y) << 16,
          glm::packHalf2x16({std::min(uvPerMeter(corners, uvs), 6e4f), std::min(thickness, 6e4f)})});
     texels.push_back(colors);
-}
-
-/// Walker's alias method: with column `i` chosen uniformly, i by threshold[i], else alias[i].
-struct AliasTable {
-    std::vector<float> threshold;
-    std::vector<uint32_t> alias;
-};
-
-// source: Vose 1991, "A Linear Algorithm for Generating Random Numbers with a Given Distribution".
-AliasTable aliasTable(const std::vector<double>& probabilities) {
-    const size_t count = probabilities.size();
-    AliasTable table{std::vector<float>(count, 1.0f), std::vector<uint32_t>(count)};
-    std::vector<double> scaled(count);
-    std::vector<uint32_t> small, large;
-    for (uint32_t i = 0; i < count; ++i) {
-        table.alias[i] = i;
-        scaled[i] = probabilities[i] * double(count);
-        (scaled[i] < 1 ? small : large).push_back(i);
-    }
-    while (!small.empty() && !large.empty()) {
-        const uint32_t low = small.back(), high = large.back();
-        small.pop_back();
-        table.threshold[low] = float(scaled[low]);
-        table.alias[low] = high;
-        scaled[high] -= 1 - scaled[low];
-        if (scaled[high] < 1) {
-            large.pop_back();
-            small.push_back(high);
-        }
-    }
-    return table;
 }
 
 void addEmitters(std::vector<glm::uvec4>& texels, const Scene& scene,
@@ -244,7 +230,7 @@ void bindHits(const GpuHits& gpu, const ShaderProgram& program, int firstUnit) {
     program.set("emitterCount", gpu.emitterCount);
     program.bind("hitTable", firstUnit, gpu.table.name());
     program.bind("hitColors", firstUnit + 1, gpu.images.colors.name());
-    program.bind("hitRoughness", firstUnit + 2, gpu.images.roughness.name());
+    program.bind("hitLinear", firstUnit + 2, gpu.images.linear.name());
 }
 
 }  // namespace phat

@@ -11,7 +11,6 @@
 namespace phat {
 namespace {
 
-constexpr uint32_t kBlockTiles = kBlockSize / kTileSize;
 // Steps of 1, 2, 4, 8 and 16 texels.
 constexpr int kFilterPasses = 5;
 

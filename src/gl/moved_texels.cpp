@@ -9,7 +9,6 @@
 namespace phat {
 namespace {
 
-constexpr uint32_t kBlockTiles = kBlockSize / kTileSize;
 constexpr uint32_t kProbeCells = 16;  // twin: shaders/lib/probe_codes.glsl
 // Texels of a block in the tables of levels and of tile patches.
 constexpr glm::uvec2 kLevelTexels{2 * kBlockTiles, 4 * kBlockTiles},

@@ -88,13 +88,15 @@ void bindShade(const RayPass& pass, const RayTargets& targets, const RayFrame& f
         program,
         {frame.scene, frame.atlas, frame.lookup, frame.surfaces, frame.shadows, frame.environmentTurn},
         targets.hits, targets.places);
+    if (pass.sky) setSkyPoints(frame.surfaces.environment, program, frame.environmentTurn);
     program.set("raySpread", frame.pixelRadians);
     program.set("regularized", kRegularized);
 }
 
-void traceLights(const RayPass& pass, const RayTargets& targets, const RayFrame& frame, int lobe) {
-    if (frame.scene.hits.emitterCount == 0) return;
-    const ShaderProgram& program = pass.lights.program;
+// Samples of the emitters, or of the sky.
+void traceLights(const FullscreenProgram& lights, const RayTargets& targets, const RayFrame& frame,
+                 int lobe) {
+    const ShaderProgram& program = lights.program;
     bindLobes(program, frame.lookupTargets, 0);
     program.bind("points", kPointsUnit, targets.points.name());
     program.bind("guides", kGuidesUnit, guidesOf(targets, frame, lobe).name());
@@ -102,6 +104,8 @@ void traceLights(const RayPass& pass, const RayTargets& targets, const RayFrame&
     bindHits(frame.scene.hits, program, kAfterBvh);
     program.bind("splitSumTable", kAfterBvh + kHitUnits, frame.surfaces.splitSum.name());
     program.bind("rayWeights", kAfterBvh + kHitUnits + 1, targets.indirectSums.name());
+    bindEnvironmentSamples(frame.surfaces.environment, program, kAfterBvh + kHitUnits + 2);
+    program.set("turn", frame.environmentTurn);
     bindEye(program, frame);
     program.set("lobe", lobe);
     program.set("brightest", frame.scene.brightest);
@@ -110,7 +114,7 @@ void traceLights(const RayPass& pass, const RayTargets& targets, const RayFrame&
     setSampleNumbers(program, uint32_t(frame.budget.lightSamples), ~frame.seed);
     for (int sample = 0; sample < frame.budget.lightSamples; ++sample) {
         program.set("lightSample", sample);
-        drawTraced(pass.lights, targets.areaTarget, frame, 0);
+        drawTraced(lights, targets.areaTarget, frame, 0);
     }
 }
 
@@ -187,7 +191,8 @@ void traceLobe(const RayPass& pass, const RayTargets& targets, const RayFrame& f
         frame.clock.ended(Pass::rayShade);
     }
     glEnable(GL_BLEND);
-    traceLights(pass, targets, frame, lobe);
+    if (frame.scene.hits.emitterCount > 0) traceLights(pass.lights, targets, frame, lobe);
+    if (frame.surfaces.environment.choices) traceLights(pass.skyLights, targets, frame, lobe);
     glDisable(GL_BLEND);
     frame.clock.ended(Pass::rayLights);
     poolLight(pass, targets, frame, lobe);
@@ -207,11 +212,11 @@ void bindHitShading(const ShaderProgram& program, const LitWorld& world, const G
     program.bind("lightTable", unit++, world.shadows.lightTable.name());
     program.bind("shadowMaps", unit++, world.shadows.depth.name());
     program.bind("irradiance", unit++, world.atlas.irradiance.name(), world.rays.hits.filtered.name());
-    const GlTexture& sky = world.surfaces.environment;
-    program.bind("environment", unit++, sky.name(), sky ? world.surfaces.environmentSampler.name() : 0);
+    const GpuEnvironment& sky = world.surfaces.environment;
+    bindEnvironment(sky, program, unit++);
     program.set("lightCount", world.shadows.lightCount);
     program.set("turn", world.environmentTurn);
-    program.set("sharpAtHits", sky ? kSharpUnderSky : kSharpAtHits);
+    program.set("sharpAtHits", sky.picture ? kSharpUnderSky : kSharpAtHits);
     program.set("brightest", world.rays.brightest);
 }
 
@@ -220,6 +225,7 @@ RayPass createRayPass(const std::string& folder, const LookupPass& lookup, const
     RayPass pass;
     pass.clearcoat = lookup.clearcoat;
     pass.glass = features.glass;
+    pass.sky = features.sky;
     std::vector<std::string> defines = phatexelDefines(tables);
     if (lookup.clearcoat) defines.push_back("CLEARCOAT");
     if (features.glass) defines.push_back("GLASS");
@@ -231,8 +237,11 @@ RayPass createRayPass(const std::string& folder, const LookupPass& lookup, const
     pass.lobes = ShaderProgram(folder, "surface.vert", "lobes.frag", with({"TRACED", "COUNT_ONLY_READS"}));
     pass.guides = FullscreenProgram(folder, "reflection_guides.frag", with({"WRITES_DEPTH"}));
     pass.trace = FullscreenProgram(folder, "trace_reflections.frag", with(features.bvhDefines));
-    pass.shade = FullscreenProgram(folder, "shade_reflections.frag", defines);
     pass.lights = FullscreenProgram(folder, "trace_lights.frag", with(features.bvhDefines));
+    if (features.sky) defines.push_back("SKY");
+    pass.shade = FullscreenProgram(folder, "shade_reflections.frag", defines);
+    if (features.sky)
+        pass.skyLights = FullscreenProgram(folder, "trace_lights.frag", with(features.bvhDefines));
     pass.mean = FullscreenProgram(folder, "mean_reflections.frag", defines);
     pass.pool = FullscreenProgram(folder, "pool_reflections.frag", defines);
     pass.reproject = FullscreenProgram(folder, "reproject_reflections.frag", defines);
@@ -242,7 +251,8 @@ RayPass createRayPass(const std::string& folder, const LookupPass& lookup, const
 bool isReady(const RayPass& pass) {
     const auto ready = [](const FullscreenProgram& program) { return program.program.isReady(); };
     return pass.lobes.isReady() && ready(pass.guides) && ready(pass.trace) && ready(pass.shade) &&
-           ready(pass.lights) && ready(pass.mean) && ready(pass.pool) && ready(pass.reproject);
+           ready(pass.lights) && (!pass.sky || ready(pass.skyLights)) && ready(pass.mean) &&
+           ready(pass.pool) && ready(pass.reproject);
 }
 
 namespace {

@@ -27,14 +27,17 @@ struct GpuRayScene {
 struct RayFeatures {
     std::vector<std::string> bvhDefines;  // of the trees
     bool glass = false;                   // whether there is any
+    bool sky = false;                     // whether there is an environment
     bool counts = false;                  // with shaders/lib/count_fetches.glsl
 };
 
 struct RayPass {
     ShaderProgram lobes;
     FullscreenProgram guides, trace, shade, lights, mean, pool, reproject;
+    FullscreenProgram skyLights;  // empty without a sky
     bool clearcoat = false;
     bool glass = false;
+    bool sky = false;
 };
 
 /// Throws GlError.

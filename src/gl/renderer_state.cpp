@@ -219,8 +219,9 @@ const RayPass& Renderer::State::rayTracing() {
     std::optional<RayPass>& made = countsFetches ? countingRayPass : rayPass;
     const bool glassAppears = made && !glass.empty() && !made->glass;
     if (!made || glassAppears)
-        made = createRayPass(shaderFolder, lookupFor(false), lookup,
-                             {bvhDefines(*restBvh), !glass.empty(), countsFetches});
+        made = createRayPass(
+            shaderFolder, lookupFor(false), lookup,
+            {bvhDefines(*restBvh), !glass.empty(), bool(scene.environment.picture), countsFetches});
     return *made;
 }
 

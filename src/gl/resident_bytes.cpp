@@ -13,7 +13,8 @@ uint64_t bytesOf(const Textures&... textures) {
 uint64_t sceneBytes(const GpuScene& scene) {
     GLint64 vertices = 0;
     glGetNamedBufferParameteri64v(scene.vertices.name(), GL_BUFFER_SIZE, &vertices);
-    uint64_t sum = uint64_t(vertices) + bytesOf(scene.white, scene.splitSum, scene.environment);
+    uint64_t sum = uint64_t(vertices) +
+                   bytesOf(scene.white, scene.splitSum, scene.environment.picture, scene.environment.choices);
     for (const auto* images : {&scene.imagesLinear, &scene.imagesSrgb})
         for (const GlTexture& image : *images) sum += textureBytes(image);
     return sum;
@@ -55,7 +56,7 @@ ResidentBytes residentBytesOf(const GpuScene& scene, const GpuAtlas& atlas, cons
 
 uint64_t rayBytes(const GpuRayScene& rays) {
     return bytesOf(rays.bvh.nodes, rays.bvh.triangles, rays.bvh.opacity, rays.bvh.alphas, rays.hits.table,
-                   rays.hits.images.colors, rays.hits.images.roughness);
+                   rays.hits.images.colors, rays.hits.images.linear);
 }
 
 uint64_t pyramidBytes(const RelightPass& pass) {

@@ -111,13 +111,6 @@ float maxAnisotropy() {
     return std::min(limit, 8.0f);  // beyond 8 textures at grazing angles hardly become sharper
 }
 
-GlTexture uploadEnvironment(const Image& image) {
-    GlTexture texture = createTexture2D(GL_RGB32F, glm::uvec2(image.width, image.height));
-    glTextureSubImage2D(texture.name(), 0, 0, 0, image.width, image.height, GL_RGB, GL_FLOAT,
-                        image.pixels.data());
-    return texture;
-}
-
 std::vector<DrawRange> drawRanges(const Scene& scene) {
     std::vector<DrawRange> ranges;
     for (const Surface& surface : scene.surfaces) {
@@ -157,10 +150,7 @@ GpuScene uploadScene(const Scene& scene, const Atlas& atlas) {
     gpu.splitSum = createTexture2D(GL_RG32F, glm::uvec2(kSplitSumSize));
     glTextureSubImage2D(gpu.splitSum.name(), 0, 0, 0, kSplitSumSize, kSplitSumSize, GL_RG, GL_FLOAT,
                         splitSumTable().data());
-    if (scene.environment) {
-        gpu.environment = uploadEnvironment(scene.environment->radiance);
-        gpu.environmentSampler = createSampler(GL_REPEAT, GL_CLAMP_TO_EDGE, GL_LINEAR, GL_LINEAR);
-    }
+    if (scene.environment) gpu.environment = uploadEnvironment(*scene.environment);
     checkGl("uploading the scene");
     return gpu;
 }

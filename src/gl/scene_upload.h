@@ -8,6 +8,7 @@
 #include "core/render/picture.h"
 #include "core/scene/scene.h"
 #include "core/scene/transparency.h"
+#include "gl/environment_upload.h"
 #include "gl/gl_objects.h"
 #include "gl/shader_loader.h"
 
@@ -42,8 +43,7 @@ struct GpuScene {
     std::vector<GlSampler> samplers;      // see samplerIndex
     std::optional<PixelFilter> filtered;  // as the samplers are set
     GlTexture splitSum;
-    GlTexture environment;  // empty without one
-    GlSampler environmentSampler;
+    GpuEnvironment environment;
     Bounds bounds;
 };
 

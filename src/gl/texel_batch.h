@@ -13,6 +13,7 @@
 namespace phat {
 
 inline constexpr uint32_t kBatchSide = 8, kBatchBlocks = kBatchSide * kBatchSide;
+inline constexpr uint32_t kBlockTiles = kBlockSize / kTileSize;  // along a side
 /// Of a target with so many texels a block and side.
 constexpr glm::uvec2 batchTarget(uint32_t texels) {
     return glm::uvec2(kBatchSide * texels);

@@ -11,34 +11,6 @@
 namespace phat::test {
 namespace {
 
-/// A floor (surface 0) under a ceiling (surface 1) two metres above; the lookup of the floor says 2.
-struct GpuWorld {
-    explicit GpuWorld(Scene scene)
-        : world(worldOfQuads(std::move(scene), 4)), bvh(buildSceneBvh(world.scene)) {
-        fillWithLookups(world, 2, 0);
-        frame.width = 32;
-        frame.height = 24;
-        frame.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 2);
-        frame.samplesPerPixel = 4;
-        frame.tracedByGpu = Reflections::rays;
-    }
-
-    RendererInput input() const { return {world.scene, world.atlas, world.points, world.phatexture, &bvh}; }
-    /// The mean of what the pixels show, all of them near one point of the floor.
-    float middle(Renderer& renderer, Component component) {
-        frame.component = component;
-        const Image image = renderer.render(frame);
-        double sum = 0;
-        for (const glm::vec3& pixel : image.pixels) sum += double(pixel.x);
-        return float(sum / double(image.pixels.size()));
-    }
-
-    HeadlessContext context;
-    RendererWorld world;
-    SceneBvh bvh;
-    FrameSettings frame;
-};
-
 TEST(GpuRays, MirrorShowsAlbedoTimesIrradiance) {
     GpuWorld gpu(floorAndCeiling(whiteMetal(0), lambert(0.5f)));
     setIrradiance(gpu.world, 1, 3);

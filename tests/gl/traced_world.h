@@ -1,6 +1,7 @@
 #pragma once
 // Worlds of quads whose lobes can be traced.
 
+#include "core/bvh/scene_bvh.h"
 #include "core/render/traced_reflections.h"
 #include "core/scene/lights.h"
 #include "gl/renderer_world.h"
@@ -34,6 +35,34 @@ struct WorldOfRays {
     RayScene rays;
     LightSampler lights;
     ReflectionScene scene;
+};
+
+/// A world whose floor is seen by rays of the GPU, from a metre above; the lookup of the floor says 2.
+struct GpuWorld {
+    explicit GpuWorld(Scene scene)
+        : world(worldOfQuads(std::move(scene), 4)), bvh(buildSceneBvh(world.scene)) {
+        fillWithLookups(world, 2, 0);
+        frame.width = 32;
+        frame.height = 24;
+        frame.camera = lookAtCamera({0, 1, 1}, {0.1f, 0, 0}, 2);
+        frame.samplesPerPixel = 4;
+        frame.tracedByGpu = Reflections::rays;
+    }
+
+    RendererInput input() const { return {world.scene, world.atlas, world.points, world.phatexture, &bvh}; }
+    /// The mean of what the pixels show, all of them near one point of the floor.
+    float middle(Renderer& renderer, Component component) {
+        frame.component = component;
+        const Image image = renderer.render(frame);
+        double sum = 0;
+        for (const glm::vec3& pixel : image.pixels) sum += double(pixel.x);
+        return float(sum / double(image.pixels.size()));
+    }
+
+    HeadlessContext context;
+    RendererWorld world;
+    SceneBvh bvh;
+    FrameSettings frame;
 };
 
 }  // namespace phat::test

@@ -20,19 +20,20 @@ export class HitImages {
         this.program = new ShaderProgram(gl, 'fullscreen.vert', 'picture_cells.frag');
         this.means = new Map();
         const colors = new Set(),
-            roughness = new Set();
+            linear = new Set();
         const add = (set, texture) => {
             if (texture && webglTexture(renderer, texture) && set.size < kNoLayer) set.add(texture);
         };
         for (const m of materials) {
             add(colors, m.map);
             add(colors, emissionMap(m));
-            add(roughness, metallicRoughnessMap(m));
+            add(linear, metallicRoughnessMap(m));
+            add(linear, m.normalMap);
         }
         this.colorLayers = this.numbered(colors);
-        this.roughnessLayers = this.numbered(roughness);
+        this.linearLayers = this.numbered(linear);
         this.colors = this.createArray(colors, gl.SRGB8_ALPHA8);
-        this.roughness = this.createArray(roughness, gl.RGBA8);
+        this.linear = this.createArray(linear, gl.RGBA8);
     }
 
     numbered(textures) {
@@ -105,7 +106,7 @@ export class HitImages {
     }
 
     dispose() {
-        for (const texture of [this.colors, this.roughness]) this.gl.deleteTexture(texture);
+        for (const texture of [this.colors, this.linear]) this.gl.deleteTexture(texture);
         this.program.dispose();
     }
 }

@@ -30,7 +30,7 @@ function isAtSamePlace(a, b) {
 // The texture by which a material's triangles have their texture coordinates; those of its other pictures that lie
 // elsewhere are replaced by their means.
 export function placedMap(m) {
-    return m.map ?? emissionMap(m) ?? metallicRoughnessMap(m) ?? null;
+    return m.map ?? emissionMap(m) ?? metallicRoughnessMap(m) ?? m.normalMap ?? null;
 }
 
 function wrapFlags(texture) {
@@ -68,7 +68,8 @@ export function packHitMaterial(m, images, colored) {
         texture && isAtSamePlace(texture, placed) ? (layers.get(texture) ?? kNoLayer) : kNoLayer;
     const color = layerOf(m.map, images.colorLayers),
         emission = layerOf(emissionMap(m), images.colorLayers),
-        roughness = layerOf(metallicRoughnessMap(m), images.roughnessLayers);
+        roughness = layerOf(metallicRoughnessMap(m), images.linearLayers),
+        normal = layerOf(m.normalMap, images.linearLayers);
     const times = (rgb, layer, texture) => {
         const mean = layer === kNoLayer ? images.meanOf(texture) : [1, 1, 1];
         return rgb.map((x, i) => x * mean[i]);
@@ -83,13 +84,13 @@ export function packHitMaterial(m, images, colored) {
         coatRoughness = (m.clearcoatRoughness ?? 0) * images.meanOf(m.clearcoatRoughnessMap)[1],
         transmission = isGlass(m) ? m.transmission * images.meanOf(m.transmissionMap)[0] : 0;
     words[12] = (half(coat) | (half(coatRoughness) << 16)) >>> 0;
-    words[13] = half(transmission);
+    words[13] = (half(transmission) | (half(m.normalScale?.x ?? 1) << 16)) >>> 0;
     words[14] =
         (isUnlit(m) ? kUnlit : 0) |
         (m.side === DoubleSide ? kDoubleSided : 0) |
         (colored || shines ? kReadsColors : 0) |
         wrapFlags(placed);
-    words[15] = color | (emission << 8) | (roughness << 16);
+    words[15] = (color | (emission << 8) | (roughness << 16) | (normal << 24)) >>> 0;
     floats.set([...absorptionOf(m), m.ior ?? 1.5], 16);
     return words;
 }
@@ -100,6 +101,7 @@ export function structureOf(m) {
         m.map,
         emissionMap(m),
         metallicRoughnessMap(m),
+        m.normalMap,
         m.specularIntensityMap,
         m.specularColorMap,
         m.clearcoatMap,

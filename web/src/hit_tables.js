@@ -1,7 +1,8 @@
 // The table that shaders/lib/hit_surface.glsl reads: materials, triangles in the order of the leaves, emitters.
 // twin: src/gl/hit_tables.cpp, findEmissiveTriangles in src/core/scene/light_emitters.cpp.
 import { DoubleSide } from 'three';
-import { half, luminance, packDirection } from './file.js';
+import { aliasTable } from './alias_table.js';
+import { half, luminance, octahedral, packDirection } from './file.js';
 import { kChartsOffset, kVertexWords } from './surfaces.js';
 import { emissionMap, emissionOf, isUnlit } from './material.js';
 import { glassOfSurfaces } from './hit_glass.js';
@@ -46,6 +47,16 @@ function packColor(rgb) {
     return r | (g << 8) | (b << 16);
 }
 
+const kMaxTangent = 2046; // twin: src/gl/hit_tables.cpp
+
+// Three bytes: octahedral, the handedness plus 2. `tangent`: the sum of the corners'; 0 where they have none.
+function packTangent([x, y, z, handedness]) {
+    if (length([x, y, z]) < 1e-6) return [0, 0, 0];
+    const [u, v] = octahedral([x, y, z]).map((e) => Math.floor(Math.min(Math.max(0.5 * e + 0.5, 0), 1) * kMaxTangent + 0.5)),
+        code = u | (v << 11) | ((handedness < 0 ? 1 : 3) << 22);
+    return [code & 255, (code >> 8) & 255, (code >> 16) & 255];
+}
+
 // Lengths of texture coordinates over those of the surface, 1/m.
 function uvPerMeter(positions, uvs) {
     const area = length(cross(minus(positions[1], positions[0]), minus(positions[2], positions[0])));
@@ -59,13 +70,15 @@ function writeTriangle(table, at, corners, triangle, { material, map, glass, emi
         out = new Float32Array(table.buffer),
         places = corners.of(triangle),
         uvs = places.map((place) => corners.uv(place, map)),
+        tangent = packTangent([6, 7, 8, 9].map((i) => places.reduce((sum, place) => sum + floats[place + i], 0))),
         [first] = places;
     places.forEach((place, i) => {
-        // Texels of the front: words 0 to 5; normals: 8 to 10; texture coordinates: 12 to 17; colours: 20 to 22.
+        // Texels of the front: words 0 to 5; normals: 8 to 10; texture coordinates: 12 to 17; colours and, in their
+        // upper bytes, the tangent: 20 to 22.
         out.set(floats.subarray(place + 18, place + 20), at + 2 * i);
         table[at + 8 + i] = packDirection(floats.subarray(place + 3, place + 6));
         out.set(uvs[i], at + 12 + 2 * i);
-        table[at + 20 + i] = packColor(floats.subarray(place + 14, place + 17));
+        table[at + 20 + i] = (packColor(floats.subarray(place + 14, place + 17)) | (tangent[i] << 24)) >>> 0;
     });
     table.set(words.subarray(first + kChartsOffset, first + kChartsOffset + 2), at + 6);
     table[at + 11] = material + glass.bits;
@@ -113,26 +126,6 @@ function findEmitters(corners, drawRanges, images) {
         }
     }
     return emitters;
-}
-
-// Walker's alias method: with column i chosen uniformly, i by thresholds[i], else aliases[i].
-// source: Vose 1991, "A Linear Algorithm for Generating Random Numbers with a Given Distribution".
-export function aliasTable(probabilities) {
-    const scaled = probabilities.map((p) => p * probabilities.length),
-        thresholds = probabilities.map(() => 1),
-        aliases = probabilities.map((_, i) => i),
-        small = [],
-        large = [];
-    scaled.forEach((p, i) => (p < 1 ? small : large).push(i));
-    while (small.length > 0 && large.length > 0) {
-        const low = small.pop(),
-            high = large.at(-1);
-        thresholds[low] = scaled[low];
-        aliases[low] = high;
-        scaled[high] -= 1 - scaled[low];
-        if (scaled[high] < 1) small.push(large.pop());
-    }
-    return { thresholds, aliases };
 }
 
 // Sixteen words an emitter.

@@ -21,19 +21,22 @@ const kSharpAtHits = 0.05,
 const kCountedRays = 64;
 
 export class RayPrograms extends ProgramSet {
-    // `defines`: of all passes; `hasOpacity`: whether rays pass some surfaces; `hasGlass`: whether any is glass.
-    constructor(gl, { defines, scrambles, hasOpacity, hasGlass }) {
+    // `defines`: of all passes; `hasOpacity`: whether rays pass some surfaces; `hasGlass`: whether any is glass;
+    // `hasSky`: whether there is an environment.
+    constructor(gl, { defines, scrambles, hasOpacity, hasGlass, hasSky }) {
         const all = hasGlass ? [...defines, 'GLASS'] : defines,
             ofLookup = scrambles ? [...all, 'SCRAMBLES'] : all,
-            ofTrees = hasOpacity ? [...all, 'BVH_OPACITY'] : all;
+            ofTrees = hasOpacity ? [...all, 'BVH_OPACITY'] : all,
+            sky = hasSky ? ['SKY'] : [];
         const fullscreen = (file, more) => new ShaderProgram(gl, 'fullscreen.vert', file, more);
         super({
             lobes: new ShaderProgram(gl, 'surface.vert', 'lobes.frag', [...defines, 'TRACED']),
             guides: fullscreen('reflection_guides.frag', defines),
             trace: fullscreen('trace_reflections.frag', ofTrees),
-            shade: fullscreen('shade_reflections.frag', [...ofLookup, 'WITHOUT_PUNCTUAL_LIGHTS']),
+            shade: fullscreen('shade_reflections.frag', [...ofLookup, ...sky, 'WITHOUT_PUNCTUAL_LIGHTS']),
             hitLights: fullscreen('trace_hit_lights.frag', ofTrees),
             lights: fullscreen('trace_lights.frag', ofTrees),
+            ...(hasSky ? { skyLights: fullscreen('trace_lights.frag', [...ofTrees, ...sky]) } : {}),
             mean: fullscreen('mean_reflections.frag', []),
             pool: fullscreen('pool_reflections.frag', []),
             reproject: fullscreen('reproject_reflections.frag', []),
@@ -59,10 +62,14 @@ export function shadeHits(program, world, targets, { spread, regularized }, draw
     program.use();
     let unit = passes.bindPhatexels(program, bindHits(program, world, targets, spread));
     program.bind('splitSumTable', unit++, gl.TEXTURE_2D, passes.splitSum);
-    program.bind('environment', unit++, gl.TEXTURE_2D, scene.environment);
+    program.bind('environment', unit++, gl.TEXTURE_2D, scene.environment.picture);
     gl.bindSampler(unit, scene.linear);
     program.bind('irradiance', unit, gl.TEXTURE_2D_ARRAY, passes.atlas.irradiance);
     program.set('turn', 0);
+    if (scene.environment.choices) {
+        program.set('skyPoints', scene.environment.points);
+        program.set('skyPointRadiance', scene.environment.pointRadiance);
+    }
     program.set('regularized', regularized);
     program.set('sharpAtHits', scene.environmentFrom ? kSharpUnderSky : kSharpAtHits);
     draw();
@@ -136,11 +143,11 @@ export class RayPass {
             if (scene.lightCount > 0) this.lightHits(ray);
             gl.disable(gl.BLEND);
         }
-        if (scene.hits.emitterCount > 0) {
-            gl.enable(gl.BLEND);
-            this.traceLights(lobe);
-            gl.disable(gl.BLEND);
-        }
+        const { lights, skyLights } = this.programs;
+        gl.enable(gl.BLEND);
+        if (scene.hits.emitterCount > 0) this.traceLights(lights, lobe);
+        if (skyLights && scene.environment.choices) this.traceLights(skyLights, lobe);
+        gl.disable(gl.BLEND);
         this.pool(lobe);
     }
 
@@ -264,9 +271,9 @@ export class RayPass {
         this.drawTraced(targets.indirectTarget, ray);
     }
 
-    traceLights(lobe) {
+    // Samples of the emitters, or of the sky.
+    traceLights(program, lobe) {
         const { gl, targets, scene } = this,
-            { lights: program } = this.programs,
             { lightSamples } = this.rays;
         program.use();
         this.bindLobes(program, lobe);
@@ -274,6 +281,8 @@ export class RayPass {
         scene.bindTrees(program, kTreesUnit);
         this.bindSurfaces(program);
         program.bind('rayWeights', kAfterTrees + kHitUnits + 1, gl.TEXTURE_2D, targets.indirectSums);
+        if (program === this.programs.skyLights)
+            scene.bindEnvironmentSamples(program, kAfterTrees + kHitUnits + 2);
         this.bindEye(program);
         program.set('brightest', scene.brightest);
         program.set('lightSamples', lightSamples);

@@ -1,6 +1,6 @@
 // What rays read of a room: trees, surfaces, emitters, lights, the environment.
 // twin: GpuRayScene in src/gl/ray_pass.h, src/gl/bvh_upload.cpp.
-import { createTexture2D } from './gl.js';
+import { uploadEnvironment } from './environment_upload.js';
 import { prepareUploads } from './fixed.js';
 import { HitImages } from './hit_images.js';
 import { structureOf } from './hit_materials.js';
@@ -10,9 +10,6 @@ import { lightTable } from './light_table.js';
 import { isGlass } from './material.js';
 import { createTable, kTableWidth } from './tables.js';
 import { uploadTexture } from './three_internals.js';
-
-// Of half floats.
-const kMaxRadiance = 65504;
 
 export class RayScene {
     constructor(gl, renderer, bake, noVertices) {
@@ -43,7 +40,7 @@ export class RayScene {
         if (structure !== this.structure) this.rebuild();
         else this.updateRows();
         this.structure = structure;
-        if (this.environmentFrom !== environment || !this.environment) this.uploadEnvironment(environment);
+        if (this.environmentFrom !== environment || !this.environment) this.replaceEnvironment(environment);
         const { rows, count } = lightTable(root, unitMeters),
             { gl } = this;
         if (!this.lightRows || !isSame(rows, this.lightRows)) {
@@ -95,20 +92,25 @@ export class RayScene {
         }
     }
 
-    // Row 0 at +Y, as shaders/background.frag has it; three.js has it at -Y.
-    uploadEnvironment(environment) {
-        const { gl } = this,
-            { width, height, data } = environment?.image ?? { width: 1, height: 1, data: new Float32Array(4) },
-            pixels = new Float32Array(data.length);
-        for (let y = 0; y < height; ++y)
-            pixels.set(data.subarray(4 * width * y, 4 * width * (y + 1)), 4 * width * (height - 1 - y));
-        gl.deleteTexture(this.environment ?? null);
-        const clamped = pixels.map((x) => Math.min(x, kMaxRadiance));
-        this.environment = createTexture2D(gl, gl.RGBA16F, width, height, clamped);
-        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.REPEAT);
-        for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
-            gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
+    replaceEnvironment(environment) {
+        this.freeEnvironment();
+        this.environment = uploadEnvironment(this.gl, environment);
         this.environmentFrom = environment;
+    }
+
+    freeEnvironment() {
+        const { gl, environment } = this;
+        for (const texture of [environment?.picture, environment?.choices]) gl.deleteTexture(texture ?? null);
+    }
+
+    // What lib/environment_samples.glsl reads, in two units from `unit` on.
+    bindEnvironmentSamples(program, unit) {
+        const { gl, environment } = this;
+        program.bind('environment', unit, gl.TEXTURE_2D, environment.picture);
+        program.bind('environmentChoices', unit + 1, gl.TEXTURE_2D, environment.choices);
+        program.set('environmentCells', [environment.columns, environment.rows]);
+        program.set('environmentCellTexels', environment.cellTexels);
+        program.set('turn', 0);
     }
 
     // What lib/bvh.glsl reads, in four units from `unit` on.
@@ -133,7 +135,7 @@ export class RayScene {
         program.set('emitterCount', hits.emitterCount);
         program.bind('hitTable', unit, gl.TEXTURE_2D, hits.table);
         program.bind('hitColors', unit + 1, gl.TEXTURE_2D_ARRAY, images.colors);
-        program.bind('hitRoughness', unit + 2, gl.TEXTURE_2D_ARRAY, images.roughness);
+        program.bind('hitLinear', unit + 2, gl.TEXTURE_2D_ARRAY, images.linear);
     }
 
     freeTables() {
@@ -146,7 +148,8 @@ export class RayScene {
     dispose() {
         const { gl } = this;
         this.freeTables();
-        for (const texture of [this.nodes, this.triangles, this.environment, this.lights])
+        this.freeEnvironment();
+        for (const texture of [this.nodes, this.triangles, this.lights])
             gl.deleteTexture(texture ?? null);
         gl.deleteSampler(this.linear);
     }

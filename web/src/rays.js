@@ -53,9 +53,10 @@ export class Rays {
         }
         const hasOpacity = trees.firstTransparent < trees.order.length,
             hasGlass = surfaces.drawRanges.some(({ mesh }) => isGlass(mesh.material));
-        if (hasGlass !== this.hasGlass) this.dropPrograms();
-        this.hasGlass = hasGlass;
-        this.programs ??= new tracing.RayPrograms(this.gl, { ...features, hasOpacity, hasGlass });
+        const hasSky = Boolean(light.environment);
+        if (hasGlass !== this.hasGlass || hasSky !== this.hasSky) this.dropPrograms();
+        Object.assign(this, { hasGlass, hasSky });
+        this.programs ??= new tracing.RayPrograms(this.gl, { ...features, hasOpacity, hasGlass, hasSky });
         return (mayWait && light.waitsForPrograms) || this.programs.isReady();
     }
 

@@ -71,6 +71,9 @@ function completeGeometry(mesh) {
         geometry = geometry === mesh.geometry ? geometry.clone() : geometry;
         if (!geometry.index) geometry.setIndex([...Array(geometry.attributes.position.count).keys()]);
         geometry.computeTangents();
+        // They point along v, which runs down in glTF, where green turns normals up.
+        const { tangent } = geometry.attributes;
+        for (let v = 0; v < tangent.count; ++v) tangent.setW(v, -tangent.getW(v));
     }
     return geometry;
 }

@@ -1,5 +1,5 @@
 // A room with a mirror for a wall, as a .glb: behind the eye are a pane that a picture cuts out, one that is half
-// transparent, one of glass, a wall with a picture, a lamp that shines by one, and a light at a point.
+// transparent, one of glass, a wall with pictures of colours and normals, a lamp that shines by one, and a light at a point.
 import { GlbBuilder, png } from './built_room.js';
 
 export function mirrorRoom() {
@@ -32,6 +32,10 @@ export function mirrorRoom() {
             [255, 200, 40],
             [30, 90, 40],
             [200, 200, 200],
+        ]),
+        turned = texture([
+            [204, 178, 230],
+            [60, 100, 230],
         ]);
     const pane = { alphaMode: 'MASK', doubleSided: true };
     room.json.extensionsUsed.push('KHR_lights_punctual');
@@ -45,7 +49,8 @@ export function mirrorRoom() {
         [[-2, 0, 2], [0, 0, -4], up],
         [[2, 0, -2], deep, up],
     ]);
-    room.add(material([1, 1, 1], {}, { baseColorTexture: { index: striped } }), [[[2, 0, 2], [-4, 0, 0], up]]);
+    const tiled = { normalTexture: { index: turned, scale: 0.8 } };
+    room.add(material([1, 1, 1], tiled, { baseColorTexture: { index: striped } }), [[[2, 0, 2], [-4, 0, 0], up]]);
     room.add(material([0.9, 0.9, 0.9], {}, { metallicFactor: 1, roughnessFactor: 0.05 }), [
         [[-2, 0, -2], across, up],
     ]);

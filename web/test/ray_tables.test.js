@@ -2,7 +2,8 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Object3D, PointLight, Scene, SpotLight } from 'three';
-import { aliasTable, brightestRadiance } from '../src/hit_tables.js';
+import { aliasTable } from '../src/alias_table.js';
+import { brightestRadiance } from '../src/hit_tables.js';
 import { lightTable } from '../src/light_table.js';
 import { costAfter, costFromLookup, kMaxLevel, levelFor, raysOf } from '../src/ray_budget.js';
 import { placeNumbers, sobolBits } from '../src/sample_numbers.js';
