@@ -6,6 +6,7 @@ import './element.test.js';
 import './failures.test.js';
 import './headset.test.js';
 import './hostile.test.js';
+import './lamps.test.js';
 import './lightmap.test.js';
 import './lights.test.js';
 import './lint.test.js';
