@@ -1,7 +1,6 @@
 #include "core/bake/side_sight.h"
 
 #include <algorithm>
-#include <span>
 
 #include "core/base/hemisphere_map.h"
 #include "core/base/random.h"
@@ -77,17 +76,11 @@ void spreadBySight(std::vector<SideState>& states, const std::vector<std::vector
     const auto isReached = [&](uint32_t met) {
         return met == kMeetsLight || (met != kMeetsNothing && states[met] == SideState::reached);
     };
-    const auto seesEnough = [&](std::span<const uint32_t> all) {
-        for (; !all.empty(); all = all.subspan(kSideRays)) {
-            const std::span<const uint32_t> part = all.first(kSideRays);
-            if (std::count_if(part.begin(), part.end(), isReached) >= minSeen) return true;
-        }
-        return false;
-    };
     for (bool changed = true; changed;) {
         changed = false;
         for (size_t s = 0; s < states.size(); ++s) {
-            if (states[s] != SideState::undecided || !seesEnough(meets[s])) continue;
+            if (states[s] != SideState::undecided) continue;
+            if (std::count_if(meets[s].begin(), meets[s].end(), isReached) < minSeen) continue;
             states[s] = SideState::reached;
             changed = true;
         }

@@ -39,9 +39,8 @@ std::vector<uint32_t> meetsFromSide(const RayScene& rays, const Components& comp
 
 enum class SideState : uint8_t { dark, undecided, reached };
 
-/// Reaches the undecided sides of which `minSeen` of kSideRays rays meet light or a side that is reached,
-/// until there are no more. `meets`: per side, one after the other, results of meetsFromSide, each of which
-/// may do; none where it was not asked for.
+/// Reaches the undecided sides of which `minSeen` rays meet light or a side that is reached, until there are
+/// no more. `meets`: per side, of meetsFromSide; empty where it was not asked for.
 void spreadBySight(std::vector<SideState>& states, const std::vector<std::vector<uint32_t>>& meets,
                    uint32_t minSeen);
 

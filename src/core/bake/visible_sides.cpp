@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include "core/base/discrete_distribution.h"
+#include "core/base/hemisphere_map.h"
+#include "core/base/random.h"
 #include "core/scene/enclosure.h"
 #include "core/scene/glass.h"
 #include "core/scene/triangle_corners.h"
@@ -11,28 +14,33 @@
 namespace phat {
 namespace {
 
-// Rays from an eye, and how many of them have to meet a side: a 64th of the view. What is smaller is seen
-// from the sides around; what is seen through a crack is no such part.
-constexpr uint32_t kEyeRays = 512, kMinEyeRays = 8;
-// An eye of whose rays more than this part meet nothing is outside.
+// A walk from a side meets so many surfaces, and looks from each point at so many eyes.
+constexpr int kWalkBounces = 4, kWalkEyes = 2;
+// Of kSideRays walks from a side, those that have to end at an eye or at light. Through a crack of a
+// millimetre in a wall of two metres half a walk does, in the mean.
+constexpr uint32_t kVisible = 4, kClearlyVisible = 20;
+// Rays that tell whether an eye is outside: more than this part of them meets nothing.
+constexpr int kEyeRays = 128;
 constexpr float kOutside = 0.5f;
 // What a ray passes, at most, of what moves.
 constexpr int kMaxPassed = 16;
 
-// Surfaces that are closer, in lengths of the scene's unit, lie in one place: a thing that stands on a floor.
-constexpr float kSamePlace = 1e-4f;
-
-constexpr uint32_t kRests = ~0u;
+constexpr uint32_t kRests = ~0u, kPassesNothing = ~0u - 1;
 
 /// Where eyes and lights may be.
-std::vector<glm::vec3> eyesOf(const RayScene& rays, const std::vector<StandPoint>& stands) {
-    const Scene& scene = rays.scene();
+std::vector<glm::vec3> eyesOf(const Scene& scene, const std::vector<StandPoint>& stands) {
     std::vector<glm::vec3> eyes;
     for (const StandPoint& stand : stands) eyes.push_back(stand.eye);
     for (const Camera& camera : scene.cameras) eyes.push_back(glm::vec3(camera.worldFromCamera[3]));
     for (const PunctualLight& light : scene.lights)
         if (light.type != PunctualLight::Type::directional) eyes.push_back(light.position);
     return eyes;
+}
+
+bool hasDirectionalLight(const Scene& scene) {
+    return std::any_of(scene.lights.begin(), scene.lights.end(), [](const PunctualLight& light) {
+        return light.type == PunctualLight::Type::directional;
+    });
 }
 
 /// [surface]: the nearest node above it, or its own, that an animation moves; kRests where there is none.
@@ -49,155 +57,132 @@ std::vector<uint32_t> moversOf(const Scene& scene) {
     return movers;
 }
 
-/// Unit; of a triangle without an area not a number.
 glm::vec3 faceNormal(const Scene& scene, uint32_t triangle) {
     const auto [a, b, c] = cornersOf(scene, triangle);
     return glm::normalize(glm::cross(b - a, c - a));
 }
 
-/// Whether a triangle lies where another one is hit, in its plane.
-bool liesAt(const Scene& scene, uint32_t triangle, glm::vec3 at, glm::vec3 hitNormal, float within) {
-    const auto [a, b, c] = cornersOf(scene, triangle);
-    const float twiceArea = glm::length(glm::cross(b - a, c - a));
-    if (!(twiceArea > 0)) return false;
-    const glm::vec3 normal = faceNormal(scene, triangle);
-    constexpr float kParallel = 0.999f, kEdge = 1e-3f;
-    if (std::abs(glm::dot(normal, hitNormal)) < kParallel) return false;
-    if (std::abs(glm::dot(normal, at - a)) > within) return false;
-    const float u = glm::dot(glm::cross(at - a, c - a), normal) / twiceArea;
-    const float v = glm::dot(glm::cross(b - a, at - a), normal) / twiceArea;
-    return u > -kEdge && v > -kEdge && u + v < 1 + kEdge;
-}
-
-class Sight {
+/// Walks from sides to where eyes and lights may be.
+class Walks {
   public:
-    explicit Sight(const LitScene& lit)
+    explicit Walks(const LitScene& lit)
         : lit_(lit), components_(findComponents(lit.rays.scene())), movers_(moversOf(lit.rays.scene())) {
-        anythingMoves_ = std::any_of(movers_.begin(), movers_.end(), [](uint32_t m) { return m != kRests; });
-        findEyes();
+        const std::vector<StandPoint> stands = standPointsOfAllStoreys(lit.rays);
+        eyes_ = eyesOf(lit.rays.scene(), stands);
+        aroundIsOpen_ =
+            stands.empty() || hasDirectionalLight(lit.rays.scene()) ||
+            std::any_of(eyes_.begin(), eyes_.end(), [&](glm::vec3 eye) { return isOutside(eye); });
     }
     const Components& components() const { return components_; }
 
-    /// Spreads from the sides that are reached, and from eyes.
-    std::vector<SideState> spread(std::vector<SideState> states, uint32_t minSeen) const {
+    /// Per side: how many of kSideRays walks end well, with all that moves where it is or away. None of
+    /// single-sided surfaces, which have texels in any case.
+    std::vector<uint32_t> ofSides() const {
         const Scene& scene = lit_.rays.scene();
-        for (uint32_t s = 0; s < states.size(); ++s) {
-            if (states[s] == SideState::reached || !isSide(scene, components_, s)) continue;
-            states[s] = seenFromEyes_[s] ? SideState::reached : SideState::undecided;
-        }
-        std::vector<std::vector<uint32_t>> meets(states.size());
-        tbb::parallel_for(uint32_t(0), uint32_t(states.size()), [&](uint32_t s) {
-            if (states[s] == SideState::undecided) meets[s] = meetsOf(s, states);
+        const bool moves =
+            std::any_of(movers_.begin(), movers_.end(), [](uint32_t m) { return m != kRests; });
+        std::vector<uint32_t> ended(2 * size_t(components_.count()), 0);
+        tbb::parallel_for(uint32_t(0), uint32_t(ended.size()), [&](uint32_t s) {
+            if (!isSide(scene, components_, s | 1)) return;
+            ended[s] = walksFrom(s, kPassesNothing);
+            if (!moves) return;
+            const uint32_t triangle = components_.triangle[components_.first[s / 2]];
+            ended[s] = std::max(ended[s], walksFrom(s, movers_[scene.triangleSurface[triangle]]));
         });
-        spreadBySight(states, meets, minSeen);
-        return states;
+        return ended;
     }
 
   private:
-    using States = std::vector<SideState>;
-
-    // Of surfaces in one place a ray meets any. Inside a solid that stands on a floor it may be the floor,
-    // which is reached: then the other one counts.
-    uint32_t darkerInPlace(const Ray& ray, const Hit& hit, const States& states) const {
-        const Scene& scene = lit_.rays.scene();
-        const uint32_t side = components_.sideOf(hit);
-        if (states[side] != SideState::reached) return side;
-        const glm::vec3 at = ray.origin + hit.distance * ray.direction;
-        const float within = kSamePlace * lit_.rays.unitMeters();
-        const glm::vec3 normal = faceNormal(scene, hit.triangle);
-        for (const uint32_t triangle : lit_.rays.trianglesNear(at, within)) {
-            if (triangle == hit.triangle || !liesAt(scene, triangle, at, normal, within)) continue;
-            const bool fromBehind = glm::dot(faceNormal(scene, triangle), ray.direction) > 0;
-            const uint32_t other = 2 * components_.ofTriangle[triangle] + fromBehind;
-            if (isSide(scene, components_, other) && states[other] != SideState::reached) return other;
-        }
-        return side;
-    }
-
-    uint32_t metBy(const Ray& ray, const Hit& hit, const States& states) const {
-        if (hit) return darkerInPlace(ray, hit, states);
-        const bool light = aroundIsOpen_ || maxComponent(lit_.lights.environmentRadiance(ray.direction)) > 0;
-        return light ? kMeetsLight : kMeetsNothing;
-    }
-
-    uint32_t straight(const Ray& ray, const States& states) const {
-        uint64_t rayCount = 0;
-        return metBy(ray, seeStraight(lit_.rays, ray, kFarDistance, rayCount).hit, states);
-    }
-
-    // What a ray from a surface of `mover` meets if all else that moves is away.
-    uint32_t pastMoving(Ray ray, uint32_t mover, const States& states) const {
+    // `mover`: of the surface that the ray leaves, all else that moves is away; kPassesNothing: it is not.
+    Hit meets(Ray ray, uint32_t mover, float maxDistance = kFarDistance) const {
         const Scene& scene = lit_.rays.scene();
         Hit hit;
+        float way = 0;
         for (int passed = 0; passed < kMaxPassed; ++passed) {
             uint64_t rayCount = 0;
-            hit = seeStraight(lit_.rays, ray, kFarDistance, rayCount).hit;
+            hit = seeStraight(lit_.rays, ray, maxDistance - way, rayCount).hit;
             if (!hit) break;
             const uint32_t met = movers_[scene.triangleSurface[hit.triangle]];
-            if (met == kRests || met == mover) break;
-            const glm::vec3 at = ray.origin + hit.distance * ray.direction;
-            ray.origin = lit_.rays.offsetOrigin(at, ray.direction);
+            if (mover == kPassesNothing || met == kRests || met == mover) break;
+            way += hit.distance;
+            ray.origin = lit_.rays.offsetOrigin(ray.origin + hit.distance * ray.direction, ray.direction);
         }
-        return metBy(ray, hit, states);
+        if (hit) hit.distance += way;
+        return hit;
     }
 
-    std::vector<uint32_t> meetsOf(uint32_t side, const States& states) const {
-        std::vector<uint32_t> meets = meetsFromSide(lit_.rays, components_, side,
-                                                    [&](const Ray& ray) { return straight(ray, states); });
-        if (!anythingMoves_) return meets;
-        const uint32_t triangle = components_.triangle[components_.first[side / 2]];
-        const uint32_t mover = movers_[lit_.rays.scene().triangleSurface[triangle]];
-        const std::vector<uint32_t> past = meetsFromSide(
-            lit_.rays, components_, side, [&](const Ray& ray) { return pastMoving(ray, mover, states); });
-        meets.insert(meets.end(), past.begin(), past.end());
-        return meets;
+    bool isOutside(glm::vec3 eye) const {
+        int nothing = 0;
+        for (int i = 0; i < kEyeRays; ++i) nothing += !meets({eye, spherePoint(i, kEyeRays)}, kPassesNothing);
+        return float(nothing) > kOutside * kEyeRays;
     }
 
-    void findEyes() {
-        const std::vector<StandPoint> stands = standPointsOfAllStoreys(lit_.rays);
-        const auto& lights = lit_.rays.scene().lights;
-        aroundIsOpen_ = stands.empty() || std::any_of(lights.begin(), lights.end(), [](const auto& light) {
-                            return light.type == PunctualLight::Type::directional;
-                        });
-        seenFromEyes_.assign(2 * size_t(components_.count()), 0);
-        for (const glm::vec3& eye : eyesOf(lit_.rays, stands)) {
-            std::vector<uint32_t> met(kEyeRays);
-            tbb::parallel_for(uint32_t(0), kEyeRays, [&](uint32_t i) {
-                uint64_t rayCount = 0;
-                const Ray ray{eye, spherePoint(int(i), int(kEyeRays))};
-                const Hit hit = seeStraight(lit_.rays, ray, kFarDistance, rayCount).hit;
-                met[i] = hit ? components_.sideOf(hit) : kMeetsNothing;
-            });
-            std::sort(met.begin(), met.end());
-            for (auto from = met.begin(); from != met.end();) {
-                const auto to = std::upper_bound(from, met.end(), *from);
-                if (*from == kMeetsNothing)
-                    aroundIsOpen_ = aroundIsOpen_ || float(to - from) > kOutside * kEyeRays;
-                else if (to - from >= kMinEyeRays)
-                    seenFromEyes_[*from] = 1;
-                from = to;
-            }
+    // Near eyes are tried more often: one may be in a small space.
+    bool seesEye(glm::vec3 from, uint32_t mover, Rng& random) const {
+        if (eyes_.empty()) return false;
+        std::vector<double> nearness;
+        for (const glm::vec3& eye : eyes_)
+            nearness.push_back(1 / std::max(double(glm::dot(eye - from, eye - from)), 1e-12));
+        const DiscreteDistribution choice(nearness);
+        for (int i = 0; i < kWalkEyes; ++i) {
+            const glm::vec3 toward = eyes_[choice.choose(double(random.uniform())).index] - from;
+            const float distance = glm::length(toward);
+            if (distance > 0 && !meets({from, toward / distance}, mover, distance)) return true;
         }
+        return false;
+    }
+
+    // Whether a walk ends at an eye or at light.
+    bool endsWell(Ray ray, uint32_t mover, Rng& random) const {
+        const Scene& scene = lit_.rays.scene();
+        for (int bounce = 0; bounce < kWalkBounces; ++bounce) {
+            const Hit hit = meets(ray, mover);
+            if (!hit)
+                return aroundIsOpen_ || maxComponent(lit_.lights.environmentRadiance(ray.direction)) > 0;
+            const Material& material = scene.materialOf(hit.triangle);
+            if (hit.backFace && !material.doubleSided) return false;
+            if (maxComponent(material.emission) > 0) return true;
+            const glm::vec3 normal = faceNormal(scene, hit.triangle) * (hit.backFace ? -1.0f : 1.0f);
+            ray.origin = lit_.rays.offsetOrigin(ray.origin + hit.distance * ray.direction, normal);
+            if (mover != kPassesNothing) mover = movers_[scene.triangleSurface[hit.triangle]];
+            if (seesEye(ray.origin, mover, random)) return true;
+            const glm::vec3 local = squareToCosineHemisphere(random.uniform2());
+            ray.direction = glm::normalize(frameFromNormal(normal).toWorld(local));
+        }
+        return false;
+    }
+
+    uint32_t walksFrom(uint32_t side, uint32_t mover) const {
+        uint32_t walk = 0;
+        const auto met = [&](const Ray& ray) {
+            Rng random(hashOf(0x3a1c, side, walk++));
+            return endsWell(ray, mover, random) ? kMeetsLight : kMeetsNothing;
+        };
+        const std::vector<uint32_t> ends = meetsFromSide(lit_.rays, components_, side, met);
+        return uint32_t(std::count(ends.begin(), ends.end(), kMeetsLight));
     }
 
     LitScene lit_;
     Components components_;
     std::vector<uint32_t> movers_;  // [surface]
-    bool anythingMoves_ = false;
+    std::vector<glm::vec3> eyes_;
     bool aroundIsOpen_ = false;
-    std::vector<uint8_t> seenFromEyes_;  // [side]
 };
 
 }  // namespace
 
 std::vector<Sides> visibleSides(const LitScene& scene, const PhotonMap& photons,
                                 std::vector<NeededSides>* clearlyVisible) {
-    const Sight sight(scene);
-    const auto statesBy = [&](const LitLimits& limits) {
-        return sight.spread(litStates(scene, sight.components(), photons, limits), limits.seen);
+    const Walks walks(scene);
+    const std::vector<uint32_t> ended = walks.ofSides();
+    const auto statesBy = [&](const LitLimits& limits, uint32_t minWalks) {
+        std::vector<SideState> states = litStates(scene, walks.components(), photons, limits);
+        for (size_t s = 0; s < states.size(); ++s)
+            if (ended[s] >= minWalks) states[s] = SideState::reached;
+        return states;
     };
-    if (clearlyVisible) *clearlyVisible = neededSides(statesBy(kClearlyLit));
-    return reachedSides(statesBy(kLit));
+    if (clearlyVisible) *clearlyVisible = neededSides(statesBy(kClearlyLit, kClearlyVisible));
+    return reachedSides(statesBy(kLit, kVisible));
 }
 
 }  // namespace phat

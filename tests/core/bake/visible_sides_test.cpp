@@ -61,6 +61,13 @@ TEST(VisibleSides, InsidesOfClosedSolidsAreNot) {
     expectInsideIsVisible(sidesOf(roomWithBox()), false);
 }
 
+// Each sees sides of the other that are visible elsewhere.
+TEST(VisibleSides, NorAreThoseOfSolidsThatReachIntoEachOther) {
+    Scene scene = roomWithBox();
+    addOutwardBox(scene, doubleSided(), {1.3f, 0.2f, 1.3f}, {0.6f, 0.6f, 0.6f});
+    for (const Sides sides : sidesOf(scene)) EXPECT_EQ(sides, Sides::front);
+}
+
 TEST(VisibleSides, WhereALampIsThatIsOffTheyAre) {
     Scene scene = roomWithBox();
     scene.lights = {pointLight(glm::vec3(0), {1.3f, 0.3f, 1.3f})};
