@@ -44,6 +44,7 @@ export class Passes {
         this.white = whiteTexture(gl);
         this.atlas = uploadAtlas(gl, bake.atlas);
         this.targets = [];
+        this.occluders = null; // BakedLight.occluders
         this.frameCount = 0;
         this.drawing = new SurfaceDrawing(gl, renderer, bake.surfaces, this.white);
         this.rays = new Rays(gl, renderer, this.noVertices);
@@ -260,6 +261,8 @@ export class Passes {
         program.bind('tileTable', 2, gl.TEXTURE_2D, atlas.tileTable);
         program.bind('irradiance', 3, gl.TEXTURE_2D_ARRAY, atlas.irradiance);
         program.set('show', show);
+        program.set('occluderCount', this.occluders?.count ?? 0);
+        if (this.occluders) program.set('occluders', this.occluders.rows);
     }
 
     preview(view, target, show) {
@@ -291,6 +294,7 @@ export class Passes {
             this.freeTargets();
         }
         light.updates?.follow(this, view);
+        this.occluders = light.occluders;
         this.programs.choose(Boolean(this.lookup), light.waitsForPrograms);
         this.chooseRays(view, light);
         // Rays and what rough glass shows come from all over the picture.

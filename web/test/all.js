@@ -14,6 +14,7 @@ import './looks.test.js';
 import './memory.test.js';
 import './moves.test.js';
 import './npm.test.js';
+import './occluders.test.js';
 import './package.test.js';
 import './pictures.test.js';
 import './plugin.test.js';

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/hemisphere_map.h"
+#include "core/scene/brdf.h"
 #include "core/base/random.h"
 
 namespace phat {

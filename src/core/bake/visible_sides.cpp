@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "core/base/discrete_distribution.h"
-#include "core/base/hemisphere_map.h"
+#include "core/scene/brdf.h"
 #include "core/base/random.h"
 #include "core/scene/enclosure.h"
 #include "core/scene/glass.h"
