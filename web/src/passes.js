@@ -44,7 +44,6 @@ export class Passes {
         this.white = whiteTexture(gl);
         this.atlas = uploadAtlas(gl, bake.atlas);
         this.targets = [];
-        this.occluders = null; // BakedLight.occluders
         this.frameCount = 0;
         this.drawing = new SurfaceDrawing(gl, renderer, bake.surfaces, this.white);
         this.rays = new Rays(gl, renderer, this.noVertices);
@@ -261,8 +260,6 @@ export class Passes {
         program.bind('tileTable', 2, gl.TEXTURE_2D, atlas.tileTable);
         program.bind('irradiance', 3, gl.TEXTURE_2D_ARRAY, atlas.irradiance);
         program.set('show', show);
-        program.set('occluderCount', this.occluders?.count ?? 0);
-        if (this.occluders) program.set('occluders', this.occluders.rows);
     }
 
     preview(view, target, show) {
@@ -282,7 +279,7 @@ export class Passes {
         this.drawing.draw(program, view, kSlots.length);
     }
 
-    // `view`: { width, height, clipFromWorld, worldFromClip, pixelRadians, eye, eyeAtInfinity, isVisible(mesh), copies, part };
+    // `view`: { width, height, clipFromWorld, worldFromClip, pixelRadians, eye, eyeAtInfinity, isVisible(mesh), copies, part, occluders };
     // see copies.js; `part`: see parts.js; `light`: a BakedLight. Returns the view's targets. Leaves WebGL's state to the caller.
     draw(view, light) {
         this.clock = light.clock;
@@ -294,7 +291,6 @@ export class Passes {
             this.freeTargets();
         }
         light.updates?.follow(this, view);
-        this.occluders = light.occluders;
         this.programs.choose(Boolean(this.lookup), light.waitsForPrograms);
         this.chooseRays(view, light);
         // Rays and what rough glass shows come from all over the picture.

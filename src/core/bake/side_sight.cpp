@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/scene/brdf.h"
 #include "core/base/random.h"
+#include "core/scene/brdf.h"
 
 namespace phat {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "core/base/discrete_distribution.h"
-#include "core/scene/brdf.h"
 #include "core/base/random.h"
+#include "core/scene/brdf.h"
 #include "core/scene/enclosure.h"
 #include "core/scene/glass.h"
 #include "core/scene/triangle_corners.h"
