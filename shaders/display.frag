@@ -3,6 +3,7 @@
 // this pixel, else the ratio of the cone-weighted sums of the relit PHATexels. With PAPER indirect light, diffuse and
 // glossy, is the mean of what relight_paper.frag made of the PHATexels.
 // source: Hensley et al. 2003, sections 6.1 and 6.2; the ratio and the lookup are ours (docs/lookup.md).
+#include "lib/contact_shadow.glsl"
 #include "lib/fetch.glsl"
 #include "lib/irradiance.glsl"
 #include "lib/packed_sums.glsl"
@@ -199,9 +200,10 @@ void addBakedLight(VisibleSurface s, ViewedBrdf viewed, inout Components c) {
 #endif
         if (scalar > 0.0) addGlossy(lobe * kSources, albedo, scalar, t, c);
     }
-    c.diffuseIndirect = viewed.diffuse * t.irradiance[0];
+    vec3 diffuse = viewed.diffuse * unoccludedByThings(vPosition, s.worldFromLocal[2]);
+    c.diffuseIndirect = diffuse * t.irradiance[0];
 #ifdef AREA
-    c.direct += viewed.diffuse * t.irradiance[1];
+    c.direct += diffuse * t.irradiance[1];
 #endif
 }
 

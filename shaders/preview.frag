@@ -1,6 +1,7 @@
 // A picture of what compiles at once, for as long as the programs of the whole one are being compiled: base colours by
 // the baked irradiance and by punctual lights, as if everything were diffuse. Where those are left out, so is emission:
 // somebody else adds both.
+#include "lib/contact_shadow.glsl"
 #include "lib/irradiance.glsl"
 #include "lib/slots.glsl"
 #include "lib/visible_point.glsl"
@@ -16,6 +17,10 @@ uniform int alphaMode;
 
 layout(location = 0) out vec4 radiance;
 
+vec3 shadingNormal(VisiblePoint point) {
+    return faceforward(normalize(vNormal), -point.normalGeometric, vNormal);
+}
+
 #ifndef WITHOUT_PUNCTUAL_LIGHTS
 vec3 emissionOf(MaterialFactors factors) {
     vec3 emission = factors.emission * texture(emissionTexture, slotUv(kSlotEmission)).rgb;
@@ -25,7 +30,7 @@ vec3 emissionOf(MaterialFactors factors) {
 // On the surface, W/m2.
 vec3 punctualIrradiance(VisiblePoint point) {
     vec3 sum = vec3(0.0);
-    vec3 normal = faceforward(normalize(vNormal), -point.normalGeometric, vNormal);
+    vec3 normal = shadingNormal(point);
     for (int light = 0; light < lightCount; ++light) {
         PunctualSample from = samplePunctual(light, vPosition);
         float cosine = dot(from.towardLight, normal);
@@ -54,9 +59,10 @@ void main() {
 #ifndef WITHOUT_PUNCTUAL_LIGHTS
         direct += color / kPi * punctualIrradiance(point);
 #endif
-        indirect = color / kPi * baked[0];
+        vec3 diffuse = color / kPi * unoccludedByThings(vPosition, shadingNormal(point));
+        indirect = diffuse * baked[0];
 #ifdef AREA
-        direct += color / kPi * baked[1];
+        direct += diffuse * baked[1];
 #endif
     }
     vec3 sum = direct * show.x + indirect * show.z;

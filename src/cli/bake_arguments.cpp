@@ -84,6 +84,10 @@ void declareLight(const DeclareOption& declare, BakeSettings& settings) {
     declare.text("--probes", "COUNT",
                  "Points that light things which are added after the bake, at most so many; or none; "
                  "default: 2048");
+    declare.flag(
+        "--dynamic", settings.dynamic,
+        "Also texels for sides that no light reaches yet, and for lamps that are off: they can light "
+        "up later");
     declare.value("--seed", "S", settings.seed, "Of all random numbers")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();

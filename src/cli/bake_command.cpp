@@ -164,6 +164,7 @@ void bakeOnce(const BakeOptions& options, const GltfSource& source, const LitInp
         report = reportOf(options.output, result, journal.resumedRecords(), progress.stageTimes(), notes);
         report["probes"] = {
             {"count", probes.count()}, {"bytes", probeBytes(probes)}, {"rays", probeRays.load()}};
+        if (options.settings.dynamic && !result.stats.kept.all) report["dynamic"] = dynamicReport(result);
         if (input.earlier) report["kept"] = keptReport(result, *input.earlier);
         report["memory"] = {{"estimatedBytes", estimatedBytes}, {"peakBytes", memoryOfProcess().peak}};
     } catch (const std::exception& error) {
@@ -192,10 +193,10 @@ void runBake(BakeOptions options) {
     const LoadedScene& loaded = input.loaded;
     if (!options.quiet) printLines(options.input, input.added.lines);
     uint64_t& texels = options.settings.atlas.texelBudget;
+    const bool area = options.settings.dynamic || LightSampler(loaded.scene).hasArea();
     if (options.maxBytes)
         texels = std::min(texels, texelsThatFit(*options.maxBytes, std::filesystem::file_size(options.input),
-                                                options.settings.layers, LightSampler(loaded.scene).hasArea(),
-                                                options.storage));
+                                                options.settings.layers, area, options.storage));
     if (texels < kMinTexels) throw FileError(options.output, "would not fit into --max-megabytes");
     const uint64_t estimatedBytes = checkedMemory(options, source, loaded.scene);
     const RayScene rays = raysOf(loaded.scene, input.added);

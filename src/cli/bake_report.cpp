@@ -66,6 +66,18 @@ json reportOf(const std::string& output, const Bake& result, size_t resumedParts
             {"notes", notes}};
 }
 
+json dynamicReport(const Bake& result) {
+    const Phatexture& light = result.phatexture;
+    const auto isDark = [](const PackedPhatexel& texel) { return texel.radiance == 0; };
+    const auto& area = light.area.front().texels;
+    const bool darkArea = std::all_of(area.begin(), area.end(), isDark);
+    const uint64_t areaBytes = sizeof(PackedPhatexel) + sizeof(uint32_t);  // a texel, with its irradiance
+    const uint64_t indirectBytes = light.indirect.size() * sizeof(PackedPhatexel) + sizeof(uint32_t);
+    const uint64_t dark = result.stats.darkTexels;
+    const uint64_t bytes = dark * indirectBytes + (darkArea ? result.atlas.texelCount() : dark) * areaBytes;
+    return {{"darkTexels", dark}, {"darkAreaLayer", darkArea}, {"bytes", bytes}};
+}
+
 json keptReport(const Bake& result, const EarlierFile& earlier) {
     const BakeStats& stats = result.stats;
     return {{"from", earlier.source.path},
@@ -84,6 +96,13 @@ void printKept(const json& kept, uint32_t charts) {
                charts, kept["earlierCharts"].get<size_t>(), kept["phatexels"].get<uint64_t>(), stages);
 }
 
+void printDynamic(const json& dynamic) {
+    fmt::print("  dynamic     {} texels of dark sides{}, {:.1f} MB before compression\n",
+               dynamic["darkTexels"].get<uint64_t>(),
+               dynamic["darkAreaLayer"].get<bool>() ? ", a dark layer of area lights" : "",
+               dynamic["bytes"].get<double>() * 1e-6);
+}
+
 }  // namespace
 
 void printReport(const json& report, const std::vector<std::string>& printed) {
@@ -97,6 +116,7 @@ void printReport(const json& report, const std::vector<std::string>& printed) {
     fmt::print("  atlas       {} x {} texels of {:.4g} mm{}, {} charts, coverage {:.1f} %\n",
                atlas["width"].get<uint32_t>(), atlas["height"].get<uint32_t>(), median, range,
                atlas["charts"].get<uint32_t>(), atlas["coverage"].get<double>() * 100);
+    if (report.contains("dynamic")) printDynamic(report["dynamic"]);
     if (report.contains("kept")) printKept(report["kept"], atlas["charts"].get<uint32_t>());
     fmt::print("  photons     {} emitted, {} stored\n", report["photons"]["emitted"].get<uint64_t>(),
                report["photons"]["stored"].get<uint64_t>());

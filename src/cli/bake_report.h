@@ -19,6 +19,9 @@ std::optional<std::string> resolutionNote(const Bake& result, const AtlasSetting
 nlohmann::json reportOf(const std::string& output, const Bake& result, size_t resumedParts,
                         const std::vector<StageTime>& stageTimes, const std::vector<std::string>& notes);
 
+/// What BakeSettings::dynamic costs: `dynamic` of the output.
+nlohmann::json dynamicReport(const Bake& result);
+
 /// What it has of an earlier bake: `kept` of the output.
 nlohmann::json keptReport(const Bake& result, const EarlierFile& earlier);
 

@@ -135,6 +135,7 @@ Json describeBake(const BakedScene& baked) {
               {"blocks", atlas.blockCount},
               {"coverage", coverageOf(atlas)},
               {"notOccluded", double(notOccluded) / double(std::max<size_t>(1, atlas.texelCount()))}}},
+            {"dynamic", settingsOf(baked.record).dynamic},
             {"storage", nameOf(storageNames(), baked.record.storage)},
             {"indirect", describeLayers(phatexture.indirect)},
             {"area", describeLayers(phatexture.area)},
@@ -251,6 +252,8 @@ void printBake(const Json& bake) {
                     atlas["size"][0].get<uint32_t>(), atlas["size"][1].get<uint32_t>(), median, range,
                     atlas["charts"].get<size_t>(), 100 * atlas["coverage"].get<double>(),
                     100 * atlas["notOccluded"].get<double>()));
+    if (bake["dynamic"].get<bool>())
+        printLine("dynamic", "texels also for what is dark, and for lamps that are off: it can light up");
     printLine("storage", bake["storage"] == "paper"
                              ? "paper: 16 bytes a PHATexel, no distances (in memory 8 bytes, infinitely far)"
                              : "packed: 8 bytes a PHATexel");

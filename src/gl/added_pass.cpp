@@ -1,5 +1,6 @@
 #include "gl/added_pass.h"
 
+#include "core/scene/occluders.h"
 #include "gl/draw_order.h"
 
 namespace phat {
@@ -46,6 +47,8 @@ GpuAdded uploadAdded(const AddedThings& added) {
     gpu.materials = added.scene.materials;
     for (Material& material : gpu.materials) material.transmission = 0;
     gpu.probes = uploadProbes(added.probes);
+    for (const Occluder& occluder : occludersOf(added.scene))
+        for (const glm::vec4& row : rowsOf(occluder)) gpu.occluders.push_back(row);
     return gpu;
 }
 

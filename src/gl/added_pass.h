@@ -12,6 +12,7 @@ struct GpuAdded {
     std::vector<Material> materials;
     std::vector<Glass> glass;  // none: theirs is drawn opaque
     GpuProbes probes;
+    std::vector<glm::vec4> occluders;  // rowsOf() them
 
     DrawnMaterials drawn() const { return {materials, glass}; }
 };

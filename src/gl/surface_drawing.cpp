@@ -1,5 +1,6 @@
 #include "gl/surface_drawing.h"
 
+#include "gl/added_pass.h"
 #include "gl/draw_order.h"
 
 namespace phat {
@@ -56,6 +57,10 @@ void bindDiffuse(const ShaderProgram& program, const DisplayInput& input, const 
     program.set("lightCount", input.shadows.lightCount);
     program.set("show", shownParts(settings.component));
     bindCamera(program, matrices, settings.camera);
+    const std::span<const glm::vec4> occluders =
+        input.added ? std::span(input.added->occluders) : std::span<const glm::vec4>();
+    program.set("occluderCount", int(occluders.size() / 3));
+    if (!occluders.empty()) program.set("occluders", occluders);
 }
 
 void bindShared(const ShaderProgram& program, const DisplayInput& input, const CameraMatrices& matrices,

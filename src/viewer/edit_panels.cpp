@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/phat/bake_record.h"
 #include "viewer/panel_parts.h"
 
 namespace phat {
@@ -61,10 +62,11 @@ void drawSelectionPanel(ViewerState& state, Edit& edit) {
     Material& material = edit.next.materials[surface.material];
     wrappedText(
         fmt::format("{}, material {}", surface.name, material.name.empty() ? "(unnamed)" : material.name));
-    // Without any area light at the start there are no PHATexels for such light.
+    // Without any area light at the start there are no PHATexels for such light, unless they were asked for.
     const bool canGlow = !state.document->baked.phatexture.area.empty();
     const glm::vec3 original = state.document->edits.original().materials[surface.material].emission;
-    drawMaterial(edit, material, canGlow && original != glm::vec3(0));
+    const bool mayGlow = original != glm::vec3(0) || settingsOf(state.document->baked.record).dynamic;
+    drawMaterial(edit, material, canGlow && mayGlow);
     if (widgets::button("Reset material")) {
         material = state.document->edits.original().materials[surface.material];
         edit.changed = true;

@@ -349,5 +349,23 @@ TEST(Lit, WrongNamesAreRefusedBeforeTheBake) {
     EXPECT_EQ(folder.fileCount(), 0u);
 }
 
+// Nothing shines in the file, so that without the flag there is no layer that a lamp could be switched on in.
+TEST(Dynamic, KeepsALayerForLampsThatAreOff) {
+    const TemporaryFolder folder;
+    const std::string room = writeRoom(folder), baked = folder.file("room.phat.glb");
+    for (const bool dynamic : {false, true}) {
+        std::vector<std::string> words = {"bake",         room, "-o",        baked, "--sky",    "none",
+                                          "--resolution", "2k", "--photons", "1k",  "--probes", "none"};
+        if (dynamic) words.push_back("--dynamic");
+        const ProgramResult result = runPhat(words);
+        ASSERT_EQ(result.exitCode, 0) << result.err;
+        EXPECT_EQ(result.out.find("a dark layer of area lights") != std::string::npos, dynamic) << result.out;
+        const json bake = json::parse(runPhat({"info", baked, "--json"}).out)["bake"];
+        EXPECT_EQ(bake["dynamic"], dynamic);
+        EXPECT_EQ(bake["area"]["layers"], dynamic ? 1 : 0);
+        EXPECT_EQ(runPhat({"info", baked}).out.find("it can light up") != std::string::npos, dynamic);
+    }
+}
+
 }  // namespace
 }  // namespace phat

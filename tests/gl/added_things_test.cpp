@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/probes/light_probes.h"
+#include "core/scene/occluders.h"
 #include "gl/renderer_world.h"
 
 namespace phat::test {
@@ -36,6 +37,9 @@ struct AddedQuad : ::testing::Test {
             addFloor(scene, lambert(0.5f), 2);
             scene.lights = lights;
             world = worldOfQuads(std::move(scene), 4);
+            fillPhatexels(world, 0, [&](glm::vec3, glm::vec3) { return glm::vec3(floorRadiance); });
+            world.phatexture.indirectIrradiance.assign(world.atlas.texelCount(),
+                                                       packRgb9e5(glm::vec3(kPi * floorRadiance)));
         }
         const LightProbes probes = evenProbes(indirect, area);
         const AddedThings things{thing, probes};
@@ -51,6 +55,7 @@ struct AddedQuad : ::testing::Test {
     }
     void addThing(const Material& material, float size = 0.6f) { addFloor(thing, material, size, 0.5f); }
     std::vector<PunctualLight> lights;
+    float floorRadiance = 0;  // arriving at the floor from everywhere
 };
 
 TEST_F(AddedQuad, IsLitByTheProbes) {
@@ -95,6 +100,25 @@ TEST_F(AddedQuad, CastsAShadow) {
     EXPECT_NEAR(with.at(32, 32).x, 0.8f / kPi * 3 / square(0.5f), 0.02f);
     EXPECT_LT(with.at(32, 41).x, 0.05f * without) << "in its shadow";
     EXPECT_NEAR(with.at(32, 60).x, draw().at(32, 60).x, 1e-4f);
+}
+
+// What it keeps of the baked light from the floor is what the ellipsoid that stands for it does.
+TEST_F(AddedQuad, ThrowsAContactShadow) {
+    floorRadiance = 1;
+    const Image without = draw(Component::diffuseIndirect);
+    addOutwardBox(thing, lambert(0.8f), {-0.2f, 0, -0.2f}, {0.4f, 0.4f, 0.4f});
+    const std::vector<Occluder> occluders = occludersOf(thing);
+    ASSERT_EQ(occluders.size(), 1u);
+    const Image with = draw(Component::diffuseIndirect);
+    const glm::vec3 eye(camera.worldFromCamera[3]);
+    for (const int x : {8, 12, 16, 20, 44, 50}) {
+        EXPECT_NEAR(without.at(x, 32).x, 0.5f, 0.01f);
+        const glm::vec3 direction = pixelDirection(camera, x, 32, 64, 64);
+        const glm::vec3 floor = eye - eye.y / direction.y * direction;
+        const float left = 1 - occlusionBy(occluders[0], floor, {0, 1, 0});
+        EXPECT_LT(left, 0.99f);
+        EXPECT_NEAR(with.at(x, 32).x, left * without.at(x, 32).x, 0.005f) << x;
+    }
 }
 
 TEST_F(AddedQuad, ShowsItsEmissionAndIsHidden) {

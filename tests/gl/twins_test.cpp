@@ -9,6 +9,7 @@
 #include "core/phatexel/directions.h"
 #include "core/phatexel/phatexture.h"
 #include "core/scene/brdf.h"
+#include "core/scene/occluders.h"
 #include "gl/gl_context.h"
 #include "gl/gl_evaluate.h"
 #include "gl/renderer.h"
@@ -65,6 +66,20 @@ TEST_P(Twins, HemisphereMap) {
         const glm::vec2 square(rows[i][0]);
         expectNear(glm::vec3(there[i]), squareToHemisphere(square), 0, 2e-6f, i);
         expectNear(glm::vec3(back[i]), glm::vec3(square, 0), 0, 3e-4f, i);
+    }
+}
+
+TEST_P(Twins, SphereOcclusion) {
+    const auto rows = randomRows(40);
+    const auto result = run("lib/contact_shadow.glsl",
+                            "result = vec4(sphereOcclusion(4.0 * a.xyz - 2.0, 0.1 + a.w, normalize(b.xyz - "
+                            "0.5)), 0.0, 0.0, 0.0);",
+                            rows);
+    for (int i = 0; i < kRows; ++i) {
+        const glm::vec4 &a = rows[i][0], &b = rows[i][1];
+        const float want =
+            sphereOcclusion(4.0f * glm::vec3(a) - 2.0f, 0.1f + a.w, glm::normalize(glm::vec3(b) - 0.5f));
+        ASSERT_NEAR(result[i].x, want, 1e-4f) << i;
     }
 }
 

@@ -4,6 +4,7 @@ import { Matrix4 } from 'three';
 import shaders from 'phat:probe-shaders';
 import { addShaders, shaderLibrary } from './gl.js';
 import { chainHook, chainShader } from './hooks.js';
+import { Occluders } from './occluders.js';
 import { addPhotometry, photometryKey } from './photometry.js';
 import { readProbes } from './probes.js';
 
@@ -71,6 +72,7 @@ export class AddedMeshes {
         this.uniforms = { ...probes, phatRootFromWorld: this.rootFromWorld };
         this.materials = new Map(); // undo and number of meshes
         this.meshes = new Map(); // undo
+        this.occluders = new Occluders();
     }
 
     static async read(root, parser, description) {
@@ -81,6 +83,7 @@ export class AddedMeshes {
         object.traverse((mesh) => {
             if (mesh.isMesh && !this.meshes.has(mesh)) this.addMesh(mesh);
         });
+        this.occluders.set([...this.meshes.keys()]);
     }
 
     addMesh(mesh) {
@@ -113,6 +116,7 @@ export class AddedMeshes {
             this.meshes.get(mesh)?.();
             this.meshes.delete(mesh);
         });
+        this.occluders.set([...this.meshes.keys()]);
     }
 
     // Frees what is on the GPU; three.js uploads it again where it is drawn again.
@@ -124,6 +128,7 @@ export class AddedMeshes {
     detach() {
         this.meshes.forEach((undo) => undo());
         this.meshes.clear();
+        this.occluders.set([]);
         this.dispose();
     }
 }

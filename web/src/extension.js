@@ -125,6 +125,11 @@ export class BakedLight {
         this.#added?.remove(object);
     }
 
+    /** @internal What keeps light from the room's surfaces: see occluders.js; null: nothing. */
+    get occluders() {
+        return this.#added?.occluders.in(this.root) ?? null;
+    }
+
     // Loads what makes light follow the lamps when it is first read.
     get lights() {
         this.#loadingLights ??= import('./light_updates.js').then(({ LightUpdates }) => {

@@ -27,9 +27,9 @@ export class PhatexturesExtension implements GLTFLoaderPlugin {
 export interface Lamp {
     /** Of the light's node or of the material. */
     readonly name: string;
-    /** Times what it was in the bake; 1 until it is set. */
+    /** Times what it was in the bake, or of a lamp that was off, times 1 in the file's unit; 1 until it is set. */
     intensity: number;
-    /** Whether it is switched on. */
+    /** Whether it is switched on; at first not, if it is off in the file. */
     visible: boolean;
     /** Set it to change it: what is done to the colour that it returns changes nothing. */
     get color(): Color;

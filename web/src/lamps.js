@@ -2,7 +2,11 @@
 import { Color } from 'three';
 import { emissionOf, isUnlit } from './material.js';
 
-// A punctual light, or all surfaces of a material that emits. What it is set to is drawn at once.
+// Of a lamp that is off in the file and has a colour, in the file's unit.
+const kStrengthOfLampsThatAreOff = 1;
+
+// A punctual light, or all surfaces of a material that emits, or would if its strength were not 0. What it is set to is
+// drawn at once.
 export class Lamp {
     #intensity = 1;
     #visible = true;
@@ -12,6 +16,7 @@ export class Lamp {
     #strength;
     #baked;
     #own;
+    #isOnInBake = true;
 
     // `source`: a light or a material of three.js; `changed` is called when the lamp is set.
     constructor(source, changed) {
@@ -23,11 +28,15 @@ export class Lamp {
         this.#colorKey = isLight || isUnlit(source) ? 'color' : 'emissive';
         this.#strengthKey = isLight ? 'intensity' : isUnlit(source) ? null : 'emissiveIntensity';
         this.#strength = this.#strengthKey ? source[this.#strengthKey] : 1;
+        if (this.#strength === 0) {
+            this.#strength = kStrengthOfLampsThatAreOff;
+            this.#visible = this.#isOnInBake = false;
+        }
         this.#own = source[this.#colorKey].clone();
         this.#baked = this.#own.clone();
     }
 
-    // Times what it was in the bake.
+    // Times what it was in the bake; of a lamp that was off, times 1 in the file's unit.
     get intensity() {
         return this.#intensity;
     }
@@ -56,7 +65,7 @@ export class Lamp {
     reset() {
         this.#own = this.#baked.clone();
         this.#intensity = 1;
-        this.#visible = true;
+        this.#visible = this.#isOnInBake;
         this.#write();
     }
 
@@ -70,12 +79,20 @@ export class Lamp {
     }
 }
 
-// The lamps of what `root` holds: its punctual lights, then the materials of `drawRanges` that emit.
-export function lampsOf(root, drawRanges, changed) {
+// Whether a material has a colour to emit, at a strength of 0.
+const isOff = (material) =>
+    !isUnlit(material) && material.emissiveIntensity === 0 && material.emissive.toArray().some((x) => x > 0);
+
+// The lamps of what `root` holds: its punctual lights, then the materials of `drawRanges` that emit, and where the bake
+// has a layer for their light (`hasArea`) those that are off.
+export function lampsOf(root, { drawRanges, hasArea }, changed) {
     const sources = new Set();
     root.traverse((object) => {
         if (object.isPointLight || object.isSpotLight || object.isDirectionalLight) sources.add(object);
     });
-    for (const { mesh } of drawRanges) if (emissionOf(mesh.material).some((x) => x > 0)) sources.add(mesh.material);
+    for (const { mesh } of drawRanges) {
+        const { material } = mesh;
+        if (emissionOf(material).some((x) => x > 0) || (hasArea && isOff(material))) sources.add(material);
+    }
     return [...sources].map((source) => new Lamp(source, changed));
 }

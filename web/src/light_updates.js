@@ -35,7 +35,9 @@ export class LightUpdates {
         const lack = lackOf(description);
         if (lack) throw new Error(`the light of this room stays as it was baked: ${lack}`);
         Object.assign(this, { light, parser, description });
-        this.lamps = lampsOf(light.root, light.bake.surfaces.drawRanges, () => this.noteChange());
+        const { surfaces, atlas } = light.bake,
+            { drawRanges } = surfaces;
+        this.lamps = lampsOf(light.root, { drawRanges, hasArea: Boolean(atlas.areaIrradiance) }, () => this.noteChange());
         this.motion = new Motion(light.bake.surfaces, light.bake.atlas);
         this.changes = 0; // of lamps and places; 0: nothing is followed yet
         this.points = null; // TexelPoints, once a lamp has been set

@@ -279,7 +279,7 @@ export class Passes {
         this.drawing.draw(program, view, kSlots.length);
     }
 
-    // `view`: { width, height, clipFromWorld, worldFromClip, pixelRadians, eye, eyeAtInfinity, isVisible(mesh), copies, part };
+    // `view`: { width, height, clipFromWorld, worldFromClip, pixelRadians, eye, eyeAtInfinity, isVisible(mesh), copies, part, occluders };
     // see copies.js; `part`: see parts.js; `light`: a BakedLight. Returns the view's targets. Leaves WebGL's state to the caller.
     draw(view, light) {
         this.clock = light.clock;

@@ -79,6 +79,7 @@ export class Rendering {
             const { radians, ...view } = viewOf(light.root.matrixWorld, camera);
             const part = scissoredPart(renderer, [x, y]);
             Object.assign(view, { pixelRadians: radians / height, width, height, part }, surfacesOf(light, scene, camera));
+            view.occluders = light.occluders;
             const targets = this.passes.draw(view, light);
             light.isWhole = this.passes.isWhole();
             light.tracedMilliseconds = this.passes.rays.milliseconds;

@@ -50,10 +50,13 @@ export class SurfaceDrawing {
         }
     }
 
-    setView(program, { clipFromWorld, eye, eyeAtInfinity }) {
+    // `occluders`: see occluders.js; none of a copy of the room.
+    setView(program, { clipFromWorld, eye, eyeAtInfinity, occluders }) {
         program.set('clipFromWorld', clipFromWorld);
         program.offer('eyeWorld', eye);
         program.offer('eyeAtInfinity', eyeAtInfinity);
+        program.offer('occluderCount', occluders?.count ?? 0);
+        if (occluders) program.offer('occluders', occluders.rows);
     }
 
     drawRange(program, { mesh, first, count }, index, { view, slotCount }) {

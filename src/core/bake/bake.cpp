@@ -9,7 +9,7 @@
 #include "core/bake/indirect_irradiance.h"
 #include "core/bake/irradiance_finish.h"
 #include "core/bake/irradiance_ray.h"
-#include "core/bake/lit_sides.h"
+#include "core/bake/visible_sides.h"
 #include "core/base/stopwatch.h"
 #include "core/phatexel/directions.h"
 #include "core/phatexel/lookup_tables.h"
@@ -86,7 +86,7 @@ std::vector<uint32_t> bakeAreaIrradiance(const GatherContext& context, const std
 }
 
 void bakeAreaLight(const GatherContext& context, const std::vector<SeamPoint>& seams, Phatexture& out) {
-    if (!context.input.lights.hasArea()) return;
+    if (!context.input.lights.hasArea() && !context.settings.dynamic) return;
     if (const Phatexture* same = context.same.areaLight) {
         out.areaGuides = same->areaGuides;
         out.area = same->area;
@@ -145,16 +145,17 @@ void takeAll(const Scene& scene, const EarlierBake& earlier, Bake& out) {
         true, validPhatexels(out.phatexture.indirect) + validPhatexels(out.phatexture.area), {"all light"}};
 }
 
-void makeAtlas(const LitScene& scene, const PhotonMap& photons, const AtlasSettings& settings,
+void makeAtlas(const LitScene& scene, const PhotonMap& photons, const BakeSettings& settings,
                const EarlierBake* earlier, Progress& progress, Bake& out) {
     AtlasStats* stats = &out.stats.atlas;
+    const auto sidesOf = settings.dynamic ? visibleSides : litSides;
     if (!earlier) {
-        out.atlas = buildAtlas(scene.rays, litSides(scene, photons), settings, progress, stats);
+        out.atlas = buildAtlas(scene.rays, sidesOf(scene, photons, nullptr), settings.atlas, progress, stats);
         return;
     }
     EarlierCharts charts = earlier->charts;
-    const std::vector<Sides> sides = litSides(scene, photons, &charts.needed);
-    out.atlas = buildAtlasOn(charts, scene.rays, sides, settings, progress, stats);
+    const std::vector<Sides> sides = sidesOf(scene, photons, &charts.needed);
+    out.atlas = buildAtlasOn(charts, scene.rays, sides, settings.atlas, progress, stats);
 }
 
 // Texels and what of them is occluded. pre: the key of the geometry is known.
@@ -164,6 +165,18 @@ void makeTexels(const LitScene& scene, const EarlierBake* earlier, Progress& pro
         return markOccludedTexels(out.points, out.atlas, scene.rays, progress);
     out.points.state = earlier->results->points.state;
     out.stats.kept.stages.emplace_back("find occluded texels");
+}
+
+uint64_t countDarkTexels(const LitScene& scene, const PhotonMap& photons, const Bake& bake) {
+    const Components components = findComponents(scene.rays.scene());
+    const std::vector<Sides> lit = litSides(scene, photons);
+    uint64_t dark = 0;
+    for (size_t i = 0; i < bake.points.state.size(); ++i) {
+        if (!bake.points.valid(i)) continue;
+        const bool back = bake.atlas.charts[bake.atlas.chartAt(i)].back;
+        dark += lit[components.ofTriangle[bake.points.triangle[i]]] == (back ? Sides::front : Sides::back);
+    }
+    return dark;
 }
 
 // What of the light is that of the earlier bake, by the keys of this one.
@@ -206,10 +219,11 @@ Bake bake(const RayScene& rays, const BakeSettings& settings, Progress& progress
         const LightSampler lights(rays.scene());
         const PhotonMap photons = tracePhotons(rays, lights, settings.photons, progress);
         const PhotonIndex index(photons.photons);
-        makeAtlas({rays, lights}, photons, settings.atlas, earlier, progress, result);
+        makeAtlas({rays, lights}, photons, settings, earlier, progress, result);
         StageKeys& keys = result.keys;
         keys.geometry = sceneKeys.ofGeometry(result.atlas);
         makeTexels({rays, lights}, earlier, progress, result);
+        if (settings.dynamic) result.stats.darkTexels = countDarkTexels({rays, lights}, photons, result);
         keys.areaIrradiance = sceneKeys.ofAreaIrradiance(keys.geometry, settings);
         keys.areaLight = keyOfAreaLight(keys.areaIrradiance, photons, settings);
         const std::vector<Frame> frames = blockFrames(result.atlas, result.points);

@@ -26,7 +26,8 @@ struct BakeStats {
     PhotonStats photons;
     uint64_t texels = 0;  // in the atlas
     uint64_t validPhatexels = 0;
-    uint64_t rays = 0;  // traced after the photons
+    uint64_t darkTexels = 0;  // BakeSettings::dynamic: texels of sides that no light reaches yet
+    uint64_t rays = 0;        // traced after the photons
     double seconds = 0;
     KeptParts kept;
 };

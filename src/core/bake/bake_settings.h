@@ -26,6 +26,9 @@ struct BakeSettings {
     int maxBounces = 256;  // of the longest path: white rooms need many, and between texels they cost no rays
     int irradianceSamples = 16;  // shadow rays a texel for area lights' diffuse part; four times in penumbrae
     uint64_t seed = 1;
+    // For light that is not there yet: texels on all sides that it may reach, and an area layer without area
+    // lights.
+    bool dynamic = false;
 };
 
 }  // namespace phat

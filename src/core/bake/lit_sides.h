@@ -3,11 +3,24 @@
 
 #include <vector>
 
-#include "core/atlas/earlier_charts.h"
-#include "core/transport/path.h"
+#include "core/bake/side_sight.h"
+#include "core/scene/lit_scene.h"
 #include "core/transport/photon_map.h"
 
 namespace phat {
+
+/// When a side is lit.
+struct LitLimits {
+    // Of the scene's usual irradiance: with so much, and of so many photons that they are no leak.
+    double fraction;
+    uint32_t photons;
+    uint32_t seen;  // of kSideRays, that meet a lit side
+};
+inline constexpr LitLimits kLit{0.002, 4, 2}, kClearlyLit{0.02, 40, 20};
+
+/// Per side: reached where light is.
+std::vector<SideState> litStates(const LitScene& scene, const Components& components,
+                                 const PhotonMap& photons, const LitLimits& limits);
 
 /// Per connected component: the sides that light reaches, as far as its material shows them. A side counts as
 /// lit when photons bring it as much light an area as is usual in the scene, or when it sees such a side; so

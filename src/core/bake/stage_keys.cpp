@@ -167,7 +167,7 @@ uint64_t SceneKeys::ofAll(const BakeSettings& settings) const {
          {photons.count, uint64_t(photons.maxBounces), photons.seed, uint64_t(density.neighbors),
           uint64_t(settings.directions), uint64_t(settings.radiance), uint64_t(settings.layers),
           uint64_t(settings.pathsPerPhatexel), uint64_t(settings.maxBounces),
-          uint64_t(settings.irradianceSamples), settings.seed})
+          uint64_t(settings.irradianceSamples), settings.seed, uint64_t(settings.dynamic)})
         key.add(number);
     return key.value();
 }

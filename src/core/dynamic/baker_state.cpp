@@ -31,12 +31,12 @@ BakerState::BakerState(SharedSnapshot rest, const Atlas& atlas, const TexelPoint
     : scene(std::move(rest), atlas, points), settings(wanted), phatexture(baked) {
     requireUpdatable(settings);
     updateSceneQueries();
-    hasArea = lights->hasArea();
     noIndex.emplace(noPhotons.photons);
     blocks = blockRects(atlas);
 
     const size_t tiles = atlas.tileChart.size(), texels = atlas.texelCount();
     const bool fresh = phatexture.indirect.empty();
+    hasArea = fresh ? lights->hasArea() || settings.dynamic : !phatexture.area.empty();
     if (fresh) {
         phatexture.indirect.resize(size_t(settings.layers));
         for (PhatexelLayer& layer : phatexture.indirect) layer.texels.resize(texels);
@@ -53,7 +53,6 @@ BakerState::BakerState(SharedSnapshot rest, const Atlas& atlas, const TexelPoint
         }
     }
     settings.layers = int(phatexture.indirect.size());
-    hasArea = hasArea && !phatexture.area.empty();
 
     for (int layer = 0; layer < settings.layers && fresh; ++layer)
         phatexture.indirect[size_t(layer)].scrambles = scramblesOf(atlas, settings, layer);

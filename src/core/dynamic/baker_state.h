@@ -50,7 +50,7 @@ struct BakerState {
 
     DynamicScene scene;
     BakeSettings settings;
-    bool hasArea = false;  // as the scene at rest
+    bool hasArea = false;  // as the bake
     std::optional<RayScene> rays;
     std::optional<LightSampler> lights;
     PhotonMap noPhotons;

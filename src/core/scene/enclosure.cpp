@@ -195,6 +195,11 @@ std::vector<StandPoint> standPoints(const RayScene& rays) {
     return bounds.empty() ? std::vector<StandPoint>() : findStands(rays, bounds).onMainFloor;
 }
 
+std::vector<StandPoint> standPointsOfAllStoreys(const RayScene& rays) {
+    const Bounds bounds = boundsWithoutGround(rays.scene());
+    return bounds.empty() ? std::vector<StandPoint>() : findStands(rays, bounds).all;
+}
+
 std::vector<Bounds> roomBoxes(const RayScene& rays) {
     const Bounds bounds = boundsWithoutGround(rays.scene());
     if (bounds.empty()) return {};

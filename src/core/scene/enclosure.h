@@ -23,9 +23,11 @@ struct StandPoint {
 };
 
 /// Eyes in rooms, on a grid over the scene, at the height of kEyeMeters, also in rooms that seem to be in
-/// centimetres, millimetres or kilometres; where the room is in no known unit, of kEyeFraction of it. Empty
-/// where the scene has no inside. The same for any number of threads.
+/// centimetres, millimetres or kilometres; where the room is in no known unit, of kEyeFraction of it. Of the
+/// storey that has most of them. Empty where the scene has no inside. The same for any number of threads.
 std::vector<StandPoint> standPoints(const RayScene& rays);
+/// The same of all storeys.
+std::vector<StandPoint> standPointsOfAllStoreys(const RayScene& rays);
 
 /// Where an eye is in a room of any storey: boxes from floor to ceiling around the places where one could
 /// stand, so wide that they reach the walls. Together they follow the rooms' ground plan to within a step of

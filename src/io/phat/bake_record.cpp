@@ -47,6 +47,7 @@ BakeRecord recordOf(const BakeSettings& s, const std::string& source, const std:
         line["texelSize"] = s.atlas.texelSizeMeters;
     else
         line["resolution"] = s.atlas.texelBudget;
+    if (s.dynamic) line["dynamic"] = true;
     if (probes > 0) line["probes"] = probes;
     if (s.atlas.useUvSet >= 0) line["useUv"] = s.atlas.useUvSet;
     if (storage != PhatexelStorage::packed) line["storage"] = nameOf(storageNames(), storage);
@@ -85,6 +86,8 @@ BakeSettings settingsOf(const BakeRecord& record) {
     number("paths", s.pathsPerPhatexel, 1, 65'536);
     // Photons follow the flag, not its default.
     if (s.maxBounces != BakeSettings().maxBounces) s.photons.maxBounces = s.maxBounces;
+    const auto dynamic = line.find("dynamic");
+    s.dynamic = dynamic != line.end() && dynamic->is_boolean() && dynamic->get<bool>();
     name("directions", directionNames(), s.directions);
     name("radiance", radianceNames(), s.radiance);
     return s;
