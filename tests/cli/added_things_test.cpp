@@ -70,9 +70,10 @@ TEST(ConductThings, AreLitByTheProbesOfTheFile) {
     ASSERT_EQ(made.exitCode, 0);
     EXPECT_NE(made.err.find("has no light probes"), std::string::npos) << made.err;
     EXPECT_NEAR(brightness(picture), stored, 0.05 * stored);
-    // Twice the same thing is the same picture.
+    // Twice the same thing is the same picture, but for its contact shadow: those of several things multiply.
     ASSERT_EQ(draw("with.phat.glb", {"--with", thing, "--with", thing}).exitCode, 0);
-    EXPECT_NEAR(brightness(picture), stored, 1e-3 * stored);
+    EXPECT_LE(brightness(picture), stored);
+    EXPECT_GT(brightness(picture), 0.99 * stored);
 
     EXPECT_EQ(draw("with.phat.glb", {"--with", folder.file("nothing.glb")}).exitCode, 1);
     EXPECT_EQ(draw("with.phat.glb", {"--with", thing, "--method", "path"}).exitCode, 2);

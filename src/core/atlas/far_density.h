@@ -15,8 +15,8 @@ namespace phat {
 std::vector<double> farDensities(const Scene& scene, std::span<const FlatChart> flats,
                                  std::span<const double> area);
 
-/// The same per triangle, before anything is flattened: of the connected part of its surface that it is in. 1 for
-/// those that are degenerate in `topology`.
+/// The same per triangle, before anything is flattened: of the connected part of its surface that it is in. 1
+/// for those that are degenerate in `topology`.
 std::vector<double> farDensitiesOfTriangles(const Scene& scene, const MeshTopology& topology);
 
 }  // namespace phat
