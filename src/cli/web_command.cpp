@@ -35,12 +35,13 @@ namespace fs = std::filesystem;
 constexpr const char* kPartsStem = "room";
 constexpr const char* kPage = "index.html";
 constexpr const char* kPoster = "poster.jpg";  // pages that link to this one may show it
-constexpr int kPosterWidth = 960;
+constexpr int kPosterWidth = 960, kMinPosterWidth = 64, kMaxPosterWidth = 3840;
 
 struct WebOptions {
     std::string input, site, title, description;
     std::string url;                     // of the page, with a slash at its end; empty: not known
     std::optional<float> exposureStops;  // none: the poster's own
+    int posterWidth = kPosterWidth;
     bool quiet = false;
 };
 
@@ -117,7 +118,7 @@ Poster drawPoster(const WebOptions& options, const OwnedFolder& site, SceneFile&
     RenderOptions poster;
     poster.input = options.input;
     poster.output = file.path;
-    poster.width = kPosterWidth;
+    poster.width = options.posterWidth;
     poster.exposureStops = options.exposureStops;
     const double stops = renderRead(poster, scene, progress).front().at("exposure").at("stops").get<double>();
     const std::string bytes = readText(file.path);
@@ -236,6 +237,10 @@ void addWebCommand(CLI::App& app) {
                            ? ""
                            : "must begin with https:// or http://";
             });
+    CLI::Option* posterWidth = command->add_option("--poster-width", "Of the picture that is there at once")
+                                   ->type_name("PIXELS")
+                                   ->check(CLI::Range(kMinPosterWidth, kMaxPosterWidth))
+                                   ->default_val(kPosterWidth);
     CLI::Option* quiet = command->add_flag("--quiet")->description("Say nothing");
     command->footer(
         "The folder is complete: no other site is asked for anything. One with files of others is refused;\n"
@@ -251,6 +256,7 @@ void addWebCommand(CLI::App& app) {
         if (*url) options.url = url->as<std::string>();
         if (!options.url.empty() && !options.url.ends_with('/')) options.url += '/';
         options.exposureStops = *exposure;
+        options.posterWidth = posterWidth->as<int>();
         options.quiet = quiet->count() > 0;
         writeSite(options);
     });

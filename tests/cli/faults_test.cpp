@@ -130,7 +130,7 @@ class Faults : public testing::Test {
         return {"render", kBaked,  "-o", out("room.png"), "--method", method, "--size",
                 "8x8",    "--spp", "1",  "--quiet"};
     }
-    Arguments web() const { return {"web", kBaked, "-o", out("site"), "--quiet"}; }
+    Arguments web() const { return {"web", kBaked, "-o", out("site"), "--poster-width", "64", "--quiet"}; }
     Arguments exportExr() const { return {"export", kBaked, "--exr", out("exr")}; }
     Arguments exportLightmap() const {
         return {"export",        kBaked,    "--lightmap", out("lightmap"),

@@ -70,7 +70,7 @@ TEST_F(Storage, InfoNamesIt) {
 
 TEST_F(Storage, APageIsRefusedBeforeAnythingIsWritten) {
     const std::string file = baked("paper");
-    const auto result = runPhat({"web", file, "-o", folder.file("site")});
+    const auto result = runPhat({"web", file, "-o", folder.file("site"), "--poster-width", "64"});
     EXPECT_EQ(result.exitCode, 1);
     EXPECT_EQ(result.err, "phat: " + file +
                               ": has PHATexels in the paper's storage, which pages do not read: bake without "

@@ -50,7 +50,7 @@ TEST(WebFiles, APageIsWrittenWithoutReadingTheBakeTwice) {
         {"bake", kScene, "-o", baked, "--resolution", "8k", "--photons", "1k", "--probes", "8", "--quiet"});
     ASSERT_EQ(result.exitCode, 0) << result.err;
     Watch reads(baked, IN_OPEN), writes(site.file("."), IN_MOVED_TO);
-    const auto written = runPhat({"web", baked, "-o", site.file("."), "--quiet"});
+    const auto written = runPhat({"web", baked, "-o", site.file("."), "--poster-width", "64", "--quiet"});
     ASSERT_EQ(written.exitCode, 0) << written.err;
     EXPECT_EQ(reads.count(), 1);
     // Its list before all others, and, where an older page may have left some, after them.

@@ -4,7 +4,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { borrowBrowser, serve } from './browser.js';
 import { lampRoom } from './lamp_room.js';
-import { phat, readExr } from './room.js';
+import { phat, readExr, smallPoster } from './room.js';
 import { loaded, open } from './site.js';
 
 // Few texels: a software driver traces the rays.
@@ -34,7 +34,7 @@ export class LightPages {
 
     async open(t, file, options) {
         const site = file.replace('.phat.glb', '');
-        await phat('web', file, '-o', site, '--exposure', '1', '--quiet');
+        await phat('web', file, '-o', site, '--exposure', '1', ...smallPoster, '--quiet');
         const server = await serve(site);
         const page = await loaded(await open(this.browser.value, server.url, options));
         t.after(async () => {

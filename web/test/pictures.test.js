@@ -5,7 +5,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { borrowBrowser, serve } from './browser.js';
-import { borrowRoom, maeOverMean, meanOf, phat, readExr } from './room.js';
+import { borrowRoom, maeOverMean, meanOf, phat, readExr, smallPoster } from './room.js';
 import { measuredRoom } from './measured_room.js';
 import { loaded, open, openRoom, pixelsOf, rest, viewport } from './site.js';
 import { sunnyRoom } from './sunny_room.js';
@@ -88,7 +88,7 @@ test('draws what phat render draws: a sun through a window, a spot, and a pendan
     const [scene, file, site] = ['scene.glb', 'room.phat.glb', 'site'].map((name) => join(folder, name));
     await writeFile(scene, sunnyRoom());
     await phat('bake', scene, '-o', file, '--resolution', '60k', '--photons', '50k', '--quiet');
-    await phat('web', file, '-o', site, '--exposure', '0', '--quiet');
+    await phat('web', file, '-o', site, '--exposure', '0', ...smallPoster, '--quiet');
     await comparePictures(t, { file, folder, site }, 'gl-egl', { width: 320, height: 180 });
 });
 
@@ -99,7 +99,7 @@ test('draws what phat render draws: lamps with photometry', async (t) => {
     const [scene, file, site] = ['scene.glb', 'room.phat.glb', 'site'].map((name) => join(folder, name));
     await writeFile(scene, measuredRoom());
     await phat('bake', scene, '-o', file, '--resolution', '60k', '--photons', '50k', '--quiet');
-    await phat('web', file, '-o', site, '--exposure', '0', '--quiet');
+    await phat('web', file, '-o', site, '--exposure', '0', ...smallPoster, '--quiet');
     await comparePictures(t, { file, folder, site }, 'gl-egl', { width: 320, height: 180 });
 });
 

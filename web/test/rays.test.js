@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { borrowBrowser, serve } from './browser.js';
 import { mirrorRoom } from './mirror_room.js';
-import { borrowRoom, maeOverMean, meanOf, partOf, phat, readExr } from './room.js';
+import { borrowRoom, maeOverMean, meanOf, partOf, phat, readExr, smallPoster } from './room.js';
 import { skyYard, sunnySky } from './sky_yard.js';
 import { loaded, loseContext, open, openPlugin, pixelsOf, rest } from './site.js';
 
@@ -25,7 +25,7 @@ before(async () => {
     folder = await mkdtemp(join(tmpdir(), 'phat-rays-'));
     const site = join(folder, 'mirror');
     mirror = { file: await baked('mirror', mirrorRoom(), '60k', '--photons', '50k'), site };
-    await phat('web', mirror.file, '-o', site, '--quiet');
+    await phat('web', mirror.file, '-o', site, ...smallPoster, '--quiet');
     mesa = await borrowBrowser('gl-egl');
 });
 after(async () => {

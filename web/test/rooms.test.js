@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { borrowBrowser, serve } from './browser.js';
 import { glassRoom } from './built_room.js';
-import { maeOverMean, meanOf, phat, readExr } from './room.js';
+import { maeOverMean, meanOf, phat, readExr, smallPoster } from './room.js';
 import { distance, drag, eyeOf, forwardOf, isAlong, loaded, open, pixelsOf, rest, viewport } from './site.js';
 
 const { width, height } = viewport;
@@ -19,7 +19,7 @@ before(async () => {
     );
     await writeFile(scene, glassRoom());
     await phat('bake', scene, '-o', baked, '--resolution', '60k', '--photons', '50k', '--quiet');
-    await phat('web', baked, '-o', site, '--quiet');
+    await phat('web', baked, '-o', site, ...smallPoster, '--quiet');
     const options = ['--spp', '16', '--reflections', 'lookup', '--quiet', '--size', `${width}x${height}`];
     await phat('render', baked, '-o', reference, ...options);
     expected = (await readExr(reference)).pixels;
@@ -171,7 +171,7 @@ async function pageOf(t, name, room) {
     const [scene, baked, site] = [`${name}.glb`, `${name}.phat.glb`, name].map((file) => join(folder, file));
     await writeFile(scene, glassRoom(room));
     await phat('bake', scene, '-o', baked, '--resolution', '10k', '--photons', '10k', '--quiet');
-    await phat('web', baked, '-o', site, '--quiet');
+    await phat('web', baked, '-o', site, ...smallPoster, '--quiet');
     const server = await serve(site);
     t.after(() => server.close());
     const other = await loaded(await open(mesa.value, server.url));

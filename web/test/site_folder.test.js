@@ -4,7 +4,7 @@ import { copyFile, mkdir, mkdtemp, readFile, readdir, rm, writeFile } from 'node
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { partOf, phat } from './room.js';
+import { partOf, phat, smallPoster } from './room.js';
 
 const scenes = new URL('../../scenes/', import.meta.url).pathname;
 let folder, baked, other;
@@ -23,7 +23,7 @@ before(async () => {
 });
 after(() => rm(folder, { recursive: true }));
 
-const write = (file, site) => phat('web', file, '-o', site, '--quiet');
+const write = (file, site) => phat('web', file, '-o', site, ...smallPoster, '--quiet');
 
 // A new folder with `files`, { name: text }.
 async function folderOf(files) {
@@ -131,7 +131,7 @@ test('the licences are there', async () => {
 test('a page says what it is told of itself, and where its poster is', async () => {
     const site = await folderOf({}),
         told = ['--url', 'https://example.org/room', '--description', 'Rooms <to> "let"'];
-    await phat('web', baked, '-o', site, '--quiet', ...told);
+    await phat('web', baked, '-o', site, ...smallPoster, '--quiet', ...told);
     const page = await readFile(join(site, 'index.html'), 'utf8');
     assert.ok(page.includes('<meta property="og:image" content="https://example.org/room/poster.jpg">'));
     for (const name of ['name="description"', 'property="og:description"'])
