@@ -105,9 +105,9 @@ float detailOf(const SeenGrid& grid, float roomHeight) {
 // How much there is to see: depth counts by its logarithm, so that a corridor does not beat the room, what
 // stands right before the eye counts against the view, and things count more than bare walls.
 float contentScore(const RayScene& rays, const RoomView& view) {
-    constexpr float kNear = 0.35f;        // of the room's height
-    constexpr float kBare = 0.1f;         // what a wall without anything on it is worth
-    constexpr float kMostDetail = 0.25f;  // beyond it a view is not better, but cluttered
+    constexpr float kNear = 0.35f;       // of the room's height
+    constexpr float kBare = 0.1f;        // what a wall without anything on it is worth
+    constexpr float kMaxDetail = 0.25f;  // beyond it a view is not better, but cluttered
     const SeenGrid grid = seenIn(rays, view);
     float depth = 0, near = 0;
     for (const Seen& seen : grid) {
@@ -116,7 +116,7 @@ float contentScore(const RayScene& rays, const RoomView& view) {
         near += seen.distance < kNear * view.from.roomHeight;
     }
     constexpr float kCount = kRaysAcross * kRaysDown;
-    const float detail = std::min(detailOf(grid, view.from.roomHeight), kMostDetail);
+    const float detail = std::min(detailOf(grid, view.from.roomHeight), kMaxDetail);
     return depth / kCount * std::max(0.05f, 1 - 2 * near / kCount) * (kBare + detail);
 }
 
