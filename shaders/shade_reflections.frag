@@ -4,6 +4,7 @@
 #include "lib/environment.glsl"
 #include "lib/hit_light.glsl"
 #include "lib/hit_surface.glsl"
+#include "lib/mirror_lobe.glsl"
 #ifdef SKY
 #include "lib/sky_at_hits.glsl"
 #endif
@@ -50,8 +51,7 @@ const int kEmitterPoints = 4;
 #endif
 
 // Mirrors' rays are not pooled, and would show one direction of a rough metal in each pixel.
-const float kMirror = 0.005;  // alpha. twin: kMinPooledAlpha in lib/reflection_pool.glsl
-const float kRoughInMirrors = 0.1;
+const float kRoughInMirrors = 0.02;
 const int kDrawsInMirrors = 8;
 
 // The specular lobes' BRDF, 1/sr.
@@ -207,7 +207,7 @@ void main() {
         if (reflects(s.brdf)) {
             vec4 u = numbersOf(pixel, found);
             float alpha = rayAlpha(found);
-            int draws = alpha < kMirror && s.brdf.alpha > kRoughInMirrors ? kDrawsInMirrors : 1;
+            int draws = alpha < kMinPooledAlpha && s.brdf.alpha > kRoughInMirrors ? kDrawsInMirrors : 1;
             indirect = bakedLight(found.position, s, viewed, worldFromLocal, u, regularized * alpha, draws) +
                        punctualLight(found.position, s, viewed, worldFromLocal);
 #ifdef GLASS

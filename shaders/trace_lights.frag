@@ -4,6 +4,7 @@
 #include "lib/bvh.glsl"
 #include "lib/hit_surface.glsl"
 #include "lib/lobe_pixels.glsl"
+#include "lib/mirror_lobe.glsl"
 #include "lib/packed_rays.glsl"
 #include "lib/ray_origin.glsl"
 #include "lib/reflection_guides.glsl"
@@ -34,6 +35,7 @@ void main() {
     if (int(texelFetch(guides, pixel, 0).z >> 24) == 0) return;
     vec4 u = sampleNumbersOf(lightSample, pixel, lightSamples);
     PixelLobe l = pixelLobe(pixel, lobe);
+    if (l.alpha < kMinPooledAlpha) return;
     uvec4 point = texelFetch(points, pixel, 0);
     vec3 position = uintBitsToFloat(point.xyz), normalGeometric = octahedralToDirection(unpackSnorm2x16(point.w));
 #ifdef SKY

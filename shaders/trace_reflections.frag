@@ -3,7 +3,7 @@
 #include "lib/lobe_pixels.glsl"
 #include "lib/packed_rays.glsl"
 #include "lib/ray_origin.glsl"
-#include "lib/reflection_pool.glsl"
+#include "lib/mirror_lobe.glsl"
 #include "lib/sample_numbers.glsl"
 #include "lib/scalar_lobe.glsl"
 #include "lib/visible_normal.glsl"
@@ -35,18 +35,22 @@ void main() {
     mat3 worldFromLocal = frameFromNormal(l.normal);
     vec3 towardEye = normalize(eyeWorld - position * (1.0 - eyeAtInfinity)), wo = towardEye * worldFromLocal;
     if (wo.z <= 0.0) discard;
-    vec3 h = squareToVisibleNormal(sampleNumbersOf(ray, pixel, rays).xy, wo, l.alpha);
+    bool isMirror = l.alpha < kMinPooledAlpha;
+    vec2 u = sampleNumbersOf(ray, pixel, rays).xy;
+    if (isMirror) u.x *= kMirrorPart;
+    vec3 h = squareToVisibleNormal(u, wo, l.alpha);
     vec3 wi = reflect(-wo, h);
     vec3 direction = normalize(worldFromLocal * wi);
     float above = dot(direction, normalGeometric);
     if (wi.z <= 0.0) discard;
     if (above <= 0.0) {
         // At the silhouettes of coarse meshes. A mirror's pixel has no other ray, and would be black.
-        if (l.alpha >= kMinPooledAlpha) discard;
+        if (!isMirror) discard;
         direction = normalize(direction + (1e-3 - above) * normalGeometric);
     }
     float weight = schlick(vec3(l.f0), l.f90, dot(wo, h)).x * visibleNormalWeight(wi, wo, l.alpha);
-    float pdf = smithG1(wo.z, l.alpha) * ggxD(h.z, l.alpha) / (4.0 * wo.z);
+    // Of a mirror that of its peak, as if all its rays were there.
+    float pdf = smithG1(wo.z, l.alpha) * ggxD(isMirror ? 1.0 : h.z, l.alpha) / (4.0 * wo.z);
 
     vec3 origin = offsetOrigin(position, normalGeometric, towardEye);
     vec3 tint = vec3(1.0);

@@ -1,11 +1,11 @@
 // Which neighbours' reflection rays count for a pixel's lobe, and how much.
 // twin: src/core/render/reflection_pool.cpp, with the numbers' reasons.
+#include "lib/mirror_lobe.glsl"
 #include "lib/reflection_guides.glsl"
 
 const int kReach = 3;  // pixels; times wideStep() the second time
 const float kWidthPerAlpha = 0.8;
 const float kMaxAlphaRatio = 1.5;
-const float kMinPooledAlpha = 0.005;
 const float kMinDistance = 1e-3;  // units of length
 
 // Pixels between those that are pooled the second time: the lobes of rough surfaces are alike farther apart.

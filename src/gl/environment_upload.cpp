@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/math.h"
+#include "core/render/traced_reflections.h"
 #include "gl/alias_table.h"
 #include "gl/textures.h"
 
@@ -12,9 +13,6 @@ namespace {
 
 // Of a larger picture, texels are chosen together.
 constexpr size_t kMaxCells = 1 << 19;
-// What is darker than so many times the mean is left to the lobes' own rays, which find it without noise: a
-// sky without a sun needs no samples. Not tuned. source: Karlik et al. 2019, "MIS Compensation".
-constexpr double kMinOverMean = 2;
 
 int cellsAlong(int texels, int cellTexels) {
     return (texels + cellTexels - 1) / cellTexels;
@@ -57,7 +55,7 @@ std::vector<double> sampledLight(const Image& image) {
     double mean = 0;
     for (size_t i = 0; i < light.size(); ++i) mean += light[i] * heightAt(i) / (2.0 * image.width);
     for (size_t i = 0; i < light.size(); ++i)
-        light[i] = std::max(light[i] - kMinOverMean * mean, 0.0) * heightAt(i);
+        light[i] = std::max(light[i] - double(kMinOverMean) * mean, 0.0) * heightAt(i);
     return light;
 }
 

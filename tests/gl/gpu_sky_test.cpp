@@ -115,6 +115,25 @@ TEST(GpuSky, MirrorsAreNotBlackWhereTheyWouldShowWhatIsUnderTheTriangle) {
     EXPECT_NEAR(gpu.middle(renderer, Component::direct), 1, 0.02f);
 }
 
+// A ray far from the peak of a mirror's lobe would be all that its pixel shows.
+TEST(GpuSky, MirrorsHaveNoSpecks) {
+    for (const bool bright : {true, false}) {
+        GpuWorld gpu = floorUnder(skyOfHalves(bright ? 10.0f : 0.1f, bright ? 0.1f : 10.0f), 0.05f);
+        gpu.frame.camera = lookAtCamera(kEye, kMiddle, 0.5f);
+        gpu.frame.component = Component::direct;
+        gpu.frame.samplesPerPixel = 1;
+        gpu.frame.width = 192;
+        gpu.frame.height = 144;
+        Renderer renderer(gpu.input(), kShaderFolder);
+        float least = 1e9f, most = 0;
+        for (const glm::vec3& pixel : renderer.render(gpu.frame).pixels) {
+            least = std::min(least, pixel.x);
+            most = std::max(most, pixel.x);
+        }
+        EXPECT_GT(least, 0.99f * most);
+    }
+}
+
 // A rough metal wall that a mirror shows: its PHATexels know nothing of the sky.
 TEST(GpuSky, MirrorShowsWhatMetalsReflectOfIt) {
     Environment environment = skyWithSun(0.5f, 0.5f);

@@ -53,6 +53,19 @@ TEST(TracedReflections, MirrorShowsAlbedoTimesIrradiance) {
     EXPECT_EQ(incident.area, glm::vec3(0));
 }
 
+// A ray far from the peak of a mirror's lobe would be all that its pixel shows.
+TEST(TracedReflections, MirrorsOfASkyHaveNoSpecks) {
+    for (const bool bright : {true, false}) {
+        Scene scene;
+        addFloor(scene, whiteMetal(0), 8);
+        const float ahead = bright ? 10.0f : 0.1f;
+        scene.environment = skyOfHalves(ahead, bright ? 0.1f : 10.0f);
+        const RendererWorld world = worldOfQuads(std::move(scene), 4);
+        for (const SurfaceIncident& incident : FloorProbe(world).trace(0.05f, 16384))
+            ASSERT_NEAR(incident.base.area.x, ahead, 0.01f * ahead);
+    }
+}
+
 TEST(TracedReflections, EmissionCountsOnceAndAsAreaLight) {
     const RendererWorld world = worldOfQuads(floorAndCeiling(whiteMetal(0), emitter(glm::vec3(7)), 400), 4);
     const FloorProbe probe(world);

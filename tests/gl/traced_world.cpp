@@ -17,6 +17,14 @@ Scene floorAndCeiling(const Material& floor, const Material& ceiling, float size
     return scene;
 }
 
+Environment skyOfHalves(float ahead, float elsewhere) {
+    Environment environment{Image(64, 32)};
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 64; ++x)
+            environment.radiance.at(x, y) = glm::vec3(x < 32 && y < 16 ? ahead : elsewhere);
+    return environment;
+}
+
 Scene mirrorUnderTwoPanels() {
     Scene scene;
     addFloor(scene, whiteMetal(0), 8);

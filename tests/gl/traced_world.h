@@ -14,6 +14,9 @@ Material whiteMetal(float roughness);
 /// A floor (surface 0) under a ceiling (surface 1) two metres above.
 Scene floorAndCeiling(const Material& floor, const Material& ceiling, float size = 8);
 
+/// The upper half of the sky toward -Z, and the rest of the directions.
+Environment skyOfHalves(float ahead, float elsewhere);
+
 /// A mirror under two panels of radiance 1 (x < 0) and 9.
 Scene mirrorUnderTwoPanels();
 /// Of its picture: the border between the panels is mirrored where geometry says, to the pixel.

@@ -9,7 +9,7 @@ import { createTable } from './tables.js';
 const kMaxRadiance = 65504;
 // Of a larger picture, texels are chosen together. twin: src/gl/environment_upload.cpp.
 const kMaxCells = 1 << 19;
-const kMinOverMean = 2; // twin: src/gl/environment_upload.cpp
+const kMinOverMean = 2; // twin: src/core/render/traced_reflections.h
 const kSkyPoints = 32; // twin: shaders/lib/sky_at_hits.glsl
 
 // Luminance of the bilinear radiance, whose mean over a texel takes an eighth from either neighbour along an axis.

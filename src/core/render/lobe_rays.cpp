@@ -18,6 +18,11 @@ float powerWeight(float own, float other) {
     return 1.0f / (1.0f + square(other / own));
 }
 
+// Whether light samples leave a direction to the lobe's rays.
+bool isDimSky(const ReflectionScene& scene, glm::vec3 radiance) {
+    return luminance(radiance) < scene.minSampledSky;
+}
+
 }  // namespace
 
 glm::vec2 RayNumbers::of(int ray) const {
@@ -49,6 +54,7 @@ glm::vec3 LobeRays::estimateByLightSample(Rng& rng) const {
     const LightSample light = scene.lights.sampleArea(point.position, choice, rng.uniform2());
     if (light.pdf <= 0.0f || maxComponent(light.radiance) <= 0.0f || !leavesSurface(point, light.towardLight))
         return glm::vec3(0);
+    if (light.triangle == kNoTriangle && isDimSky(scene, light.radiance)) return glm::vec3(0);
     const glm::vec3 local = point.shading.toLocal(light.towardLight);
     const float value = evaluateBrdf(point.brdf, eyeLocal, local).x;
     if (value <= 0.0f) return glm::vec3(0);
@@ -69,10 +75,13 @@ TracedLight LobeRays::trace(int count, int walks, const RayNumbers& numbers, uin
     PooledLight incident;
     HitGlossSum gloss;
     glm::vec3 sampled(0);
+    const bool isMirror = point.brdf.alpha < kMinPooledAlpha;
     for (int i = 0; i < count; ++i) {
         Rng rng(hashOf(stream, view.frame, uint64_t(i)));
-        if (view.area && scene.lights.hasArea()) sampled += estimateByLightSample(rng);
-        const BrdfSample sample = sampleBrdf(point.brdf, eyeLocal, 0.5f, numbers.of(i));
+        if (view.area && scene.lights.hasArea() && !isMirror) sampled += estimateByLightSample(rng);
+        glm::vec2 square = numbers.of(i);
+        if (isMirror) square.x *= kMirrorPart;
+        const BrdfSample sample = sampleBrdf(point.brdf, eyeLocal, 0.5f, square);
         if (sample.pdf <= 0.0f) continue;
         const glm::vec3 direction = glm::normalize(point.shading.toWorld(sample.direction));
         if (!leavesSurface(point, direction)) continue;
@@ -83,10 +92,12 @@ TracedLight LobeRays::trace(int count, int walks, const RayNumbers& numbers, uin
         const SeenThrough seen =
             seeThrough(scene.rays, {originOn(scene.rays, point, direction), direction}, stream, rayCount);
         const glm::vec3 arriving = seen.ray.direction;
-        const float lightPdf = areaPdf(scene.lights, point.position, seen.hit, arriving);
+        const glm::vec3 sky = seen.hit ? glm::vec3(0) : scene.lights.environmentRadiance(arriving);
+        const bool ownAlone = isMirror || (!seen.hit && isDimSky(scene, sky));
+        const float lightPdf = ownAlone ? 0.0f : areaPdf(scene.lights, point.position, seen.hit, arriving);
         const glm::vec3 emissionWeight = weight * powerWeight(sample.pdf, lightPdf) * seen.throughput;
         if (!seen.hit) {
-            incident.area += emissionWeight * scene.lights.environmentRadiance(arriving);
+            incident.area += emissionWeight * sky;
             continue;
         }
         const SurfacePoint far = surfaceOf(seen);

@@ -9,8 +9,6 @@ namespace {
 // two lobes' alphas: beyond, the neighbour reflects other things.
 constexpr float kPoolWidthPerAlpha = 0.8f;
 constexpr float kMaxAlphaRatio = 1.5f;
-// A mirror is sharper than a pixel; it needs no other's rays.
-constexpr float kMinPooledAlpha = 0.005f;
 // A bright line of one pixel's width is four times as bright as the mean around it.
 constexpr float kMaxOverNeighbors = 4.0f;
 // The redistributed light adds at most this fraction of the neighbours' mean at the centre: a clamp.

@@ -11,6 +11,13 @@
 
 namespace phat {
 
+/// A mirror's lobe is sharper than a pixel: it needs no other's rays, and its own find what emits without
+/// light samples.
+inline constexpr float kMinPooledAlpha = 0.005f;
+/// Of a mirror's lobe its rays are in the inner part, up to three alpha from its middle. A ray of the rest,
+/// which has a tenth of the light, would be all that its pixel shows: a speck. A clamp.
+inline constexpr float kMirrorPart = 0.9f;
+
 /// A lobe that a pixel shows.
 struct PooledLobe {
     uint32_t pixel = 0;            // y * width + x

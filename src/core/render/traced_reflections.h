@@ -50,6 +50,12 @@ struct SurfaceIncident {
     LobeIncident base, coat;
 };
 
+/// Of the environment, what is darker than so many times its mean is left to the lobes' own rays, which find
+/// it without noise: with light samples there, the rare rays of a sharp lobe that are far from its peak would
+/// count for little, and a mirror of the sky have dark specks. Not tuned.
+/// source: Karlik et al. 2019, "MIS Compensation". twin: web/src/environment_upload.js.
+inline constexpr float kMinOverMean = 2;
+
 /// What the rays read; all of it must outlive this object. A change of materials does not change the bake.
 struct ReflectionScene {
     ReflectionScene(const RayScene& rayScene, const LightSampler& lightSampler, const Atlas& bakedAtlas,
@@ -61,6 +67,7 @@ struct ReflectionScene {
           phatexture(baked),
           texels(irradianceTexels(bakedAtlas, texelPoints)),
           brightest(brightestRadiance(rayScene.scene())),
+          minSampledSky(kMinOverMean * float(meanEnvironmentLuminance(rayScene.scene()))),
           levels(rayScene.scene()) {}
 
     const RayScene& rays;
@@ -70,6 +77,7 @@ struct ReflectionScene {
     const Phatexture& phatexture;
     std::vector<uint8_t> texels;
     glm::vec3 brightest;
+    float minSampledSky;  // luminance from which the environment has light samples
     TextureLevels levels;
 };
 

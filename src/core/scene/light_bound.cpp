@@ -1,6 +1,9 @@
 #include "core/scene/light_bound.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "core/base/math.h"
 
 namespace phat {
 
@@ -20,6 +23,19 @@ glm::vec3 brightestRadiance(const Scene& scene) {
         for (const glm::vec3& radiance : scene.environment->radiance.pixels)
             brightest = glm::max(brightest, radiance);
     return brightest == glm::vec3(0) ? glm::vec3(kUnbounded) : brightest;
+}
+
+double meanEnvironmentLuminance(const Scene& scene) {
+    if (!scene.environment) return 0;
+    const Image& image = scene.environment->radiance;
+    double sum = 0;
+    for (int y = 0; y < image.height; ++y) {
+        double row = 0;
+        for (int x = 0; x < image.width; ++x) row += double(luminance(image.at(x, y)));
+        const auto cosine = [&](int line) { return std::cos(double(kPi) * line / image.height); };
+        sum += row / image.width * (cosine(y) - cosine(y + 1));
+    }
+    return sum / 2;
 }
 
 }  // namespace phat

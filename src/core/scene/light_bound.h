@@ -19,4 +19,7 @@ bool emittersReflect(const Scene& scene);
 /// exceed any bound.
 glm::vec3 brightestRadiance(const Scene& scene);
 
+/// Mean luminance of the environment over the sphere of directions; 0 without one.
+double meanEnvironmentLuminance(const Scene& scene);
+
 }  // namespace phat
