@@ -26,6 +26,7 @@ const uint kInstance = 255u;           // twin: src/core/bvh/bvh_node.h
 const float kMinComponent = 5.421011e-20;    // 2^-64
 const float kSlabRounding = 4.7683716e-7;    // 2^-21
 const float kEdgeRounding = 2.3841858e-7;    // 2^-22
+const float kCoincident = 3.8146973e-6;      // 2^-18
 const uint kMissed = 0xffffffffu;
 
 // A ray in the space of the tree that is being traversed.
@@ -102,6 +103,13 @@ float edgeFunction(vec3 from, vec3 to, vec3 direction) {
 }
 
 // `origin`, `direction`: of the ray in world space, of which transparent surfaces take their random numbers.
+// Of two surfaces that coincide, as the layers of a leaf, the front is met: which of them is the nearer is a matter of
+// rounding. twin: src/core/bvh/bvh_rays.cpp, RayScene::closestHit.
+bool isNearer(float meters, bool backFace, BvhHit nearest) {
+    bool coincides = nearest.triangle >= 0 && abs(meters - nearest.distance) <= kCoincident * nearest.distance;
+    return coincides && backFace != nearest.backFace ? nearest.backFace : meters < nearest.distance;
+}
+
 void testTriangle(int index, LocalRay ray, vec3 origin, vec3 direction, inout BvhHit nearest) {
     uvec4 p = texelFetch(bvhTriangles, tableTexel(2 * index), 0);
     uvec4 q = texelFetch(bvhTriangles, tableTexel(2 * index + 1), 0);
@@ -122,13 +130,14 @@ void testTriangle(int index, LocalRay ray, vec3 origin, vec3 direction, inout Bv
     float along = dot(normal, d);
     if (along == 0.0 || sum == 0.0) return;
     float meters = dot(a, normal) / along;
-    if (!(meters > 0.0 && meters < nearest.distance)) return;
+    bool backFace = (along > 0.0) != ray.mirrored;
+    if (!(meters > 0.0 && isNearer(meters, backFace, nearest))) return;
     vec2 barycentric = edges.xy / sum;
 #ifdef BVH_OPACITY
     if (index >= bvhFirstTransparent && passesThrough(index - bvhFirstTransparent, barycentric, origin, direction))
         return;
 #endif
-    nearest = BvhHit(meters, index, barycentric, (along > 0.0) != ray.mirrored);
+    nearest = BvhHit(meters, index, barycentric, backFace);
 }
 
 // Triangle of the first of a leaf. `before`: the bits of the children before it, `c`: the node's last texel.

@@ -1,7 +1,10 @@
 #pragma once
 // Scenes and rays for the tests of ray queries, of Embree and of the trees that shaders traverse.
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/base/hemisphere_map.h"
@@ -35,6 +38,53 @@ inline Scene triangleSoup(int count, float size, uint64_t seed = 21) {
         addTriangle(scene, corners, kNoUvs);
     }
     return scene;
+}
+
+/// A quad of two single-sided layers back to back, as leaves and paper have.
+struct TwoLayers {
+    Scene scene;
+
+    static constexpr glm::vec3 kCorner{3, -7, 11}, kAcross{1, 0.3f, 0.1f}, kUp{-0.2f, 1, 0.4f};
+
+    /// `closestHit`: of a Ray. From wherever they come, rays meet a front.
+    template <typename ClosestHit>
+    void expectFronts(const ClosestHit& closestHit) const {
+        const glm::vec3 normal = glm::normalize(glm::cross(kAcross, kUp));
+        Rng rng(3);
+        for (int i = 0; i < 1000; ++i) {
+            const float a = 0.1f + 0.8f * rng.uniform(), b = 0.1f + 0.8f * rng.uniform();
+            const glm::vec3 direction = randomDirection(rng);
+            if (std::abs(glm::dot(direction, normal)) < 0.05f) continue;
+            const Hit hit = closestHit(Ray{kCorner + a * kAcross + b * kUp - 2.0f * direction, direction});
+            ASSERT_TRUE(hit);
+            EXPECT_FALSE(hit.backFace);
+            EXPECT_NEAR(hit.distance, 2, 1e-4f);
+        }
+    }
+};
+
+/// Of the same triangles and of others, in either order.
+inline std::vector<TwoLayers> twoLayers() {
+    constexpr uint32_t kSides[][2][6] = {{{0, 1, 2, 0, 2, 3}, {0, 2, 1, 0, 3, 2}},
+                                         {{0, 1, 2, 0, 2, 3}, {0, 3, 1, 3, 2, 1}}};
+    constexpr auto k = TwoLayers::kCorner;
+    const glm::vec3 corners[] = {k, k + TwoLayers::kAcross, k + TwoLayers::kAcross + TwoLayers::kUp,
+                                 k + TwoLayers::kUp};
+    std::vector<TwoLayers> result;
+    for (const auto& sides : kSides) {
+        for (const int first : {0, 1}) {
+            Scene& scene = result.emplace_back().scene;
+            addSurface(scene, lambert(0.5f));
+            for (const int side : {first, 1 - first}) {
+                for (int t = 0; t < 6; t += 3) {
+                    const uint32_t* corner = sides[side] + t;
+                    addTriangle(scene, std::array{corners[corner[0]], corners[corner[1]], corners[corner[2]]},
+                                kNoUvs);
+                }
+            }
+        }
+    }
+    return result;
 }
 
 /// A closed mesh; each triangle has corners of its own.

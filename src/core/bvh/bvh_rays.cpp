@@ -16,6 +16,8 @@ constexpr float kMinComponent = 0x1p-64f;
 constexpr float kSlabRounding = 0x1p-21f;
 /// Of the sum of a triangle's three edge functions, by which one of them may be on the wrong side.
 constexpr float kEdgeRounding = 0x1p-22f;
+/// Of the distance: surfaces so near to each other coincide.
+constexpr float kCoincident = 0x1p-18f;
 constexpr uint32_t kMissed = ~0u;
 /// Nodes that a ray may visit: a guard for the shader's loop that no scene comes near.
 constexpr int kMaxVisits = 1 << 16;
@@ -173,6 +175,14 @@ class Traversal {
         return keys;
     }
 
+    // Of two surfaces that coincide, as the layers of a leaf, the front is met: which of them is the nearer
+    // is a matter of rounding. As by RayScene::closestHit.
+    bool isNearer(float distance, bool backFace) const {
+        const bool coincides = nearest_.triangle != kNoTriangle &&
+                               std::abs(distance - nearest_.distance) <= kCoincident * nearest_.distance;
+        return coincides && backFace != nearest_.backFace ? nearest_.backFace : distance < nearest_.distance;
+    }
+
     void testTriangle(uint32_t index) {
         ++reads_.triangles;
         auto [a, b, c] = cornersOf(bvh_.grid, bvh_.triangles[index]);
@@ -189,12 +199,13 @@ class Traversal {
         const float along = glm::dot(normal, d);
         if (along == 0.0f || sum == 0.0f) return;
         const float distance = glm::dot(a, normal) / along;
-        if (!(distance > 0.0f && distance < nearest_.distance)) return;
+        const bool backFace = (along > 0.0f) != local_.mirrored;
+        if (!(distance > 0.0f && isNearer(distance, backFace))) return;
         const glm::vec2 barycentric = glm::vec2(edges) / sum;
         if (index >= bvh_.firstTransparent &&
             passesThrough(scene_, bvh_.order[index], barycentric, world_.origin, world_.direction))
             return;
-        nearest_ = {distance, index, barycentric, (along > 0.0f) != local_.mirrored};
+        nearest_ = {distance, index, barycentric, backFace};
     }
 
     // The next node to visit, or kMissed.

@@ -53,6 +53,13 @@ TEST(BvhRays, HitWhatEmbreeHits) {
     expectLikeEmbree(World(room), 20000, 20);
 }
 
+TEST(BvhRays, CoincidentSidesAreMetFromTheFront) {
+    for (const TwoLayers& layers : twoLayers()) {
+        const World world(layers.scene);
+        layers.expectFronts([&](const Ray& ray) { return world.rays().closestHit(ray); });
+    }
+}
+
 TEST(BvhRays, HitWhatEmbreeHitsAtAnyScaleAndPlace) {
     for (const float scale : {0x1p-30f, 0x1p-10f, 0x1p12f, 0x1p30f}) {
         Scene scene = triangleSoup(2000, 0.2f);

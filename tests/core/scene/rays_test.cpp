@@ -100,36 +100,9 @@ TEST(Rays, WindingTellsTheFront) {
 // A leaf of two layers: two single-sided quads back to back at one place, with the same diagonal or the
 // other.
 TEST(Rays, CoincidentSidesAreMetFromTheFront) {
-    constexpr uint32_t kSides[][2][6] = {{{0, 1, 2, 0, 2, 3}, {0, 2, 1, 0, 3, 2}},
-                                         {{0, 1, 2, 0, 2, 3}, {0, 3, 1, 3, 2, 1}}};
-    const glm::vec3 offset(3, -7, 11), across(1, 0.3f, 0.1f), up(-0.2f, 1, 0.4f);
-    const glm::vec3 normal = glm::normalize(glm::cross(across, up));
-    const glm::vec3 corners[] = {offset, offset + across, offset + across + up, offset + up};
-    for (const auto& sides : kSides) {
-        for (const int first : {0, 1}) {
-            Scene scene;
-            addSurface(scene, lambert(0.5f));
-            for (const int side : {first, 1 - first}) {
-                for (int t = 0; t < 6; t += 3) {
-                    const uint32_t* corner = sides[side] + t;
-                    const glm::vec3 triangle[] = {corners[corner[0]], corners[corner[1]], corners[corner[2]]};
-                    const glm::vec2 uv[] = {{0, 0}, {1, 0}, {0, 1}};
-                    addTriangle(scene, triangle, uv);
-                }
-            }
-            const RayScene rays(scene);
-            Rng rng(3);
-            for (int i = 0; i < 1000; ++i) {
-                const float a = 0.1f + 0.8f * rng.uniform(), b = 0.1f + 0.8f * rng.uniform();
-                const glm::vec3 direction = randomDirection(rng);
-                if (std::abs(glm::dot(direction, normal)) < 0.05f) continue;
-                const glm::vec3 origin = offset + a * across + b * up - 2.0f * direction;
-                const Hit hit = rays.closestHit(origin, direction);
-                ASSERT_TRUE(hit);
-                EXPECT_FALSE(hit.backFace);
-                EXPECT_NEAR(hit.distance, 2, 1e-4f);
-            }
-        }
+    for (const TwoLayers& layers : twoLayers()) {
+        const RayScene rays(layers.scene);
+        layers.expectFronts([&](const Ray& ray) { return rays.closestHit(ray.origin, ray.direction); });
     }
 }
 
