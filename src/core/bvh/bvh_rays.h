@@ -16,8 +16,8 @@ struct BvhReads {
     uint64_t texels() const { return 3 * nodes + 2 * triangles + 4 * instances; }
 };
 
-/// Answers as RayScene does, but for ties: of hits at the same distance, within rounding, either may win. A
-/// corner may be off by BvhGrid::maxError().
+/// Answers as RayScene does, but for ties: of hits of one side at the same distance, within rounding, either
+/// may win. A corner may be off by BvhGrid::maxError().
 class BvhRays {
   public:
     /// `scene`: as it is now; its materials say what lets rays pass. All of them must outlive this.
