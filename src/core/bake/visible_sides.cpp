@@ -7,6 +7,7 @@
 #include "core/base/discrete_distribution.h"
 #include "core/base/random.h"
 #include "core/scene/brdf.h"
+#include "core/scene/camera_ray.h"
 #include "core/scene/enclosure.h"
 #include "core/scene/glass.h"
 #include "core/scene/triangle_corners.h"
@@ -139,9 +140,8 @@ class Walks {
             const Hit hit = meets(ray, mover);
             if (!hit)
                 return aroundIsOpen_ || maxComponent(lit_.lights.environmentRadiance(ray.direction)) > 0;
-            const Material& material = scene.materialOf(hit.triangle);
-            if (hit.backFace && !material.doubleSided) return false;
-            if (maxComponent(material.emission) > 0) return true;
+            if (isCulled(scene, hit)) return false;
+            if (maxComponent(scene.materialOf(hit.triangle).emission) > 0) return true;
             const glm::vec3 normal = faceNormal(scene, hit.triangle) * (hit.backFace ? -1.0f : 1.0f);
             ray.origin = lit_.rays.offsetOrigin(ray.origin + hit.distance * ray.direction, normal);
             if (mover != kPassesNothing) mover = movers_[scene.triangleSurface[hit.triangle]];

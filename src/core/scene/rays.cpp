@@ -37,14 +37,18 @@ float facingOf(const RTCHit& hit, glm::vec3 direction) {
     return hit.Ng_x * direction.x + hit.Ng_y * direction.y + hit.Ng_z * direction.z;
 }
 
+Hit hitOf(const RTCHit& hit, float distance, glm::vec3 direction) {
+    return {distance, hit.primID, {hit.u, hit.v}, facingOf(hit, direction) > 0.0f};
+}
+
 void filterBlackBacks(const RTCFilterFunctionNArguments* arguments) {
     const RayScene& rays = static_cast<const Query*>(arguments->context)->rays;
     for (unsigned i = 0; i < arguments->N; ++i) {
         if (arguments->valid[i] != -1) continue;
         const RTCHit hit = rtcGetHitFromHitN(arguments->hit, arguments->N, i);
         const RTCRay ray = rtcGetRayFromRayN(arguments->ray, arguments->N, i);
-        const bool back = facingOf(hit, {ray.dir_x, ray.dir_y, ray.dir_z}) > 0.0f;
-        if (isBlackBack(rays, {ray.tfar, hit.primID, {hit.u, hit.v}, back})) arguments->valid[i] = 0;
+        if (isBlackBack(rays, hitOf(hit, ray.tfar, {ray.dir_x, ray.dir_y, ray.dir_z})))
+            arguments->valid[i] = 0;
     }
 }
 
@@ -148,8 +152,8 @@ Hit RayScene::closestHit(glm::vec3 origin, glm::vec3 direction, float maxDistanc
     rtcIntersect1(bvh_->scene, &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
 
-    const float distance = query.ray.tfar, facing = facingOf(query.hit, direction);
-    const Hit hit{distance, query.hit.primID, {query.hit.u, query.hit.v}, facing > 0.0f};
+    const float distance = query.ray.tfar;
+    const Hit hit = hitOf(query.hit, distance, direction);
     if (!isBlackBack(*this, hit)) return hit;
 
     // Where a front coincides with it, as on a leaf of two layers, which of them is met is a matter of
@@ -165,8 +169,7 @@ Hit RayScene::closestHit(glm::vec3 origin, glm::vec3 direction, float maxDistanc
     context.filter = filterBlackBacks;
     rtcIntersect1(bvh_->scene, &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
-    return {
-        query.ray.tfar, query.hit.primID, {query.hit.u, query.hit.v}, facingOf(query.hit, direction) > 0.0f};
+    return hitOf(query.hit, query.ray.tfar, direction);
 }
 
 bool RayScene::anyHit(glm::vec3 origin, glm::vec3 direction, float maxDistance) const {
